@@ -1,0 +1,23 @@
+// Reading whole files and streams, within limits.
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <string>
+
+#include "base/result.h"
+
+namespace fleetpub::base {
+
+constexpr std::size_t kMaxFileBytes = 64U * 1024 * 1024;
+
+/// The file's bytes; `-` is standard input. A missing file, a folder, one larger than `limit`:
+/// ErrorKind::kLedger with the name and the system's reason.
+[[nodiscard]] Result<std::string> ReadFile(const std::filesystem::path& path,
+                                           std::size_t limit = kMaxFileBytes);
+
+/// Everything from this descriptor. `name` is for messages. Blocks until the end of input.
+[[nodiscard]] Result<std::string> ReadAll(int descriptor, std::string_view name,
+                                          std::size_t limit = kMaxFileBytes);
+
+}  // namespace fleetpub::base

@@ -1,0 +1,208 @@
+#include "base/json.h"
+
+#include <fmt/format.h>
+#include <rapidjson/error/en.h>
+#include <rapidjson/memorystream.h>
+#include <rapidjson/prettywriter.h>
+
+#include <algorithm>
+#include <vector>
+
+namespace fleetpub::base {
+namespace {
+
+constexpr unsigned kParseFlags = rapidjson::kParseIterativeFlag |
+                                 rapidjson::kParseValidateEncodingFlag |
+                                 rapidjson::kParseFullPrecisionFlag;
+
+constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
+
+// Passes every event on to the document and stops the parser at the first one too deep.
+class DepthGuard {
+ public:
+  using Ch = char;
+
+  DepthGuard(rapidjson::Document& document, int limit) : document_(document), limit_(limit) {}
+
+  bool Null() { return document_.Null(); }
+  bool Bool(bool value) { return document_.Bool(value); }
+  bool Int(int value) { return document_.Int(value); }
+  bool Uint(unsigned value) { return document_.Uint(value); }
+  bool Int64(int64_t value) { return document_.Int64(value); }
+  bool Uint64(uint64_t value) { return document_.Uint64(value); }
+  bool Double(double value) { return document_.Double(value); }
+  bool RawNumber(const char* text, rapidjson::SizeType length, bool copy) {
+    return document_.RawNumber(text, length, copy);
+  }
+  bool String(const char* text, rapidjson::SizeType length, bool copy) {
+    return document_.String(text, length, copy);
+  }
+  bool Key(const char* text, rapidjson::SizeType length, bool copy) {
+    return document_.Key(text, length, copy);
+  }
+  bool StartObject() { return Enter() && document_.StartObject(); }
+  bool EndObject(rapidjson::SizeType members) { return Leave(), document_.EndObject(members); }
+  bool StartArray() { return Enter() && document_.StartArray(); }
+  bool EndArray(rapidjson::SizeType elements) { return Leave(), document_.EndArray(elements); }
+
+ private:
+  bool Enter() { return ++depth_ <= limit_; }
+  void Leave() { --depth_; }
+
+  rapidjson::Document& document_;
+  int limit_;
+  int depth_ = 0;
+};
+
+// Feeds a Document from a text: rapidjson::Document::Populate calls it with the document as
+// handler.
+struct Generator {
+  rapidjson::MemoryStream stream;
+  int depth;
+  rapidjson::ParseResult result;
+
+  bool operator()(rapidjson::Document& document) {
+    rapidjson::Reader reader;
+    DepthGuard guard(document, depth);
+    result = reader.Parse<kParseFlags>(stream, guard);
+    return !result.IsError();
+  }
+};
+
+std::string Place(std::string_view text, std::size_t offset) {
+  const std::string_view before = text.substr(0, std::min(offset, text.size()));
+  const auto line = std::count(before.begin(), before.end(), '\n') + 1;
+  const std::size_t newline = before.rfind('\n');
+  const std::size_t column =
+      before.size() - (newline == std::string_view::npos ? 0 : newline + 1) + 1;
+  return fmt::format("line {}, column {}", line, column);
+}
+
+Error ParseError(std::string_view text, const rapidjson::ParseResult& result, int depth) {
+  const std::string place = Place(text, result.Offset());
+  if (result.Code() == rapidjson::kParseErrorTermination) {
+    return {ErrorKind::kInvalid,
+            fmt::format("not accepted at {}: nested more than {} levels deep", place, depth)};
+  }
+  std::string reason = rapidjson::GetParseError_En(result.Code());
+  if (reason.ends_with('.')) reason.pop_back();
+  return {ErrorKind::kInvalid, fmt::format("not valid JSON at {}: {}", place, reason)};
+}
+
+// The name that stands twice in this object, or null.
+const rapidjson::Value* RepeatedName(const rapidjson::Value& object) {
+  const auto begin = object.MemberBegin();
+  const auto end = object.MemberEnd();
+  constexpr rapidjson::SizeType kFew = 16;
+  if (object.MemberCount() <= kFew) {  // nearly always: comparing pairs beats allocating
+    for (auto a = begin; a != end; ++a) {
+      for (auto b = begin; b != a; ++b) {
+        if (ViewOf(a->name) == ViewOf(b->name)) return &a->name;
+      }
+    }
+    return nullptr;
+  }
+  std::vector<const rapidjson::Value*> names;
+  names.reserve(object.MemberCount());
+  for (auto it = begin; it != end; ++it) names.push_back(&it->name);
+  std::sort(names.begin(), names.end(),
+            [](const auto* a, const auto* b) { return ViewOf(*a) < ViewOf(*b); });
+  const auto twice =
+      std::adjacent_find(names.begin(), names.end(),
+                         [](const auto* a, const auto* b) { return ViewOf(*a) == ViewOf(*b); });
+  return twice == names.end() ? nullptr : *twice;
+}
+
+// The pointer to the first repeated name below `value`, or "". Recursion is bounded by
+// JsonLimits::depth.
+std::string FindRepeatedName(const rapidjson::Value& value) {
+  if (value.IsObject()) {
+    if (const auto* name = RepeatedName(value)) return "/" + PointerToken(ViewOf(*name));
+    for (const auto& member : value.GetObject()) {
+      if (!member.value.IsObject() && !member.value.IsArray()) continue;
+      std::string below = FindRepeatedName(member.value);
+      if (!below.empty()) return "/" + PointerToken(ViewOf(member.name)) + below;
+    }
+  } else if (value.IsArray()) {
+    for (rapidjson::SizeType i = 0; i < value.Size(); ++i) {
+      if (!value[i].IsObject() && !value[i].IsArray()) continue;
+      std::string below = FindRepeatedName(value[i]);
+      if (!below.empty()) return fmt::format("/{}{}", i, below);
+    }
+  }
+  return {};
+}
+
+}  // namespace
+
+Result<rapidjson::Document> ParseJson(std::string_view text, JsonLimits limits) {
+  if (text.size() > limits.bytes) {
+    return Fail(ErrorKind::kInvalid,
+                fmt::format("too large: {} bytes, at most {} are read", text.size(), limits.bytes));
+  }
+  if (text.starts_with(kByteOrderMark)) text.remove_prefix(kByteOrderMark.size());
+  if (const auto nul = text.find('\0'); nul != std::string_view::npos) {
+    return Fail(ErrorKind::kInvalid,
+                fmt::format("not valid JSON at {}: a NUL byte", Place(text, nul)));
+  }
+  rapidjson::Document document;
+  Generator generator{rapidjson::MemoryStream(text.data(), text.size()), limits.depth, {}};
+  document.Populate(generator);
+  if (generator.result.IsError()) return Fail(ParseError(text, generator.result, limits.depth));
+  if (const std::string name = FindRepeatedName(document); !name.empty()) {
+    return Fail(ErrorKind::kInvalid, fmt::format("{} stands there twice", name));
+  }
+  return document;
+}
+
+std::string ToJson(const rapidjson::Value& value) {
+  rapidjson::StringBuffer buffer;
+  rapidjson::Writer<rapidjson::StringBuffer> writer(buffer);
+  value.Accept(writer);
+  return {buffer.GetString(), buffer.GetSize()};
+}
+
+std::string ToPrettyJson(const rapidjson::Value& value) {
+  rapidjson::StringBuffer buffer;
+  rapidjson::PrettyWriter<rapidjson::StringBuffer> writer(buffer);
+  writer.SetIndent(' ', 2);
+  value.Accept(writer);
+  return {buffer.GetString(), buffer.GetSize()};
+}
+
+std::string JsonString(std::string_view text) {
+  rapidjson::StringBuffer buffer;
+  rapidjson::Writer<rapidjson::StringBuffer> writer(buffer);
+  writer.String(text.data(), static_cast<rapidjson::SizeType>(text.size()));
+  return {buffer.GetString(), buffer.GetSize()};
+}
+
+std::string_view StringMember(const rapidjson::Value& object, std::string_view name) {
+  const rapidjson::Value* member = FindMember(object, name);
+  return member != nullptr && member->IsString() ? ViewOf(*member) : std::string_view();
+}
+
+const rapidjson::Value* FindMember(const rapidjson::Value& value, std::string_view name) {
+  if (!value.IsObject()) return nullptr;
+  const rapidjson::Value key(
+      rapidjson::StringRef(name.data(), static_cast<rapidjson::SizeType>(name.size())));
+  const auto it = value.FindMember(key);
+  return it == value.MemberEnd() ? nullptr : &it->value;
+}
+
+std::string PointerToken(std::string_view name) {
+  std::string token;
+  token.reserve(name.size());
+  for (const char c : name) {
+    if (c == '~') {
+      token += "~0";
+    } else if (c == '/') {
+      token += "~1";
+    } else {
+      token += c;
+    }
+  }
+  return token;
+}
+
+}  // namespace fleetpub::base

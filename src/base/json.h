@@ -1,0 +1,48 @@
+// Reading JSON that comes from outside, and writing our own.
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <string_view>
+
+#include "base/rapidjson.h"
+#include "base/result.h"
+
+namespace fleetpub::base {
+
+struct JsonLimits {
+  std::size_t bytes = 16U * 1024 * 1024;
+  /// Arrays and objects inside each other. Far above any message; RapidJSON's copies and
+  /// comparisons and valijson's walk recurse, and a hostile text would exhaust the stack.
+  int depth = 64;
+};
+
+/// Parses one JSON text (RFC 8259) strictly: valid UTF-8 (a byte order mark is passed over), no
+/// NUL, no key twice in one object, nothing after the value, within the limits. Errors:
+/// ErrorKind::kInvalid with line and column, or with the JSON Pointer of a repeated key.
+[[nodiscard]] Result<rapidjson::Document> ParseJson(std::string_view text, JsonLimits limits = {});
+
+/// The value as compact JSON.
+[[nodiscard]] std::string ToJson(const rapidjson::Value& value);
+
+/// The value as JSON with an indentation of two.
+[[nodiscard]] std::string ToPrettyJson(const rapidjson::Value& value);
+
+/// The text as a JSON string with its quotation marks.
+[[nodiscard]] std::string JsonString(std::string_view text);
+
+/// The member's text, or "" when it is not there or no string.
+[[nodiscard]] std::string_view StringMember(const rapidjson::Value& object, std::string_view name);
+
+/// The member, or null when it is not there or `value` is no object.
+[[nodiscard]] const rapidjson::Value* FindMember(const rapidjson::Value& value,
+                                                 std::string_view name);
+
+[[nodiscard]] inline std::string_view ViewOf(const rapidjson::Value& string) {
+  return {string.GetString(), string.GetStringLength()};
+}
+
+/// A reference token of a JSON Pointer: `~` and `/` escaped (RFC 6901 §3).
+[[nodiscard]] std::string PointerToken(std::string_view name);
+
+}  // namespace fleetpub::base

@@ -1,0 +1,39 @@
+// Small things about text that the standard library lacks.
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace fleetpub::base {
+
+[[nodiscard]] std::string ToLower(std::string_view text);  ///< ASCII letters only
+[[nodiscard]] bool EqualsIgnoringCase(std::string_view a,
+                                      std::string_view b);  ///< ASCII letters only
+
+/// `mapDownloadLink` → `map-download-link`.
+[[nodiscard]] std::string ToKebabCase(std::string_view camel);
+
+/// Joins with a separator: `Join({"a", "b"}, ", ")` is `a, b`.
+[[nodiscard]] std::string Join(std::span<const std::string> parts, std::string_view separator);
+[[nodiscard]] std::vector<std::string> Split(std::string_view text, char separator);
+
+/// How many letters must be changed, added, left out or swapped with their neighbour, ignoring
+/// case.
+[[nodiscard]] int EditDistance(std::string_view a, std::string_view b);
+
+/// The candidate that the word most probably means, when one is near enough to say so.
+[[nodiscard]] std::optional<std::string> Nearest(std::string_view word,
+                                                 std::span<const std::string_view> candidates);
+
+/// Valid UTF-8 by RFC 3629: no overlong form, no surrogate, nothing above U+10FFFF.
+[[nodiscard]] bool IsUtf8(std::string_view text);
+
+/// The text made safe for a terminal and for one line: control characters (C0, DEL, C1) and bytes
+/// that are no UTF-8 are shown as `\n`, `\x1b`. What a robot says must not be able to move an
+/// operator's cursor.
+[[nodiscard]] std::string Printable(std::string_view text);
+
+}  // namespace fleetpub::base

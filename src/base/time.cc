@@ -1,0 +1,156 @@
+#include "base/time.h"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <charconv>
+#include <ctime>
+
+namespace fleetpub::base {
+namespace {
+
+using std::chrono::duration_cast;
+using std::chrono::microseconds;
+using std::chrono::milliseconds;
+using std::chrono::nanoseconds;
+using std::chrono::sys_days;
+
+// Reads fixed-width numbers and punctuation from the front of a text.
+class Scanner {
+ public:
+  explicit Scanner(std::string_view text) : rest_(text) {}
+
+  bool Digits(int count, int& value) {
+    if (rest_.size() < static_cast<std::size_t>(count)) return false;
+    value = 0;
+    for (int i = 0; i < count; ++i) {
+      const char c = rest_[static_cast<std::size_t>(i)];
+      if (c < '0' || c > '9') return false;
+      value = value * 10 + (c - '0');
+    }
+    rest_.remove_prefix(static_cast<std::size_t>(count));
+    return true;
+  }
+  bool OneOf(std::string_view set) {
+    if (rest_.empty() || set.find(rest_.front()) == std::string_view::npos) return false;
+    rest_.remove_prefix(1);
+    return true;
+  }
+  // The digits after a decimal point as microseconds.
+  bool Fraction(microseconds& value) {
+    int scale = 100'000;
+    value = microseconds(0);
+    if (rest_.empty() || rest_.front() < '0' || rest_.front() > '9') return false;
+    while (!rest_.empty() && rest_.front() >= '0' && rest_.front() <= '9') {
+      value += microseconds(scale * (rest_.front() - '0'));
+      scale /= 10;
+      rest_.remove_prefix(1);
+    }
+    return true;
+  }
+  [[nodiscard]] bool AtEnd() const { return rest_.empty(); }
+  [[nodiscard]] char Front() const { return rest_.empty() ? '\0' : rest_.front(); }
+
+ private:
+  std::string_view rest_;
+};
+
+bool ScanOffset(Scanner& scanner, std::chrono::minutes& offset) {
+  if (scanner.OneOf("Zz")) return true;
+  const int sign = scanner.Front() == '-' ? -1 : 1;
+  int hours = 0;
+  int minutes = 0;
+  if (!scanner.OneOf("+-") || !scanner.Digits(2, hours) || !scanner.OneOf(":") ||
+      !scanner.Digits(2, minutes) || hours > 23 || minutes > 59) {
+    return false;
+  }
+  offset = sign * std::chrono::minutes(hours * 60 + minutes);
+  return true;
+}
+
+}  // namespace
+
+std::string FormatTimestamp(WallTime time) {
+  const auto ms = std::chrono::floor<milliseconds>(time);
+  const auto days = std::chrono::floor<std::chrono::days>(ms);
+  const std::chrono::year_month_day date{days};
+  const std::chrono::hh_mm_ss clock{ms - days};
+  return fmt::format("{:04}-{:02}-{:02}T{:02}:{:02}:{:02}.{:03}Z", static_cast<int>(date.year()),
+                     static_cast<unsigned>(date.month()), static_cast<unsigned>(date.day()),
+                     clock.hours().count(), clock.minutes().count(), clock.seconds().count(),
+                     clock.subseconds().count());
+}
+
+std::string FormatLocal(WallTime time) {
+  const std::time_t seconds = std::chrono::system_clock::to_time_t(time);
+  std::tm parts{};
+  localtime_r(&seconds, &parts);
+  std::array<char, 32> text{};
+  const std::size_t length = std::strftime(text.data(), text.size(), "%Y-%m-%d %H:%M:%S", &parts);
+  return {text.data(), length};
+}
+
+std::optional<WallTime> ParseDateTime(std::string_view text) {
+  Scanner scanner(text);
+  int year = 0;
+  int month = 0;
+  int day = 0;
+  int hour = 0;
+  int minute = 0;
+  int second = 0;
+  if (!scanner.Digits(4, year) || !scanner.OneOf("-") || !scanner.Digits(2, month) ||
+      !scanner.OneOf("-") || !scanner.Digits(2, day) || !scanner.OneOf("Tt") ||
+      !scanner.Digits(2, hour) || !scanner.OneOf(":") || !scanner.Digits(2, minute) ||
+      !scanner.OneOf(":") || !scanner.Digits(2, second)) {
+    return std::nullopt;
+  }
+  microseconds fraction(0);
+  if (scanner.OneOf(".") && !scanner.Fraction(fraction)) return std::nullopt;
+  std::chrono::minutes offset(0);
+  if (!ScanOffset(scanner, offset) || !scanner.AtEnd()) return std::nullopt;
+
+  const std::chrono::year_month_day date{std::chrono::year(year),
+                                         std::chrono::month(static_cast<unsigned>(month)),
+                                         std::chrono::day(static_cast<unsigned>(day))};
+  if (!date.ok() || hour > 23 || minute > 59 || second > 60) return std::nullopt;
+  const auto utc_minute =
+      sys_days(date) + std::chrono::hours(hour) + std::chrono::minutes(minute) - offset;
+  // A leap second ends a UTC day (RFC 3339 §5.7).
+  if (second == 60 && utc_minute - std::chrono::floor<std::chrono::days>(utc_minute) !=
+                          std::chrono::hours(23) + std::chrono::minutes(59)) {
+    return std::nullopt;
+  }
+  return WallTime(utc_minute + std::chrono::seconds(second) + fraction);
+}
+
+Result<milliseconds> ParseDuration(std::string_view text, milliseconds unit) {
+  const auto bad = [&] {
+    return Fail(ErrorKind::kUsage,
+                fmt::format("'{}' is not a duration: use 250ms, 30s, 5m, 2h or 90d", text));
+  };
+  double value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || !(value >= 0)) return bad();
+  const std::string_view suffix = text.substr(static_cast<std::size_t>(end - text.data()));
+  double scale = 0;
+  if (suffix.empty()) scale = static_cast<double>(unit.count());
+  if (suffix == "ms") scale = 1;
+  if (suffix == "s") scale = 1e3;
+  if (suffix == "m" || suffix == "min") scale = 60e3;
+  if (suffix == "h") scale = 3600e3;
+  if (suffix == "d") scale = 86400e3;
+  constexpr double kTenYears = 10 * 365.25 * 86400e3;
+  if (scale == 0 || value * scale > kTenYears) return bad();
+  return milliseconds(static_cast<std::int64_t>(value * scale + 0.5));
+}
+
+std::string FormatElapsed(nanoseconds elapsed) {
+  const double ms = static_cast<double>(elapsed.count()) / 1e6;
+  if (ms < 9.95) return fmt::format("{:.1f} ms", ms);
+  if (ms < 999.5) return fmt::format("{:.0f} ms", ms);
+  if (ms < 59'950) return fmt::format("{:.1f} s", ms / 1e3);
+  const auto seconds = static_cast<long>(ms / 1e3);
+  return fmt::format("{} min {:02} s", seconds / 60, seconds % 60);
+}
+
+}  // namespace fleetpub::base

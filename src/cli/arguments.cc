@@ -1,0 +1,111 @@
+#include "cli/arguments.h"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+
+#include "base/text.h"
+#include "vda5050/catalogue.h"
+
+namespace fleetpub::cli {
+namespace {
+
+// Whether this argument is an option whose value is the next argument.
+bool TakesNext(const CLI::App& app, const std::string& argument) {
+  if (argument.find('=') != std::string::npos) return false;
+  const bool is_long = argument.starts_with("--");
+  const std::string name = is_long ? argument : argument.substr(0, 2);
+  if (!is_long && argument.size() > 2) return false;  // -bURL
+  const CLI::Option* option = app.get_option_no_throw(name);
+  return option != nullptr && option->get_items_expected_max() > 0;
+}
+
+// The positions of words that are neither options nor their values.
+std::vector<std::size_t> WordPositions(const CLI::App& app,
+                                       const std::vector<std::string>& arguments) {
+  std::vector<std::size_t> positions;
+  for (std::size_t i = 0; i < arguments.size() && arguments[i] != "--"; ++i) {
+    const bool is_option = arguments[i].size() > 1 && arguments[i].front() == '-';
+    if (!is_option) {
+      positions.push_back(i);
+    } else if (TakesNext(app, arguments[i])) {
+      ++i;
+    }
+  }
+  return positions;
+}
+
+const Subcommand* Named(std::string_view name) {
+  for (const Subcommand& subcommand : Subcommands()) {
+    if (base::EqualsIgnoringCase(subcommand.name, name)) return &subcommand;
+  }
+  return nullptr;
+}
+
+bool IsFirstWord(std::string_view word) {
+  return std::any_of(Subcommands().begin(), Subcommands().end(), [&](const Subcommand& s) {
+    return base::EqualsIgnoringCase(s.name.substr(0, s.name.find(' ')), word);
+  });
+}
+
+Error Unknown(std::string_view word) {
+  std::vector<std::string_view> names;
+  for (const Subcommand& subcommand : Subcommands()) names.push_back(subcommand.name);
+  for (const std::string_view action : vda5050::AllActionNames()) {
+    names.push_back(action);
+    for (const std::string_view name : vda5050::ShortNamesOf(action)) names.push_back(name);
+  }
+  const auto nearest = base::Nearest(word, names);
+  const std::string hint = nearest ? fmt::format(": did you mean {}?", *nearest)
+                                   : ": fleetpub --help lists them; a manufacturer's own action is "
+                                     "sent with `fleetpub action TYPE TARGET`";
+  return {ErrorKind::kUsage,
+          fmt::format("there is no command '{}'{}", base::Printable(word), hint)};
+}
+
+Error NeedsSecondWord(std::string_view word) {
+  std::vector<std::string> names;
+  for (const Subcommand& subcommand : Subcommands()) {
+    if (base::ToLower(subcommand.name).starts_with(base::ToLower(word) + " ")) {
+      names.emplace_back(subcommand.name);
+    }
+  }
+  return {ErrorKind::kUsage,
+          fmt::format("'{}' needs a second word: {}", word, base::Join(names, " or "))};
+}
+
+}  // namespace
+
+Result<Invocation> FindSubcommand(const CLI::App& app, std::vector<std::string> arguments) {
+  Invocation invocation;
+  const std::vector<std::size_t> positions = WordPositions(app, arguments);
+  const auto take = [&](std::size_t words) {
+    for (std::size_t i = words; i-- > 0;) {
+      arguments.erase(arguments.begin() + static_cast<std::ptrdiff_t>(positions[i]));
+    }
+    invocation.arguments = std::move(arguments);
+    return invocation;
+  };
+  if (positions.empty()) return take(0);
+
+  const std::string first = arguments[positions[0]];
+  if (positions.size() > 1) {
+    const std::string two = first + " " + arguments[positions[1]];
+    if ((invocation.subcommand = Named(two)) != nullptr) {
+      invocation.name = invocation.subcommand->name;
+      return take(2);
+    }
+  }
+  if ((invocation.subcommand = Named(first)) != nullptr) {
+    invocation.name = invocation.subcommand->name;
+    return take(1);
+  }
+  if (vda5050::ActionCalled(first)) {
+    invocation.name = first;
+    return take(1);
+  }
+  return Fail(IsFirstWord(first) ? NeedsSecondWord(first) : Unknown(first));
+}
+
+}  // namespace fleetpub::cli

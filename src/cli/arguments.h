@@ -1,0 +1,29 @@
+// Finds the subcommand among the arguments.
+//
+// Each subcommand is a CLI::App of its own that holds the global options too, so that they may
+// stand before or behind it, and so that a call declares the options of one subcommand only:
+// declaring them all would cost a one-shot command a third of its time.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "base/result.h"
+#include "cli/subcommand.h"
+
+namespace fleetpub::cli {
+
+struct Invocation {
+  std::string name;                        ///< `pause`, `schema show`; empty: none was named
+  const Subcommand* subcommand = nullptr;  ///< null for a predefined action
+  std::vector<std::string> arguments;      ///< everything else, in order
+};
+
+/// `app` has the global options declared, which tells which of them take a value. A word that is no
+/// subcommand is refused with the nearest one: ErrorKind::kUsage.
+[[nodiscard]] Result<Invocation> FindSubcommand(const CLI::App& app,
+                                                std::vector<std::string> arguments);
+
+}  // namespace fleetpub::cli

@@ -1,0 +1,223 @@
+#include "cli/global_options.h"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <charconv>
+
+#include "base/text.h"
+#include "base/time.h"
+#include "cli/identity.h"
+#include "cli/password.h"
+
+namespace fleetpub::cli {
+namespace {
+
+constexpr const char* kBroker = "Broker";
+constexpr const char* kTls = "TLS";
+constexpr const char* kOutput = "Output";
+constexpr const char* kFiles = "Files";
+
+void DeclareBroker(CLI::App& app, GlobalOptions& o) {
+  app.add_option("-b,--broker", o.brokers,
+                 "Broker as URL, mqtt|mqtts|ws|wss://[user@]host[:port]; repeat for failover "
+                 "[mqtt://localhost:1883]")
+      ->type_name("URL")
+      ->envname("FLEETPUB_BROKER")
+      ->allow_extra_args(false)
+      ->group(kBroker);
+  const auto add = [&](const char* names, std::string& value, const char* type, const char* env,
+                       const char* help) {
+    auto* option = app.add_option(names, value, help)->type_name(type)->group(kBroker);
+    if (*env != '\0') option->envname(env);
+  };
+  add("--host", o.host, "NAME", "FLEETPUB_HOST", "Broker's host, instead of a URL");
+  add("-p,--port", o.port, "PORT", "FLEETPUB_PORT", "Broker's port, with --host [1883]");
+  add("-u,--username", o.username, "USER", "FLEETPUB_USERNAME", "User name to log in with");
+  add("--password-file", o.password_file, "FILE", "FLEETPUB_PASSWORD_FILE",
+      "File whose first line is the password (or set FLEETPUB_PASSWORD)");
+  app.add_flag("--ask-password", o.ask_password, "Ask for the password on the terminal")
+      ->group(kBroker);
+  add("-i,--client-id", o.client_id, "ID", "FLEETPUB_CLIENT_ID", "MQTT client id [a random one]");
+  add("-k,--keep-alive", o.keep_alive, "S", "", "MQTT keep-alive in seconds [60]");
+  add("-V,--mqtt-version", o.mqtt_version, "V", "FLEETPUB_MQTT_VERSION", "3.1.1 or 5 [3.1.1]");
+  add("--connect-timeout", o.connect_timeout, "TIME", "FLEETPUB_CONNECT_TIMEOUT",
+      "To connect, and for the broker to acknowledge at QoS 1 and 2 [10s]");
+  add("--proxy", o.proxy, "URL", "FLEETPUB_PROXY",
+      "HTTP proxy; the variables http_proxy and https_proxy are ignored");
+}
+
+void DeclareTls(CLI::App& app, GlobalOptions& o) {
+  const auto add = [&](const char* names, std::string& value, const char* type, const char* env,
+                       const char* help) {
+    app.add_option(names, value, help)->type_name(type)->envname(env)->group(kTls);
+  };
+  add("--cafile", o.ca_file, "FILE", "FLEETPUB_CAFILE", "Authorities to trust, PEM [the system's]");
+  add("--capath", o.ca_path, "FOLDER", "FLEETPUB_CAPATH", "Folder of authorities to trust");
+  add("--cert", o.cert_file, "FILE", "FLEETPUB_CERT", "Our own certificate, PEM");
+  add("--key", o.key_file, "FILE", "FLEETPUB_KEY", "Its private key, PEM");
+  add("--key-password-file", o.key_password_file, "FILE", "FLEETPUB_KEY_PASSWORD_FILE",
+      "File whose first line is the key's password");
+  add("--ciphers", o.ciphers, "LIST", "FLEETPUB_CIPHERS",
+      "Ciphers to offer, as OpenSSL names them");
+  app.add_option("--tls-alpn", o.alpn, "Application protocol to offer; repeatable")
+      ->type_name("NAME")
+      ->allow_extra_args(false)
+      ->group(kTls);
+  app.add_flag("--insecure", o.insecure,
+               "Do not verify the broker's certificate: anyone could be the broker")
+      ->group(kTls);
+}
+
+void DeclareOutput(CLI::App& app, GlobalOptions& o) {
+  app.add_option("-o,--output", o.format, "text, or json: one object per line [text]")
+      ->type_name("FORMAT")
+      ->envname("FLEETPUB_OUTPUT")
+      ->group(kOutput);
+  app.add_flag("--quiet", o.quiet, "No result lines and no warnings; errors stay")->group(kOutput);
+  app.add_flag("-v,--verbose", o.verbose, "Tell what is done, and the details of errors")
+      ->group(kOutput);
+  app.add_flag("--debug", o.debug, "Show the MQTT conversation, never a secret")->group(kOutput);
+}
+
+void DeclareFiles(CLI::App& app, GlobalOptions& o) {
+  app.add_option("--ledger", o.ledger, "Header ids and history [see the manual, \"Files\"]")
+      ->type_name("FILE")
+      ->envname("FLEETPUB_LEDGER")
+      ->group(kFiles);
+  app.add_flag("--no-history", o.no_history, "Keep header ids only, no row of what was sent")
+      ->group(kFiles);
+  app.add_option("--schema-dir", o.schema_directory, "Schemas that stand before the built-in ones")
+      ->type_name("FOLDER")
+      ->envname("FLEETPUB_SCHEMA_DIR")
+      ->group(kFiles);
+}
+
+Result<int> ParseWhole(std::string_view text, int least, int most, std::string_view option) {
+  int value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error == std::errc() && end == text.data() + text.size() && value >= least && value <= most) {
+    return value;
+  }
+  return Fail(ErrorKind::kUsage, fmt::format("{} takes a whole number from {} to {}, not '{}'",
+                                             option, least, most, base::Printable(text)));
+}
+
+Result<std::vector<mqtt::BrokerUrl>> BrokersOf(const GlobalOptions& o) {
+  std::vector<mqtt::BrokerUrl> brokers;
+  const bool by_host = !o.host.empty() || !o.port.empty();
+  if (by_host && !o.brokers.empty()) {
+    return Fail(ErrorKind::kUsage,
+                "say where the broker is with --broker or with --host and "
+                "--port, not with both");
+  }
+  if (by_host) {
+    mqtt::BrokerUrl broker;
+    broker.host = o.host.empty() ? "localhost" : o.host;
+    const auto port = ParseWhole(o.port.empty() ? "1883" : o.port, 1, 65'535, "--port");
+    if (!port) return Fail(port.error());
+    broker.port = static_cast<std::uint16_t>(*port);
+    brokers.push_back(broker);
+    return brokers;
+  }
+  for (const std::string& text : o.brokers) {
+    auto broker = mqtt::ParseBrokerUrl(text);
+    if (!broker) return Fail(std::move(broker.error()));
+    brokers.push_back(std::move(*broker));
+  }
+  if (brokers.empty()) brokers.push_back({.host = "localhost"});
+  return brokers;
+}
+
+Result<mqtt::TlsOptions> TlsOf(const Context& context) {
+  const GlobalOptions& o = context.options;
+  mqtt::TlsOptions tls{.ca_file = o.ca_file,
+                       .ca_path = o.ca_path,
+                       .cert_file = o.cert_file,
+                       .key_file = o.key_file,
+                       .key_password = std::nullopt,
+                       .ciphers = o.ciphers,
+                       .alpn = o.alpn,
+                       .verify = !o.insecure};
+  if (!o.key_password_file.empty()) {
+    auto password = ReadPasswordFile(o.key_password_file, context.output);
+    if (!password) return Fail(std::move(password.error()));
+    tls.key_password = std::move(*password);
+  }
+  if (o.insecure) {
+    context.output.Warn(
+        "--insecure: the broker's certificate is not verified: anyone could be "
+        "the broker, read the login and command the robots");
+  }
+  return tls;
+}
+
+Result<mqtt::ProtocolVersion> MqttVersionOf(std::string_view text) {
+  if (text == "3.1.1" || text == "311" || text == "4") return mqtt::ProtocolVersion::k311;
+  if (text == "5" || text == "5.0") return mqtt::ProtocolVersion::k5;
+  return Fail(ErrorKind::kUsage,
+              fmt::format("--mqtt-version takes 3.1.1 or 5, not '{}'", base::Printable(text)));
+}
+
+}  // namespace
+
+bool IsGlobalGroup(std::string_view group) {
+  return group == kBroker || group == kTls || group == kOutput || group == kFiles;
+}
+
+void DeclareGlobalOptions(CLI::App& app, GlobalOptions& options) {
+  DeclareBroker(app, options);
+  DeclareTls(app, options);
+  DeclareOutput(app, options);
+  DeclareFiles(app, options);
+}
+
+Result<mqtt::ConnectOptions> ConnectOptionsOf(const Context& context) {
+  const GlobalOptions& o = context.options;
+  auto brokers = BrokersOf(o);
+  if (!brokers) return Fail(std::move(brokers.error()));
+  const auto version = MqttVersionOf(o.mqtt_version);
+  if (!version) return Fail(version.error());
+  const auto keep_alive = ParseWhole(o.keep_alive, 0, 65'535, "--keep-alive");
+  if (!keep_alive) return Fail(keep_alive.error());
+  const auto timeout = base::ParseDuration(o.connect_timeout);
+  if (!timeout) return Fail(timeout.error());
+  auto tls = TlsOf(context);
+  if (!tls) return Fail(std::move(tls.error()));
+  auto password = FindPassword(context);
+  if (!password) return Fail(std::move(password.error()));
+
+  mqtt::ConnectOptions connect;
+  connect.brokers = std::move(*brokers);
+  connect.client_id = o.client_id;
+  connect.username = o.username;
+  connect.password = std::move(*password);
+  connect.keep_alive = std::chrono::seconds(*keep_alive);
+  connect.version = *version;
+  connect.connect_timeout = *timeout;
+  connect.tls = std::move(*tls);
+  connect.proxy = o.proxy;
+  if (connect.password && connect.username.empty() && connect.brokers.front().username.empty()) {
+    return Fail(ErrorKind::kUsage, "a password needs a user name: add --username");
+  }
+  if (o.debug) {
+    connect.trace = [&output = context.output](std::string_view line) { output.Trace(line); };
+  }
+  return connect;
+}
+
+Result<std::unique_ptr<ledger::Ledger>> OpenLedger(const Context& context, ledger::OpenMode mode) {
+  ledger::SqliteOptions options;
+  options.path = context.options.ledger;
+  if (options.path.empty()) {
+    auto path = ledger::DefaultLedgerPath();
+    if (!path) return Fail(std::move(path.error()));
+    options.path = std::move(*path);
+  }
+  options.keep_history = !context.options.no_history;
+  options.user = UserName();
+  options.host = HostName();
+  return ledger::OpenSqlite(std::move(options), mode);
+}
+
+}  // namespace fleetpub::cli

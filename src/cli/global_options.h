@@ -1,0 +1,73 @@
+// The options that every command takes: broker, output, ledger, schemas.
+#pragma once
+
+#include <chrono>
+#include <functional>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "base/result.h"
+#include "cli/output.h"
+#include "ledger/ledger.h"
+#include "ledger/sqlite_ledger.h"
+#include "mqtt/transport.h"
+
+namespace CLI {
+class App;
+}
+
+namespace fleetpub::cli {
+
+struct GlobalOptions {
+  std::vector<std::string> brokers;
+  std::string host;
+  std::string port;
+  std::string username;
+  std::string password_file;
+  bool ask_password = false;
+  std::string client_id;
+  std::string keep_alive = "60";
+  std::string mqtt_version = "3.1.1";
+  std::string connect_timeout = "10s";
+  std::string proxy;
+  std::string ca_file;
+  std::string ca_path;
+  std::string cert_file;
+  std::string key_file;
+  std::string key_password_file;
+  std::string ciphers;
+  std::vector<std::string> alpn;
+  bool insecure = false;
+
+  std::string format = "text";
+  bool quiet = false;
+  bool verbose = false;
+  bool debug = false;
+
+  std::string ledger;
+  bool no_history = false;
+  std::string schema_directory;
+};
+
+/// The help groups of global options; a command's own help leaves them out.
+[[nodiscard]] bool IsGlobalGroup(std::string_view group);
+
+/// Adds them to an App; `options` must outlive its parsing.
+void DeclareGlobalOptions(CLI::App& app, GlobalOptions& options);
+
+/// What a running command needs of the outer world.
+struct Context {
+  const GlobalOptions& options;
+  Output& output;
+};
+
+/// Brokers, credentials and TLS as the options, the environment and files say. May prompt for a
+/// password. Errors: ErrorKind::kUsage, kLedger (a password file that cannot be read).
+[[nodiscard]] Result<mqtt::ConnectOptions> ConnectOptionsOf(const Context& context);
+
+[[nodiscard]] Result<std::unique_ptr<ledger::Ledger>> OpenLedger(const Context& context,
+                                                                 ledger::OpenMode mode);
+
+}  // namespace fleetpub::cli

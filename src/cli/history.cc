@@ -1,0 +1,214 @@
+// `fleetpub history`, `history show ID`, `history prune --older-than 90d`.
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <charconv>
+#include <memory>
+
+#include "base/json.h"
+#include "base/text.h"
+#include "base/time.h"
+#include "cli/subcommand.h"
+
+namespace fleetpub::cli {
+namespace {
+
+using base::JsonString;
+using ledger::Record;
+
+struct Options {
+  ledger::HistoryFilter filter;
+  std::string since;
+  std::string until;
+};
+
+// `24h` ago, or a point in time.
+Result<base::WallTime> TimeOf(const std::string& text, std::string_view option) {
+  if (const auto time = base::ParseDateTime(text)) return *time;
+  if (const auto ago = base::ParseDuration(text)) return base::WallTime::clock::now() - *ago;
+  return Fail(ErrorKind::kUsage,
+              fmt::format("{} takes a duration such as 24h or a time such as 2026-01-02T03:04:05Z, "
+                          "not '{}'",
+                          option, base::Printable(text)));
+}
+
+std::string ActionsJson(const Record& record) {
+  std::string json;
+  for (const auto& [type, id] : record.actions) {
+    json += fmt::format(R"({}{{"type":{},"id":{}}})", json.empty() ? "" : ",", JsonString(type),
+                        JsonString(id));
+  }
+  return "[" + json + "]";
+}
+
+std::string RecordJson(const Record& record) {
+  std::string json = fmt::format(
+      R"({{"id":{},"time":"{}","user":{},"host":{},"broker":{},"target":{},"protocol":{},)"
+      R"("version":{},"topic":{},"actions":{})",
+      record.id, base::FormatTimestamp(record.recorded_at), JsonString(record.user),
+      JsonString(record.host), JsonString(record.broker), JsonString(record.target),
+      JsonString(record.protocol), JsonString(record.version), JsonString(record.topic),
+      ActionsJson(record));
+  if (record.header_id) json += fmt::format(R"(,"headerId":{})", *record.header_id);
+  json += fmt::format(R"(,"status":{})", JsonString(record.status));
+  if (record.outcome_at) {
+    json += fmt::format(R"(,"outcomeTime":"{}")", base::FormatTimestamp(*record.outcome_at));
+  }
+  if (!record.detail.empty()) json += R"(,"message":)" + JsonString(record.detail);
+  return json + R"(,"payload":)" + JsonString(record.payload) + "}";
+}
+
+std::string TypesOf(const Record& record) {
+  std::vector<std::string> types;
+  for (const auto& action : record.actions) types.push_back(action.type);
+  return base::Printable(base::Join(types, ","));
+}
+
+std::string HeaderIdText(const Record& record) {
+  return record.header_id ? fmt::format("{}", *record.header_id) : "-";
+}
+
+void ShowTable(const std::vector<Record>& records, Output& output) {
+  std::size_t target = 6;
+  std::size_t types = 6;
+  std::size_t user = 4;
+  for (const Record& record : records) {
+    target = std::max(target, record.target.size());
+    types = std::max(types, TypesOf(record).size());
+    user = std::max(user, record.user.size());
+  }
+  output.PeopleLine(fmt::format("{:>6}  {:<19}  {:<{}}  {:<{}}  {:<{}}  {:>8}  {}", "ID", "TIME",
+                                "USER", user, "TARGET", target, "ACTION", types, "HEADERID",
+                                "STATUS"));
+  for (const Record& record : records) {
+    output.Line(fmt::format("{:>6}  {:<19}  {:<{}}  {:<{}}  {:<{}}  {:>8}  {}", record.id,
+                            base::FormatLocal(record.recorded_at), base::Printable(record.user),
+                            user, base::Printable(record.target), target, TypesOf(record), types,
+                            HeaderIdText(record), record.status));
+  }
+}
+
+Result<ExitCode> RunHistory(Options options, const Context& context) {
+  if (!options.since.empty()) {
+    const auto since = TimeOf(options.since, "--since");
+    if (!since) return Fail(since.error());
+    options.filter.since = *since;
+  }
+  if (!options.until.empty()) {
+    const auto until = TimeOf(options.until, "--until");
+    if (!until) return Fail(until.error());
+    options.filter.until = *until;
+  }
+  const auto ledger = OpenLedger(context, ledger::OpenMode::kReadOnly);
+  if (!ledger) return Fail(ledger.error());
+  const auto records = (*ledger)->History(options.filter);
+  if (!records) return Fail(records.error());
+  if (context.output.json()) {
+    for (const Record& record : *records) context.output.Line(RecordJson(record));
+  } else if (records->empty()) {
+    context.output.PeopleLine("nothing was sent, or nothing that matches");
+  } else {
+    ShowTable(*records, context.output);
+  }
+  return ExitCode::kDone;
+}
+
+void ShowRecord(const Record& record, Output& output) {
+  const auto line = [&](std::string_view name, std::string_view value) {
+    if (!value.empty()) output.Line(fmt::format("{:<10} {}", name, base::Printable(value)));
+  };
+  line("id", fmt::format("{}", record.id));
+  line("time", base::FormatTimestamp(record.recorded_at));
+  line("user", fmt::format("{} on {}", record.user, record.host));
+  line("target", record.target);
+  line("protocol", fmt::format("{} {}", record.protocol, record.version));
+  line("broker", record.broker);
+  line("topic", record.topic);
+  for (const auto& [type, id] : record.actions) line("action", fmt::format("{} {}", type, id));
+  line("headerId", HeaderIdText(record));
+  line("status", record.status == "RECORDED"
+                     ? "RECORDED (the process ended before an outcome was known: it may have left)"
+                     : record.status);
+  if (record.outcome_at) line("outcome at", base::FormatTimestamp(*record.outcome_at));
+  line("message", record.detail);
+  const auto payload = base::ParseJson(record.payload);
+  output.Line(payload ? base::ToPrettyJson(*payload) : base::Printable(record.payload));
+}
+
+Result<ExitCode> RunShow(const std::string& text, const Context& context) {
+  std::int64_t id = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), id);
+  if (error != std::errc() || end != text.data() + text.size() || text.empty()) {
+    return Fail(ErrorKind::kUsage,
+                "history show takes the number that fleetpub history prints under ID");
+  }
+  const auto ledger = OpenLedger(context, ledger::OpenMode::kReadOnly);
+  if (!ledger) return Fail(ledger.error());
+  const auto record = (*ledger)->Find(id);
+  if (!record) return Fail(record.error());
+  if (!*record) return Fail(ErrorKind::kUsage, fmt::format("the history has no message {}", id));
+  if (context.output.json()) {
+    context.output.Line(RecordJson(**record));
+  } else {
+    ShowRecord(**record, context.output);
+  }
+  return ExitCode::kDone;
+}
+
+Result<ExitCode> RunPrune(const std::string& older_than, const Context& context) {
+  if (older_than.empty()) {
+    return Fail(ErrorKind::kUsage, "say what may go: history prune --older-than 90d");
+  }
+  const auto before = TimeOf(older_than, "--older-than");
+  if (!before) return Fail(before.error());
+  const auto ledger = OpenLedger(context, ledger::OpenMode::kCreate);
+  if (!ledger) return Fail(ledger.error());
+  const auto count = (*ledger)->Prune(*before);
+  if (!count) return Fail(count.error());
+  if (context.output.json()) {
+    context.output.Line(fmt::format(R"({{"pruned":{}}})", *count));
+  } else {
+    context.output.PeopleLine(
+        fmt::format("{} row{} removed; header ids are kept", *count, *count == 1 ? "" : "s"));
+  }
+  return ExitCode::kDone;
+}
+
+}  // namespace
+
+Run DeclareHistory(CLI::App& app) {
+  constexpr const char* kFilter = "Filter";
+  const auto options = std::make_shared<Options>();
+  const auto add = [&](const char* names, std::string& value, const char* type, const char* help) {
+    app.add_option(names, value, help)->type_name(type)->group(kFilter);
+  };
+  add("--target", options->filter.target, "TARGET", "Only what was sent to this robot");
+  add("--action", options->filter.action, "TYPE", "Only this actionType");
+  add("--status", options->filter.status, "STATUS",
+      "Only this outcome: SENT, PUBLISHED, ERROR ...");
+  add("--user", options->filter.user, "USER", "Only what this user sent");
+  add("--since", options->since, "TIME", "Not older: 24h, or 2026-01-02T03:04:05Z");
+  add("--until", options->until, "TIME", "Not newer");
+  app.add_option("--limit", options->filter.limit, "The newest so many; 0: all [50]")
+      ->type_name("N")
+      ->check(CLI::NonNegativeNumber)
+      ->group(kFilter);
+  return [options](const Context& context) { return RunHistory(*options, context); };
+}
+
+Run DeclareHistoryShow(CLI::App& app) {
+  const auto id = std::make_shared<std::string>();
+  app.add_option("id", *id, "As history prints it")->type_name("ID");
+  return [id](const Context& context) { return RunShow(*id, context); };
+}
+
+Run DeclareHistoryPrune(CLI::App& app) {
+  const auto older_than = std::make_shared<std::string>();
+  app.add_option("--older-than", *older_than, "Age such as 90d, or a time")
+      ->type_name("TIME")
+      ->group("Pruning");
+  return [older_than](const Context& context) { return RunPrune(*older_than, context); };
+}
+
+}  // namespace fleetpub::cli

@@ -1,0 +1,89 @@
+// `fleetpub pause KIT/0001` and all the other predefined instant actions: options made from the
+// catalogue.
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <map>
+#include <memory>
+
+#include "base/text.h"
+#include "cli/sending.h"
+#include "cli/subcommand.h"
+#include "cli/vda_options.h"
+#include "vda5050/catalogue.h"
+
+namespace fleetpub::cli {
+namespace {
+
+using vda5050::ParameterSpec;
+
+struct Options {
+  std::string type;
+  std::vector<ParameterSpec> specs;
+  std::map<std::string_view, std::string> texts;  ///< by parameter name, as typed
+  std::map<std::string_view, CLI::Option*> given;
+  InstantOptions instant;
+  SendingOptions sending;
+};
+
+const char* TypeName(vda5050::ParameterType type) {
+  switch (type) {
+    case vda5050::ParameterType::kFloat64:
+      return "NUMBER";
+    case vda5050::ParameterType::kAngle:
+      return "RADIANS";
+    case vda5050::ParameterType::kStringArray:
+      return "TEXT,...";
+    case vda5050::ParameterType::kString:
+      return "TEXT";
+  }
+  return "TEXT";
+}
+
+void DeclareParameter(CLI::App& app, const ParameterSpec& spec, Options& options) {
+  const std::string kebab = base::ToKebabCase(spec.name);
+  std::string names = fmt::format("--{}", spec.name);
+  if (kebab != spec.name) names += fmt::format(",--{}", kebab);
+  options.given[spec.name] =
+      app.add_option(names, options.texts[spec.name],
+                     fmt::format("{}{}", spec.meaning, spec.required ? "" : " (optional)"))
+          ->type_name(TypeName(spec.type))
+          ->group("Parameters");
+}
+
+Result<ExitCode> RunInstantAction(const Options& options, const Context& context) {
+  std::vector<vda5050::Parameter> parameters;
+  for (const ParameterSpec& spec : options.specs) {
+    if (options.given.at(spec.name)->empty()) continue;
+    auto parameter = vda5050::ParseParameter(spec, options.texts.at(spec.name));
+    if (!parameter) return Fail(std::move(parameter.error()));
+    parameters.push_back(std::move(*parameter));
+  }
+  const auto commands =
+      BuildCommands(options.instant, options.type, std::move(parameters), context.output);
+  if (!commands) return Fail(commands.error());
+  return SendCommands(*commands, options.sending, context);
+}
+
+// The predefined name that the word spells (`initposition` → initPosition); a short name means the
+// newest one.
+std::string TypeMeantBy(std::string_view word) {
+  for (const auto& action : vda5050::AllActions()) {
+    if (base::EqualsIgnoringCase(action.type, word)) return std::string(action.type);
+  }
+  return std::string(vda5050::ActionCalled(word).value_or(word));
+}
+
+}  // namespace
+
+Run DeclareInstantAction(CLI::App& app, std::string_view word) {
+  const auto options = std::make_shared<Options>();
+  options->type = TypeMeantBy(word);
+  options->specs = vda5050::ParametersInAnyVersion(options->type);
+  for (const ParameterSpec& spec : options->specs) DeclareParameter(app, spec, *options);
+  DeclareInstantOptions(app, options->instant);
+  DeclareSendingOptions(app, options->sending);
+  return [options](const Context& context) { return RunInstantAction(*options, context); };
+}
+
+}  // namespace fleetpub::cli

@@ -1,0 +1,72 @@
+#include "cli/interrupt.h"
+
+#include <unistd.h>
+
+#include <array>
+#include <atomic>
+#include <charconv>
+#include <cstring>
+#include <string_view>
+
+namespace fleetpub::cli {
+namespace {
+
+std::atomic<std::size_t> g_total = 0;
+std::atomic<std::size_t> g_sent = 0;
+
+// Collects a line without allocating: everything here runs inside a signal handler.
+class SignalSafeLine {
+ public:
+  void Add(std::string_view text) {
+    const std::size_t count = std::min(text.size(), line_.size() - size_);
+    std::memcpy(line_.data() + size_, text.data(), count);
+    size_ += count;
+  }
+  void Add(std::size_t number) {
+    const auto [end, error] =
+        std::to_chars(line_.data() + size_, line_.data() + line_.size(), number);
+    if (error == std::errc()) size_ = static_cast<std::size_t>(end - line_.data());
+  }
+  void Write() const {
+    [[maybe_unused]] const auto ignored = write(STDERR_FILENO, line_.data(), size_);
+  }
+
+ private:
+  std::array<char, 256> line_{};
+  std::size_t size_ = 0;
+};
+
+void End(int signal) {
+  SignalSafeLine line;
+  line.Add(signal == SIGINT ? "fleetpub: interrupted: " : "fleetpub: terminated: ");
+  if (g_sent == 0) {
+    line.Add("nothing was sent\n");
+  } else {
+    line.Add(g_sent);
+    line.Add(" of ");
+    line.Add(g_total);
+    line.Add(" messages were sent; fleetpub history lists them\n");
+  }
+  line.Write();
+  _exit(128 + signal);
+}
+
+}  // namespace
+
+InterruptGuard::InterruptGuard(std::size_t total) {
+  g_total = total;
+  g_sent = 0;
+  struct sigaction action {};
+  action.sa_handler = End;
+  sigaction(SIGINT, &action, &old_interrupt_);
+  sigaction(SIGTERM, &action, &old_terminate_);
+}
+
+InterruptGuard::~InterruptGuard() {
+  sigaction(SIGINT, &old_interrupt_, nullptr);
+  sigaction(SIGTERM, &old_terminate_, nullptr);
+}
+
+void InterruptGuard::CountSent() { ++g_sent; }
+
+}  // namespace fleetpub::cli

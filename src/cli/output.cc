@@ -1,0 +1,129 @@
+#include "cli/output.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+
+#include "base/json.h"
+#include "base/text.h"
+#include "base/time.h"
+
+namespace fleetpub::cli {
+namespace {
+
+using dispatch::Report;
+using dispatch::Verdict;
+
+void Print(std::FILE* stream, std::string_view text) {
+  std::fwrite(text.data(), 1, text.size(), stream);
+}
+
+bool WantsColour(int descriptor) {
+  const char* no_colour = std::getenv("NO_COLOR");
+  const char* terminal = std::getenv("TERM");
+  if (no_colour != nullptr && *no_colour != '\0') return false;
+  if (terminal != nullptr && std::string_view(terminal) == "dumb") return false;
+  return isatty(descriptor) == 1;
+}
+
+std::string TypesOf(const Report& report) {
+  std::vector<std::string> types;
+  for (const auto& action : report.actions) types.push_back(base::Printable(action.type));
+  return base::Join(types, ",");
+}
+
+Tone ToneOf(Verdict verdict) {
+  switch (verdict) {
+    case Verdict::kDryRun:
+      return Tone::kPlain;
+    case Verdict::kSent:
+    case Verdict::kPublished:
+      return Tone::kGood;
+    case Verdict::kInvalid:
+    case Verdict::kError:
+      return Tone::kBad;
+  }
+  return Tone::kPlain;
+}
+
+}  // namespace
+
+Output::Output(Settings settings) : settings_(settings), colour_(WantsColour(STDOUT_FILENO)) {}
+
+void Output::Line(std::string_view text) {
+  Print(stdout, text);
+  Print(stdout, "\n");
+}
+
+void Output::PeopleLine(std::string_view text) {
+  if (!settings_.quiet) Line(text);
+}
+
+void Output::Warn(std::string_view text) {
+  if (!settings_.quiet) Print(stderr, fmt::format("fleetpub: warning: {}\n", text));
+}
+
+void Output::Note(std::string_view text) {
+  if (settings_.verbose) Print(stderr, fmt::format("fleetpub: {}\n", text));
+}
+
+void Output::Trace(std::string_view line) {
+  Print(stderr, fmt::format("mqtt: {}\n", base::Printable(line)));
+}
+
+void Output::Complain(const Error& error) {
+  Print(stderr, fmt::format("fleetpub: error: {}\n", error.message));
+  if (settings_.verbose && !error.detail.empty()) {
+    Print(stderr, fmt::format("fleetpub: detail: {}\n", base::Printable(error.detail)));
+  }
+}
+
+std::string Output::Toned(Tone tone, std::string_view text) const {
+  if (!colour_ || tone == Tone::kPlain) return std::string(text);
+  const std::string_view code = tone == Tone::kGood ? "32" : tone == Tone::kBad ? "1;31" : "2";
+  return fmt::format("\x1b[{}m{}\x1b[0m", code, text);
+}
+
+Status Output::Flush() {
+  if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return {};
+  return Fail(ErrorKind::kLedger, fmt::format("the results could not be written to standard "
+                                              "output: {}",
+                                              std::strerror(errno)));
+}
+
+std::string ReportText(const Report& report, std::size_t target_width, const Output& output) {
+  std::string line =
+      fmt::format("{:<{}}  {}  {}", base::Printable(report.target), target_width, TypesOf(report),
+                  output.Toned(ToneOf(report.verdict), NameOf(report.verdict)));
+  if (report.header_id) line += fmt::format("  headerId {}", *report.header_id);
+  if (report.elapsed.count() > 0) line += "  " + base::FormatElapsed(report.elapsed);
+  if (report.version_assumed) line += fmt::format("  {} (assumed)", report.version);
+  if (!report.message.empty()) line += "  " + report.message;
+  return line;
+}
+
+std::string ReportJson(const Report& report) {
+  using base::JsonString;
+  std::string actions;
+  for (const auto& [type, id] : report.actions) {
+    actions += fmt::format(R"({}{{"type":{},"id":{}}})", actions.empty() ? "" : ",",
+                           JsonString(type), JsonString(id));
+  }
+  std::string json =
+      fmt::format(R"({{"target":{},"protocol":"{}","version":"{}","topic":{},"actions":[{}])",
+                  JsonString(report.target), report.protocol, report.version,
+                  JsonString(report.topic), actions);
+  if (report.version_assumed) json += R"(,"versionAssumed":true)";
+  if (report.header_id) json += fmt::format(R"(,"headerId":{})", *report.header_id);
+  json += fmt::format(R"(,"status":"{}","elapsedMs":{:.3f})", NameOf(report.verdict),
+                      static_cast<double>(report.elapsed.count()) / 1e6);
+  if (!report.message.empty()) json += R"(,"message":)" + JsonString(report.message);
+  if (report.verdict == Verdict::kDryRun) json += R"(,"payload":)" + report.payload;
+  return json + "}";
+}
+
+}  // namespace fleetpub::cli

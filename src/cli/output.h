@@ -1,0 +1,65 @@
+// What a person or a script gets to see. Results go to standard output, everything else to standard
+// error.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "base/result.h"
+#include "dispatch/report.h"
+
+namespace fleetpub::cli {
+
+enum class Format { kText, kJson };
+
+/// What a word means, as its colour tells on a terminal.
+enum class Tone { kPlain, kGood, kBad, kDim };
+
+class Output {
+ public:
+  struct Settings {
+    Format format = Format::kText;
+    bool quiet = false;    ///< no result lines in text format, no warnings
+    bool verbose = false;  ///< the details of errors, and what is done
+  };
+
+  explicit Output(Settings settings);
+
+  [[nodiscard]] Format format() const { return settings_.format; }
+  [[nodiscard]] bool json() const { return settings_.format == Format::kJson; }
+  [[nodiscard]] bool verbose() const { return settings_.verbose; }
+
+  /// A line of results on standard output.
+  void Line(std::string_view text);
+  /// The same when it is only for people: suppressed by `--quiet`.
+  void PeopleLine(std::string_view text);
+
+  void Warn(std::string_view text);
+  void Note(std::string_view text);  ///< with `--verbose` only
+  void Trace(std::string_view line);
+  void Complain(const Error& error);
+
+  /// The text in colour when standard output is a terminal and NO_COLOR is not set.
+  [[nodiscard]] std::string Toned(Tone tone, std::string_view text) const;
+
+  /// Remembers that a command has left: from now on trouble with files changes no exit code.
+  void SomethingWasSent() { something_was_sent_ = true; }
+  [[nodiscard]] bool something_was_sent() const { return something_was_sent_; }
+
+  /// Writes out what is buffered. Nothing could be written (a full disk, a closed pipe): an error.
+  [[nodiscard]] Status Flush();
+
+ private:
+  Settings settings_;
+  bool colour_;
+  bool something_was_sent_ = false;
+};
+
+/// One result line for a person. `target_width` aligns several.
+[[nodiscard]] std::string ReportText(const dispatch::Report& report, std::size_t target_width,
+                                     const Output& output);
+
+/// One result object (docs/manual.md, "JSON").
+[[nodiscard]] std::string ReportJson(const dispatch::Report& report);
+
+}  // namespace fleetpub::cli

@@ -1,0 +1,20 @@
+// Where passwords come from: never from the argument list, which every user of the machine can
+// read.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "base/result.h"
+#include "cli/global_options.h"
+
+namespace fleetpub::cli {
+
+/// The first of: the prompt of --ask-password, --password-file, FLEETPUB_PASSWORD (removed from the
+/// environment once read), the systemd credential `fleetpub.password`. Nothing when there is none.
+[[nodiscard]] Result<std::optional<std::string>> FindPassword(const Context& context);
+
+/// The file's first line. Warns when others may read the file. Errors: ErrorKind::kLedger.
+[[nodiscard]] Result<std::string> ReadPasswordFile(const std::string& path, Output& output);
+
+}  // namespace fleetpub::cli

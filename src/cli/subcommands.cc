@@ -1,0 +1,49 @@
+// The table of subcommands. Predefined actions are not in it: they come from the catalogue.
+#include <array>
+
+#include "cli/subcommand.h"
+
+namespace fleetpub::cli {
+namespace {
+
+using enum HelpGroup;
+
+constexpr auto kSubcommands = std::to_array<Subcommand>({
+    {"action", kRobots, "TYPE TARGET...", "send any instant action, such as a manufacturer's own",
+     "action beep KIT/0001 -P duration:=3 -P mode=loud\n"
+     "action customScan KIT/0001 KIT/0002 -P area:=@area.json --vda 2.1",
+     DeclareAction},
+    {"actions", kLooking, "", "the catalogue of predefined actions, with their parameters",
+     "actions\n"
+     "actions --vda 2.1 -o json",
+     DeclareActions},
+    {"history", kLooking, "", "what was sent: when, by whom, to which robot",
+     "history\n"
+     "history --target KIT/0001 --since 24h\n"
+     "history show 42\n"
+     "history prune --older-than 90d",
+     DeclareHistory},
+    {"history show", kLooking, "ID", "one sent message, whole", "history show 42",
+     DeclareHistoryShow},
+    {"history prune", kLooking, "", "remove old rows; header ids stay",
+     "history prune --older-than 90d", DeclareHistoryPrune},
+    {"validate", kChecking, "[FILE]", "check messages against a built-in schema or a given one",
+     "validate message.json\n"
+     "validate --vda 2.1 --topic instantActions message.json\n"
+     "validate --lines -o json < messages.jsonl\n"
+     "validate --schema my.schema.json message.json",
+     DeclareValidate},
+    {"schema list", kChecking, "", "the schemas that there are", "schema list", DeclareSchemaList},
+    {"schema show", kChecking, "NAME", "print a schema", "schema show vda5050/3.0.0/instantActions",
+     DeclareSchemaShow},
+    {"ping", kChecking, "", "can the broker be reached with these settings, and what does it grant",
+     "ping\n"
+     "ping -b mqtt://broker.example:1883 -u operator --password-file pw",
+     DeclarePing},
+});
+
+}  // namespace
+
+std::span<const Subcommand> Subcommands() { return kSubcommands; }
+
+}  // namespace fleetpub::cli

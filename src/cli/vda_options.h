@@ -1,0 +1,53 @@
+// The options of everything that speaks VDA 5050: which version, how the robot's topics and header
+// look.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "base/result.h"
+#include "cli/output.h"
+#include "vda5050/instant_actions.h"
+
+namespace CLI {
+class App;
+}
+
+namespace fleetpub::cli {
+
+struct VdaOptions {
+  std::string version;  ///< empty: 3.0.0, assumed
+  std::string interface_name;
+  std::string topic_template;
+  std::string actions_key;
+  std::string header_version;
+  std::string header_manufacturer;
+  std::string header_serial;
+};
+
+/// What one instant action may be given on the command line, besides its parameters.
+struct InstantOptions {
+  std::vector<std::string> targets;
+  std::vector<std::string> assignments;  ///< `-P`
+  std::string id;
+  std::string descriptor;
+  std::string blocking_type;
+  std::string header_id;
+  VdaOptions vda;
+};
+
+void DeclareVdaOptions(CLI::App& app, VdaOptions& options);
+void DeclareInstantOptions(CLI::App& app, InstantOptions& options);
+
+[[nodiscard]] Result<vda5050::Dialect> DialectOf(const VdaOptions& options);
+
+/// The robots in the order given; one that is named twice is commanded once, with a warning.
+[[nodiscard]] Result<std::vector<vda5050::RobotAddress>> RobotsOf(
+    const std::vector<std::string>& targets, Output& output);
+
+/// A command per robot: the same action, each with an id of its own. Errors: usage and parameters.
+[[nodiscard]] Result<std::vector<dispatch::Command>> BuildCommands(
+    const InstantOptions& options, std::string_view type,
+    std::vector<vda5050::Parameter> parameters, Output& output);
+
+}  // namespace fleetpub::cli

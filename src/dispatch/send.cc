@@ -1,0 +1,206 @@
+#include "dispatch/send.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+
+namespace fleetpub::dispatch {
+namespace {
+
+using std::chrono::steady_clock;
+
+ledger::Draft DraftOf(const Command& command, const std::string& broker, base::WallTime now) {
+  const PayloadTemplate& payload = command.payload;
+  return {.topic = command.topic,
+          .target = command.target,
+          .protocol = command.protocol,
+          .version = command.version,
+          .broker = broker,
+          .actions = command.actions,
+          .counted = payload.counted,
+          .header_id = command.header_id,
+          .before_id = payload.counted ? payload.before_id : payload.Render(0, now),
+          .after_id = payload.counted
+                          ? payload.before_time + base::FormatTimestamp(now) + payload.rest
+                          : ""};
+}
+
+// One batch on its way; the members are filled from top to bottom.
+class Batch {
+ public:
+  Batch(std::span<const Command> commands, mqtt::Transport& transport, ledger::Ledger& ledger,
+        const SendOptions& options)
+      : commands_(commands), transport_(transport), ledger_(ledger), options_(options) {
+    for (const Command& command : commands_) reports_.push_back(ReportOn(command));
+  }
+
+  // Errors: nothing of this batch was sent.
+  Status Run(const SentHook& sent) {
+    started_ = steady_clock::now();
+    auto lock = Lock();
+    if (!lock) return Fail(std::move(lock.error()));
+    if (auto reserved = Reserve(); !reserved) return reserved;
+    Publish(sent);
+    if (options_.qos != mqtt::Qos::kAtMostOnce) AwaitAcknowledgements();
+    return {};
+  }
+
+  // Errors: the outcomes are not in the ledger.
+  Status RecordOutcomes() {
+    std::vector<ledger::Outcome> outcomes;
+    for (std::size_t i = 0; i < reservations_.size(); ++i) {
+      outcomes.push_back(
+          {reservations_[i].row, std::string(NameOf(reports_[i].verdict)), reports_[i].message});
+    }
+    return ledger_.RecordOutcomes(outcomes);
+  }
+
+  // The first trouble with the connection: nothing more can be sent over it.
+  [[nodiscard]] const std::optional<Error>& broken() const { return broken_; }
+  [[nodiscard]] const std::vector<Report>& reports() const { return reports_; }
+
+ private:
+  Result<std::unique_ptr<ledger::TopicLock>> Lock() {
+    std::vector<std::string> topics;
+    for (const Command& command : commands_) topics.push_back(command.topic);
+    return ledger_.Lock(topics, started_ + options_.lock_timeout);
+  }
+
+  Status Reserve() {
+    const base::WallTime now = options_.now();
+    const std::string broker = transport_.server().broker.ToString();
+    for (const Command& command : commands_) drafts_.push_back(DraftOf(command, broker, now));
+    auto reservations = ledger_.Reserve(drafts_);
+    if (!reservations) return Fail(std::move(reservations.error()));
+    reservations_ = std::move(*reservations);
+    for (std::size_t i = 0; i < reports_.size(); ++i) {
+      if (drafts_[i].counted) reports_[i].header_id = reservations_[i].header_id;
+      reports_[i].payload = ledger::PayloadOf(drafts_[i], reservations_[i].header_id);
+    }
+    return {};
+  }
+
+  void Publish(const SentHook& sent) {
+    const auto deadline = steady_clock::now() + options_.acknowledge_timeout;
+    for (Report& report : reports_) {
+      if (broken_) {
+        SetError(report, *broken_, "not sent: ");
+        continue;
+      }
+      auto token = transport_.Publish({report.topic, report.payload, options_.qos}, deadline);
+      if (!token) {
+        broken_ = std::move(token.error());
+        SetError(report, *broken_, "perhaps sent: ");
+        continue;
+      }
+      if (sent) sent();
+      if (options_.qos == mqtt::Qos::kAtMostOnce) {
+        SetVerdict(report, Verdict::kSent);
+      } else {
+        awaited_[*token] = &report;
+      }
+    }
+  }
+
+  void AwaitAcknowledgements() {
+    const auto deadline = steady_clock::now() + options_.acknowledge_timeout;
+    auto acknowledgements = transport_.AwaitAcknowledgements(deadline);
+    if (acknowledgements) {
+      for (const mqtt::Acknowledgement& acknowledgement : *acknowledgements) {
+        Settle(acknowledgement);
+      }
+    } else if (!broken_) {
+      broken_ = std::move(acknowledgements.error());
+    }
+    const Error silence{ErrorKind::kBroker,
+                        fmt::format("{} did not acknowledge within {}: it may or may not have the "
+                                    "message",
+                                    transport_.server().broker.ToString(),
+                                    base::FormatElapsed(options_.acknowledge_timeout))};
+    for (auto& [token, report] : awaited_) {
+      SetError(*report, broken_ ? *broken_ : silence, "sent, but not acknowledged: ");
+    }
+    if (!awaited_.empty() && !broken_) broken_ = silence;
+  }
+
+  void Settle(const mqtt::Acknowledgement& acknowledgement) {
+    const auto found = awaited_.find(acknowledgement.token);
+    if (found == awaited_.end()) return;
+    if (acknowledgement.Refused()) {
+      SetError(*found->second,
+               {ErrorKind::kBroker,
+                fmt::format("{} refused the message: {}", transport_.server().broker.ToString(),
+                            acknowledgement.reason)},
+               "");
+    } else {
+      SetVerdict(*found->second, Verdict::kPublished);
+    }
+    awaited_.erase(found);
+  }
+
+  void SetVerdict(Report& report, Verdict verdict) const {
+    report.verdict = verdict;
+    report.elapsed = steady_clock::now() - started_;
+  }
+
+  void SetError(Report& report, const Error& error, std::string_view prefix) const {
+    SetVerdict(report, Verdict::kError);
+    report.error = error.kind;
+    report.message = fmt::format("{}{}", prefix, error.message);
+  }
+
+  std::span<const Command> commands_;
+  mqtt::Transport& transport_;
+  ledger::Ledger& ledger_;
+  const SendOptions& options_;
+  steady_clock::time_point started_;
+  std::vector<Report> reports_;
+  std::vector<ledger::Draft> drafts_;
+  std::vector<ledger::Reservation> reservations_;
+  std::map<int, Report*> awaited_;
+  std::optional<Error> broken_;
+};
+
+void ReportNotSent(std::span<const Command> commands, const Error& error, const ReportSink& sink) {
+  for (const Command& command : commands) {
+    Report report = ReportOn(command);
+    report.error = error.kind;
+    report.message = "not sent: " + error.message;
+    sink(report);
+  }
+}
+
+}  // namespace
+
+Report ReportOn(const Command& command) {
+  return {.target = command.target,
+          .protocol = command.protocol,
+          .version = command.version,
+          .version_assumed = command.version_assumed,
+          .topic = command.topic,
+          .actions = command.actions};
+}
+
+Status Send(std::span<const Command> commands, mqtt::Transport& transport, ledger::Ledger& ledger,
+            const SendOptions& options, const ReportSink& report, const SentHook& sent) {
+  Status trouble;
+  while (!commands.empty()) {
+    const std::size_t count = std::min(options.batch, commands.size());
+    Batch batch(commands.first(count), transport, ledger, options);
+    if (auto ran = batch.Run(sent); !ran) {
+      ReportNotSent(commands, ran.error(), report);
+      return trouble;
+    }
+    commands = commands.subspan(count);
+    if (auto recorded = batch.RecordOutcomes(); !recorded && trouble) trouble = recorded;
+    for (const Report& done : batch.reports()) report(done);
+    if (batch.broken()) {
+      ReportNotSent(commands, *batch.broken(), report);
+      return trouble;
+    }
+  }
+  return trouble;
+}
+
+}  // namespace fleetpub::dispatch

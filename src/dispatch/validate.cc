@@ -1,0 +1,51 @@
+#include "dispatch/validate.h"
+
+#include <fmt/format.h>
+
+#include "base/json.h"
+
+namespace fleetpub::dispatch {
+namespace {
+
+// Validated under the member's own name, sent under the one that the robot expects.
+void UndoQuirk(const Command& command, rapidjson::Document& message) {
+  const auto& [quirk, proper] = command.renamed_member;
+  if (quirk.empty()) return;
+  const auto member = message.FindMember(quirk.c_str());
+  if (member != message.MemberEnd()) member->name.SetString(proper, message.GetAllocator());
+}
+
+}  // namespace
+
+Findings Check(const rapidjson::Value& message, const schema::Schema& schema,
+               const TextRules& rules) {
+  Findings findings;
+  findings.errors = schema.Validate(message);
+  if (!findings.errors.empty() || !rules) return findings;
+  for (TextFinding& finding : rules(message)) {
+    auto& list = finding.is_error ? findings.errors : findings.warnings;
+    list.push_back(std::move(finding.violation));
+  }
+  return findings;
+}
+
+Result<Findings> Validate(const Command& command, schema::Registry& registry) {
+  const auto schema = registry.Find(command.schema);
+  if (!schema) return Fail(schema.error());
+  auto message = base::ParseJson(
+      command.payload.Render(command.header_id.value_or(0), base::WallTime::clock::now()));
+  if (!message) return Fail(std::move(message.error()));
+  UndoQuirk(command, *message);
+  return Check(*message, **schema, command.text_rules);
+}
+
+std::string Describe(std::span<const schema::Violation> violations) {
+  std::string text;
+  for (const auto& [path, message] : violations) {
+    if (!text.empty()) text += "; ";
+    text += path.empty() ? message : fmt::format("{}: {}", path, message);
+  }
+  return text;
+}
+
+}  // namespace fleetpub::dispatch

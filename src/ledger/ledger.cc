@@ -1,0 +1,10 @@
+#include "ledger/ledger.h"
+
+namespace fleetpub::ledger {
+
+std::string PayloadOf(const Draft& draft, std::uint32_t header_id) {
+  if (!draft.counted) return draft.before_id;
+  return draft.before_id + std::to_string(header_id) + draft.after_id;
+}
+
+}  // namespace fleetpub::ledger

@@ -1,0 +1,143 @@
+// Header ids and the audit trail: what was sent, by whom, to which robot, with which outcome.
+//
+// Invariants, on every topic and over processes, crashes (`kill -9` at any moment), reboots and
+// parallel use:
+//   1. a header id is never given twice and never runs backwards (it wraps at 2^32);
+//   2. Reserve returns only when ids and rows are durable: nothing is sent that is not recorded
+//   first;
+//   3. whoever holds a topic's lock is the only one who reserves and writes on that topic, so that
+//   messages
+//      leave in the order of their ids.
+// Gaps are allowed (a receiver reads them as a lost message); repeats are not.
+//
+// Threads: a Ledger belongs to one thread. Processes share the store, not the object.
+// Errors: ErrorKind::kLedger with the file's name and how to repair it.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "base/result.h"
+
+namespace fleetpub::ledger {
+
+using Deadline = std::chrono::steady_clock::time_point;
+using WallTime = std::chrono::system_clock::time_point;
+
+/// An action of a message, as the audit trail names it.
+struct ActionRef {
+  std::string type;
+  std::string id;
+
+  friend bool operator==(const ActionRef&, const ActionRef&) = default;
+};
+
+/// A message about to be sent. The payload is `before_id` + decimal header id + `after_id`, or
+/// `before_id` alone when the message is not counted (SoAR has no header ids).
+struct Draft {
+  std::string topic;   ///< the full MQTT topic: header ids are counted per topic
+  std::string target;  ///< as people name it: `KIT/0001`
+  std::string protocol;
+  std::string version;
+  std::string broker;  ///< never with credentials
+  std::vector<ActionRef> actions;
+  bool counted = true;
+  std::optional<std::uint32_t> header_id;  ///< asked for outright; must lie above the last one
+  std::string before_id;
+  std::string after_id;
+};
+
+struct Reservation {
+  std::int64_t row = 0;  ///< for RecordOutcome; 0 when history is off
+  std::uint32_t header_id = 0;
+};
+
+/// What became of a recorded message. `status` is a status name of the manual ("SENT", "FINISHED"
+/// …).
+struct Outcome {
+  std::int64_t row = 0;
+  std::string status;
+  std::string detail;
+};
+
+/// A row of the audit trail.
+struct Record {
+  std::int64_t id = 0;
+  WallTime recorded_at;
+  std::optional<WallTime> outcome_at;
+  std::string user;
+  std::string host;
+  std::string profile;
+  std::string broker;
+  std::string target;
+  std::string protocol;
+  std::string version;
+  std::string topic;
+  std::optional<std::uint32_t> header_id;
+  std::vector<ActionRef> actions;
+  std::string payload;
+  /// "RECORDED" until an outcome is known: the process ended in between, and whether the message
+  /// left is unknown.
+  std::string status;
+  std::string detail;
+};
+
+struct HistoryFilter {
+  std::string target = {};  ///< exact; empty: all
+  std::string action = {};  ///< an action type, exact; empty: all
+  std::string status = {};
+  std::string user = {};
+  std::optional<WallTime> since = {};  ///< from this moment
+  std::optional<WallTime> until = {};  ///< before this moment
+  int limit = 50;  ///< the newest so many, returned oldest first; 0: all
+};
+
+/// Held from reserving to writing. Released by the destructor, and by the system when the process
+/// dies.
+class TopicLock {
+ public:
+  TopicLock() = default;
+  TopicLock(const TopicLock&) = delete;
+  TopicLock& operator=(const TopicLock&) = delete;
+  virtual ~TopicLock() = default;
+};
+
+class Ledger {
+ public:
+  Ledger() = default;
+  Ledger(const Ledger&) = delete;
+  Ledger& operator=(const Ledger&) = delete;
+  virtual ~Ledger() = default;
+
+  /// Locks all these topics (in an order of its own, so that two callers cannot wait for each
+  /// other), or none. Errors at the deadline name a topic that somebody else holds.
+  [[nodiscard]] virtual Result<std::unique_ptr<TopicLock>> Lock(std::span<const std::string> topics,
+                                                                Deadline deadline) = 0;
+
+  /// Gives each draft the next header id of its topic and records it, all in one durable
+  /// transaction: all of them or none. The caller holds the topics' locks. Ids asked for outright
+  /// at or below the last one are refused (ErrorKind::kUsage), naming the last.
+  [[nodiscard]] virtual Result<std::vector<Reservation>> Reserve(std::span<const Draft> drafts) = 0;
+
+  [[nodiscard]] virtual Status RecordOutcomes(std::span<const Outcome> outcomes) = 0;
+
+  /// The id that Reserve would give next; reserves nothing and creates nothing.
+  [[nodiscard]] virtual Result<std::uint32_t> PeekNext(std::string_view topic) = 0;
+
+  [[nodiscard]] virtual Result<std::vector<Record>> History(const HistoryFilter& filter) = 0;
+  /// Nothing when there is no such row.
+  [[nodiscard]] virtual Result<std::optional<Record>> Find(std::int64_t id) = 0;
+  /// Removes rows recorded before this time, never the header ids. Returns how many.
+  [[nodiscard]] virtual Result<std::int64_t> Prune(WallTime older_than) = 0;
+};
+
+/// The payload of a draft with its id in place.
+[[nodiscard]] std::string PayloadOf(const Draft& draft, std::uint32_t header_id);
+
+}  // namespace fleetpub::ledger

@@ -1,0 +1,140 @@
+#include "ledger/ledger_files.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <pwd.h>
+#include <sys/stat.h>
+#include <sys/vfs.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstdlib>
+#include <string>
+#include <string_view>
+
+#include "ledger/sqlite_error.h"
+#include "ledger/sqlite_ledger.h"
+
+namespace fleetpub::ledger {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// f_type of statfs(2), for file systems that several hosts may have mounted.
+constexpr std::array<unsigned, 10> kNetworkFileSystems = {
+    0x00006969,  // NFS
+    0x0000517B,  // SMB
+    0xFF534D42,  // CIFS
+    0xFE534D42,  // SMB2
+    0x65735546,  // FUSE: sshfs, GlusterFS
+    0x01021997,  // 9P
+    0x00C36400,  // Ceph
+    0x5346414F,  // AFS
+    0x0BD00BD0,  // Lustre
+    0x786F4256,  // VirtualBox shared folder
+};
+
+/// A new name is on the disk only when its folder is: after a power failure a ledger must not be
+/// gone.
+void SyncFolder(const fs::path& folder) {
+  const int fd = open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (fd < 0) return;
+  fsync(fd);
+  close(fd);
+}
+
+Status MakeFolders(const fs::path& folder) {
+  if (folder.empty() || mkdir(folder.c_str(), 0700) == 0) {
+    SyncFolder(folder.parent_path());
+    return {};
+  }
+  if (errno == EEXIST) return {};
+  if (errno != ENOENT) return Fail(CannotOpen(folder, errno));
+  if (Status parent = MakeFolders(folder.parent_path()); !parent) return parent;
+  if (mkdir(folder.c_str(), 0700) != 0 && errno != EEXIST) return Fail(CannotOpen(folder, errno));
+  SyncFolder(folder.parent_path());
+  return {};
+}
+
+mode_t ModeFor(const fs::path& folder) {
+  struct stat info {};
+  if (stat(folder.empty() ? "." : folder.c_str(), &info) != 0) return 0600;
+  const bool shared = (info.st_mode & S_IWGRP) != 0 && (info.st_mode & S_IWOTH) == 0;
+  return shared ? 0660 : 0600;
+}
+
+std::string FromEnvironment(const char* name) {
+  const char* value = getenv(name);
+  return value == nullptr ? std::string() : value;
+}
+
+std::string HomeFolder() {
+  std::string home = FromEnvironment("HOME");
+  if (!home.empty()) return home;
+  const passwd* user = getpwuid(geteuid());
+  return user == nullptr ? std::string() : user->pw_dir;
+}
+
+}  // namespace
+
+Result<bool> LedgerFileExists(const fs::path& path) {
+  struct stat info {};
+  if (stat(path.c_str(), &info) != 0) {
+    if (errno == ENOENT) return false;
+    return Fail(CannotOpen(path, errno));
+  }
+  if (S_ISREG(info.st_mode)) return true;
+  return Fail(ErrorKind::kLedger,
+              fmt::format("the ledger {} is {}: name a file", path.string(),
+                          S_ISDIR(info.st_mode) ? "a folder" : "no regular file"));
+}
+
+Status CreateLedgerFile(const fs::path& path) {
+  const fs::path folder = path.parent_path();
+  if (Status made = MakeFolders(folder); !made) return made;
+  const mode_t mode = ModeFor(folder);
+  const int fd = open(path.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, mode);
+  if (fd < 0) {
+    if (errno == EEXIST) return {};
+    return Fail(CannotOpen(path, errno));
+  }
+  fchmod(fd, mode);
+  close(fd);
+  SyncFolder(folder.empty() ? "." : folder);
+  return {};
+}
+
+std::uintmax_t SizeOf(const fs::path& path) {
+  std::error_code missing;
+  const std::uintmax_t size = fs::file_size(path, missing);
+  return missing ? 0 : size;
+}
+
+bool OnNetworkFileSystem(const fs::path& path) {
+  struct statfs info {};
+  if (statfs(path.c_str(), &info) != 0) {
+    const fs::path folder = path.parent_path();
+    if (statfs(folder.empty() ? "." : folder.c_str(), &info) != 0) return false;
+  }
+  const auto type = static_cast<unsigned>(info.f_type);
+  return std::find(kNetworkFileSystems.begin(), kNetworkFileSystems.end(), type) !=
+         kNetworkFileSystems.end();
+}
+
+Result<fs::path> DefaultLedgerPath(const fs::path& shared_folder) {
+  std::error_code ignored;
+  if (fs::is_directory(shared_folder, ignored) &&
+      eaccess(shared_folder.c_str(), W_OK | X_OK) == 0) {
+    return shared_folder / "ledger.db";
+  }
+  const fs::path state = FromEnvironment("XDG_STATE_HOME");
+  if (state.is_absolute()) return state / "fleetpub" / "ledger.db";
+  const fs::path home = HomeFolder();
+  if (home.is_absolute()) return home / ".local" / "state" / "fleetpub" / "ledger.db";
+  return Fail(ErrorKind::kLedger,
+              "no place for the ledger: this user has no home folder; set HOME or name a ledger");
+}
+
+}  // namespace fleetpub::ledger

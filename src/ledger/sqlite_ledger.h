@@ -1,0 +1,56 @@
+// The ledger in one SQLite file, with the topics' locks in a second file beside it.
+#pragma once
+
+#include <chrono>
+#include <filesystem>
+#include <memory>
+#include <string>
+
+#include "base/result.h"
+#include "ledger/ledger.h"
+
+namespace fleetpub::ledger {
+
+/// Where the ids of a topic that the ledger does not know begin.
+enum class HeaderIdStart {
+  kZero,   ///< as the specification's examples do
+  kEpoch,  ///< Unix seconds: still rises when the ledger was lost
+};
+
+struct SqliteOptions {
+  std::filesystem::path path;
+  HeaderIdStart start = HeaderIdStart::kZero;
+  bool keep_history = true;  ///< false: ids only
+  std::string user;          ///< who commands, for the audit trail
+  std::string host;
+  std::string profile;
+  /// How long another process may hold SQLite's own lock.
+  std::chrono::milliseconds busy_timeout{5'000};
+};
+
+enum class OpenMode {
+  /// Makes file and folders when missing: the user's own (0600, 0700), except that in a folder
+  /// which its group may write
+  /// in the files are the group's as well (0660).
+  kCreate,
+  /// A missing file is an empty ledger and stays missing; nothing in an existing one is changed.
+  /// Works on a read-only
+  /// medium. Lock, Reserve, RecordOutcomes and Prune fail.
+  kReadOnly,
+};
+
+/// May block for `busy_timeout`. Errors: ErrorKind::kLedger, with the file, the cause and the
+/// remedy, when the file is damaged, another program's, written by a newer version, or cannot be
+/// opened or written.
+[[nodiscard]] Result<std::unique_ptr<Ledger>> OpenSqlite(SqliteOptions options, OpenMode mode);
+
+/// `shared_folder`/ledger.db where that folder exists and this user may write in it, else
+/// $XDG_STATE_HOME/fleetpub/ledger.db, else ~/.local/state/fleetpub/ledger.db.
+/// Errors: ErrorKind::kLedger when the user has no home.
+[[nodiscard]] Result<std::filesystem::path> DefaultLedgerPath(
+    const std::filesystem::path& shared_folder = "/var/lib/fleetpub");
+
+/// Several hosts may share this file: one such ledger cannot keep their ids apart reliably.
+[[nodiscard]] bool OnNetworkFileSystem(const std::filesystem::path& path);
+
+}  // namespace fleetpub::ledger

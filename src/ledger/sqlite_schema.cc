@@ -1,0 +1,86 @@
+#include "ledger/sqlite_schema.h"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <string>
+
+namespace fleetpub::ledger {
+namespace {
+
+/// "FLPB". In the file's header (sqlite.org/fileformat2.html §1.3.16), where file(1) shows it too.
+constexpr std::int64_t kApplicationId = 0x464C5042;
+constexpr std::int64_t kVersion = 1;
+
+// Small pages: a commit writes whole pages, and a command changes three. AUTOINCREMENT keeps the
+// numbers of pruned rows from being given again. No index: one would be written with each command,
+// and history is read rarely.
+constexpr std::array kCreate = {
+    "CREATE TABLE header_ids("
+    "topic TEXT PRIMARY KEY, last INTEGER NOT NULL"
+    ") WITHOUT ROWID",
+    "CREATE TABLE messages("
+    "id INTEGER PRIMARY KEY AUTOINCREMENT, recorded_at INTEGER NOT NULL, outcome_at INTEGER, "
+    "user TEXT NOT NULL, host TEXT NOT NULL, profile TEXT NOT NULL, broker TEXT NOT NULL, "
+    "target TEXT NOT NULL, protocol TEXT NOT NULL, version TEXT NOT NULL, topic TEXT NOT NULL, "
+    "header_id INTEGER, actions TEXT NOT NULL, payload TEXT NOT NULL, status TEXT NOT NULL, "
+    "detail TEXT NOT NULL)",
+    "PRAGMA application_id=1179406402",
+    "PRAGMA user_version=1",
+};
+static_assert(kApplicationId == 1179406402 && kVersion == 1, "as in kCreate");
+
+Result<std::int64_t> AskNumber(Database& database, const char* sql) {
+  Statement statement(database, sql);
+  const Result<bool> row = statement.Step();
+  if (!row) return Fail(row.error());
+  return *row ? statement.Integer(0) : 0;
+}
+
+}  // namespace
+
+Result<FileState> Inspect(Database& database) {
+  const Result<std::int64_t> application = AskNumber(database, "PRAGMA application_id");
+  if (!application) return Fail(application.error());
+  const Result<std::int64_t> version = AskNumber(database, "PRAGMA user_version");
+  if (!version) return Fail(version.error());
+  const std::string path = database.path().string();
+  if (*application == kApplicationId && *version == kVersion) return FileState::kLedger;
+  if (*application == kApplicationId && *version > kVersion) {
+    return Fail(ErrorKind::kLedger,
+                fmt::format("the ledger {} was written by a newer fleetpub: update this one", path),
+                fmt::format("version {} of the file, {} known", *version, kVersion));
+  }
+  const Result<std::int64_t> tables = AskNumber(database, "SELECT count(*) FROM sqlite_schema");
+  if (!tables) return Fail(tables.error());
+  if (*application == 0 && *version == 0 && *tables == 0) return FileState::kNew;
+  return Fail(ErrorKind::kLedger,
+              fmt::format("{} is a database of another program: name another ledger", path));
+}
+
+Status CreateTables(Database& database, Journal journal) {
+  const char* choose =
+      journal == Journal::kWriteAhead ? "PRAGMA journal_mode=WAL" : "PRAGMA journal_mode=PERSIST";
+  for (const char* sql : {"PRAGMA page_size=1024", choose}) {
+    if (Status done = database.Execute(sql); !done) return done;
+  }
+  Transaction transaction(database);
+  if (Status begun = transaction.Begin(); !begun) return begun;
+  for (const char* sql : kCreate) {
+    if (Status done = database.Execute(sql); !done) return done;
+  }
+  return transaction.Commit();
+}
+
+Status ChooseJournal(Database& database, Journal journal) {
+  const Result<std::string> mode = database.Ask(
+      journal == Journal::kRollback ? "PRAGMA journal_mode=PERSIST" : "PRAGMA journal_mode");
+  if (!mode) return Fail(mode.error());
+  database.set_write_ahead(*mode == "wal");
+  // DELETE, SQLite's default, can bring a finished journal back after a power failure, and an id
+  // with it.
+  if (*mode != "wal" && *mode != "persist") return database.Execute("PRAGMA journal_mode=PERSIST");
+  return {};
+}
+
+}  // namespace fleetpub::ledger

@@ -1,0 +1,28 @@
+// One attempt at one broker.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "base/result.h"
+#include "mqtt/paho_watch.h"
+#include "mqtt/transport.h"
+
+namespace fleetpub::mqtt {
+
+/// A connected client of Paho. Whoever holds it destroys the client before `tls`.
+struct PahoConnection {
+  void* client = nullptr;  ///< an MQTTClient
+  int descriptor = -1;     ///< Paho's socket; -1 when this build cannot know (PahoCall::Supported)
+  std::unique_ptr<TlsWatch> tls;
+  ServerInfo server;
+  int receive_maximum = 65'535;  ///< MQTT 5 §3.2.2.3.3
+};
+
+/// Checks what can be known to be wrong before connecting. Errors: ErrorKind::kUsage.
+[[nodiscard]] Status CheckConnectOptions(const ConnectOptions& options);
+
+/// Errors: ErrorKind::kBroker, one line that names the broker.
+[[nodiscard]] Result<PahoConnection> ConnectTo(const BrokerUrl& broker, const ConnectOptions& options);
+
+}  // namespace fleetpub::mqtt

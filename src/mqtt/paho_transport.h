@@ -1,0 +1,14 @@
+// The Transport over paho-mqtt-c.
+#pragma once
+
+#include <memory>
+
+#include "base/result.h"
+#include "mqtt/transport.h"
+
+namespace fleetpub::mqtt {
+
+/// Connects to the first broker that accepts. When none does, the error tells what each one said.
+[[nodiscard]] Result<std::unique_ptr<Transport>> ConnectPaho(const ConnectOptions& options);
+
+}  // namespace fleetpub::mqtt

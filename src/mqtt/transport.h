@@ -1,0 +1,122 @@
+// A connection to a broker, as the rest of the program sees it. No type of any MQTT library stands here.
+//
+// Threads: a Transport belongs to one thread at a time and starts none of its own.
+// Blocking: every call returns by the deadline that it is given or by the connect timeout.
+// Errors: ErrorKind::kBroker with a sentence that names the broker, the cause and what to try.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "base/result.h"
+#include "mqtt/broker_url.h"
+
+namespace fleetpub::mqtt {
+
+using Deadline = std::chrono::steady_clock::time_point;
+
+enum class Qos : int { kAtMostOnce = 0, kAtLeastOnce = 1, kExactlyOnce = 2 };
+enum class ProtocolVersion { k311, k5 };
+
+/// MQTT 3.1.1 §3.3, MQTT 5 §3.3. The payload is bytes.
+struct Message {
+  std::string topic;
+  std::string payload;
+  Qos qos = Qos::kAtMostOnce;
+  /// On a received message: the broker had stored it before we subscribed. Never set on what we send:
+  /// a retained command would be obeyed by a robot that reconnects tomorrow.
+  bool retained = false;
+};
+
+struct TlsOptions {
+  std::string ca_file;  ///< PEM; empty with an empty ca_path: the system's trust store
+  std::string ca_path;
+  std::string cert_file;  ///< the client's own certificate chain, PEM
+  std::string key_file;
+  std::optional<std::string> key_password;
+  std::string ciphers;  ///< OpenSSL's list; empty: its default
+  std::vector<std::string> alpn;
+  bool verify = true;  ///< chain and host name; false only for `--insecure`
+};
+
+struct ConnectOptions {
+  /// Tried in this order until one accepts; at least one.
+  std::vector<BrokerUrl> brokers;
+  std::string client_id;  ///< empty: a random one
+  std::string username;   ///< empty: none, or the one in the URL
+  std::optional<std::string> password;
+  std::chrono::seconds keep_alive{60};
+  ProtocolVersion version = ProtocolVersion::k311;
+  /// For name lookup, TCP, TLS and CONNACK together, per broker.
+  std::chrono::milliseconds connect_timeout{10'000};
+  TlsOptions tls;
+  /// `http://[user:password@]host:port`; empty: none, whatever the environment says.
+  std::string proxy;
+  /// How many QoS 1 and 2 messages may await their acknowledgement at once.
+  int window = 200;
+  /// Receives a line for each protocol step, without secrets. May be empty.
+  std::function<void(std::string_view)> trace;
+};
+
+/// What the broker said to one QoS 1 or 2 message.
+struct Acknowledgement {
+  int token = 0;
+  /// MQTT 5 §2.4; 0 on MQTT 3.1.1, which cannot say no. 0x80 and above: the broker refused the message.
+  int reason_code = 0;
+  /// For a person, set when refused: "not authorized (0x87)".
+  std::string reason = {};
+
+  [[nodiscard]] bool Refused() const { return reason_code >= 0x80; }
+};
+
+/// What CONNACK tells (MQTT 5 §3.2.2.3); on 3.1.1 only `broker` and `version`.
+struct ServerInfo {
+  BrokerUrl broker;
+  ProtocolVersion version = ProtocolVersion::k311;
+  std::optional<Qos> maximum_qos;
+  std::optional<bool> retain_available;
+  std::optional<bool> wildcard_available;
+  std::optional<std::uint32_t> maximum_packet_size;
+  std::string assigned_client_id;
+};
+
+/// An open connection with a clean session. Closing: Disconnect(); the destructor drops the connection
+/// without a DISCONNECT packet when that was not called.
+class Transport {
+ public:
+  Transport() = default;
+  Transport(const Transport&) = delete;
+  Transport& operator=(const Transport&) = delete;
+  virtual ~Transport() = default;
+
+  [[nodiscard]] virtual const ServerInfo& server() const = 0;
+
+  /// Subscribes and waits for the SUBACK. A filter that the broker refuses is an error that names it.
+  [[nodiscard]] virtual Status Subscribe(std::span<const std::string> filters, Qos qos,
+                                         Deadline deadline) = 0;
+
+  /// QoS 0: returns 0 when the message is with the operating system. QoS 1 and 2: returns the token by which
+  /// AwaitAcknowledgements names it; while the window is full, waits for room until the deadline.
+  [[nodiscard]] virtual Result<int> Publish(const Message& message, Deadline deadline) = 0;
+
+  /// Waits until every message in flight is acknowledged, or until the deadline. Returns what came since the
+  /// last call, in order of arrival; in_flight() tells what is missing. An error is a lost connection.
+  [[nodiscard]] virtual Result<std::vector<Acknowledgement>> AwaitAcknowledgements(
+      Deadline deadline) = 0;
+  [[nodiscard]] virtual int in_flight() const = 0;
+
+  /// The next message of a subscription, in order of arrival; nothing at the deadline.
+  [[nodiscard]] virtual Result<std::optional<Message>> Receive(Deadline deadline) = 0;
+
+  /// Takes leave with DISCONNECT, after which only the destructor may be called.
+  virtual void Disconnect() = 0;
+};
+
+}  // namespace fleetpub::mqtt

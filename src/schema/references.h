@@ -1,0 +1,76 @@
+// `$id` and `$ref` of one schema document: what is called how, and which schema a reference means.
+#pragma once
+
+#include <cstddef>
+#include <deque>
+#include <span>
+#include <string>
+#include <string_view>
+#include <tl/expected.hpp>
+#include <unordered_map>
+
+#include "base/rapidjson.h"
+
+namespace fleetpub::schema {
+
+struct Vetted;
+
+/// Where a walk through a schema stands. A link of a chain on the stack: `up` outlives it.
+struct Place {
+  const Place* up = nullptr;
+  std::string_view name = {};    ///< of a member, when data() is not null
+  std::size_t index = 0;         ///< of an array's item, else
+  std::string_view prefix = {};  ///< with no `up`: a pointer to begin with
+  std::string_view base = {};    ///< URI of the innermost `$id`; outlives the walk
+
+  [[nodiscard]] Place Below(std::string_view member) const { return {this, member, 0, {}, base}; }
+  [[nodiscard]] Place Below(std::size_t item) const { return {this, {}, item, {}, base}; }
+  [[nodiscard]] std::string Pointer() const;
+};
+
+class ReferenceTable {
+ public:
+  template <typename T>
+  using Checked = tl::expected<T, std::string>;  // the error begins with the pointer of the place
+
+  struct Found {
+    const rapidjson::Value* schema;
+    std::string_view pointer;  ///< the fragment, for messages
+    std::string_view base;
+  };
+
+  /// Fills `vetted.targets`; `vetted` outlives the table.
+  explicit ReferenceTable(Vetted& vetted);
+
+  /// `schema` at `here` is called `id`; `here.base` becomes its URI. False when the name is taken.
+  bool Identify(const rapidjson::Value& schema, std::string_view id, Place& here);
+
+  void Add(const rapidjson::Value& schema, std::string_view reference, const Place& place);
+  [[nodiscard]] std::size_t size() const { return references_.size(); }
+
+  /// The schema that the reference means, once every `$id` is known.
+  Checked<Found> Resolve(std::size_t index);
+
+  /// That no schema asks for itself without a step into the message, and none asks so through too
+  /// many others: a validator would exhaust the stack.
+  [[nodiscard]] Checked<void> CheckChains(std::span<const rapidjson::Value* const> schemas) const;
+
+ private:
+  struct Reference {
+    const rapidjson::Value* schema;
+    std::string text;      // as it stands there, for messages
+    std::string uri;       // resolved, without the fragment
+    std::string fragment;  // decoded
+    std::string place;
+  };
+  using Named = std::unordered_map<std::string, const rapidjson::Value*>;
+
+  [[nodiscard]] const rapidjson::Value* Find(const Reference& reference) const;
+
+  Vetted& vetted_;
+  Named documents_;  // by URI without a fragment
+  Named anchors_;    // by URI with a fragment that is a name
+  std::deque<Reference> references_;
+};
+
+}  // namespace fleetpub::schema

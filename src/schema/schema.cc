@@ -1,0 +1,53 @@
+#include "schema/schema.h"
+
+#include <fmt/format.h>
+
+#include <exception>
+
+#include "base/text.h"
+#include "schema/explain.h"
+#include "schema/validator.h"
+#include "schema/vet.h"
+
+namespace fleetpub::schema {
+
+struct Schema::Compiled {
+  explicit Compiled(std::unique_ptr<const Vetted> schema)
+      : vetted(std::move(schema)), validator(*vetted) {}
+
+  std::unique_ptr<const Vetted> vetted;
+  Validator validator;
+};
+
+Schema::Schema(std::unique_ptr<const Compiled> compiled) : compiled_(std::move(compiled)) {}
+Schema::Schema(Schema&&) noexcept = default;
+Schema& Schema::operator=(Schema&&) noexcept = default;
+Schema::~Schema() = default;
+
+Result<Schema> Schema::Compile(std::string_view text, std::string_view name) {
+  const auto refuse = [name](std::string_view why) {
+    return Fail(ErrorKind::kInvalid, fmt::format("schema {}: {}", base::Printable(name), why));
+  };
+  auto vetted = Vet(text);
+  if (!vetted) return refuse(vetted.error().message);
+  try {
+    return Schema(std::make_unique<const Compiled>(std::move(*vetted)));
+  } catch (const std::exception& e) {  // valijson's and rapidjson's
+    return refuse(fmt::format("cannot be compiled: {}", e.what()));
+  }
+}
+
+std::vector<Violation> Schema::Validate(const rapidjson::Value& message) const {
+  try {
+    if (compiled_->validator.IsValid(message)) return {};
+    std::vector<Violation> violations = Explain(*compiled_->vetted, message, kMostViolations);
+    if (violations.empty()) violations.push_back({"", "does not satisfy the schema"});
+    return violations;
+  } catch (const TooMuchWork&) {
+    return {{"", "could not be checked: the schema's references make this message too much work"}};
+  } catch (const std::exception& e) {
+    return {{"", fmt::format("could not be checked: {}", e.what())}};
+  }
+}
+
+}  // namespace fleetpub::schema

@@ -1,0 +1,97 @@
+// JSON Schema validation. The folder is the only user of valijson; its types stay behind this
+// header.
+//
+// A schema is known by name: `vda5050/3.0.0/instantActions`. The built-in ones are embedded at
+// build time; a folder of the user's own can be laid before them.
+//
+// Threads: a Registry belongs to one thread. A Schema may be used by several at once.
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "base/rapidjson.h"
+#include "base/result.h"
+
+namespace fleetpub::schema {
+
+/// One thing that is wrong with a message.
+struct Violation {
+  std::string path;     ///< JSON Pointer (RFC 6901) to the offending value; "" is the whole message
+  std::string message;  ///< in a person's words: `must be one of NONE, SOFT, HARD, not "LOUD"`
+
+  friend bool operator==(const Violation&, const Violation&) = default;
+};
+
+/// A compiled schema: JSON Schema draft-07, with `date-time` asserted (RFC 3339, real calendar) and
+/// every other `format` an annotation. `pattern` is matched by RE2 in linear time. A schema that
+/// names draft-06, 2019-09 or 2020-12 in `$schema` is taken as well when it uses nothing that
+/// draft-07 does not have.
+class Schema {
+ public:
+  /// Compiles. A schema that is no valid schema, uses a keyword that we do not check, refers to
+  /// something that is not in it or only to itself, or would hang or crash a validator is refused:
+  /// ErrorKind::kInvalid, with the JSON Pointer of the place. `name` is for messages.
+  [[nodiscard]] static Result<Schema> Compile(std::string_view text, std::string_view name);
+
+  Schema(Schema&&) noexcept;
+  Schema& operator=(Schema&&) noexcept;
+  ~Schema();
+
+  /// Every violation, in the order of the message; empty when valid. Only causes are listed, not
+  /// the objects around them; after kMostViolations one line says that there are more. Never
+  /// throws. `message` comes from base::ParseJson, which bounds its depth.
+  [[nodiscard]] std::vector<Violation> Validate(const rapidjson::Value& message) const;
+
+  static constexpr std::size_t kMostViolations = 1000;
+
+ private:
+  struct Compiled;
+  explicit Schema(std::unique_ptr<const Compiled> compiled);
+  std::unique_ptr<const Compiled> compiled_;
+};
+
+/// A built-in schema as it was embedded.
+struct Embedded {
+  std::string_view name;  ///< `vda5050/3.0.0/instantActions`
+  std::string_view text;  ///< without line breaks; base::ToPrettyJson makes it readable
+};
+
+/// All of them, sorted by name.
+[[nodiscard]] std::span<const Embedded> EmbeddedSchemas();
+
+/// Finds schemas by name and compiles each once.
+class Registry {
+ public:
+  /// A file `vda5050/3.0.0/instantActions.schema.json` below `directory` stands before the built-in
+  /// of that name. Taken as well are a folder named like a version without `vda5050/` around it,
+  /// and `.schema` at the end: the official repository's `json_schemas` copied to
+  /// `<directory>/3.0.0` works as it is. Any other file of such an ending can be found by its path
+  /// without the ending. An empty `directory` means built-in ones only; one that cannot be read
+  /// makes Text and Find fail with ErrorKind::kUsage.
+  explicit Registry(std::filesystem::path directory = {});
+
+  /// The text as it stands in the file, for `schema show`. Unknown name: ErrorKind::kUsage, naming
+  /// what is close.
+  [[nodiscard]] Result<std::string> Text(std::string_view name) const;
+
+  /// Owned by the registry and valid as long as it lives. Errors: as Text and Schema::Compile.
+  [[nodiscard]] Result<const Schema*> Find(std::string_view name);
+
+  /// Every name that Find accepts, sorted, with where it comes from ("built-in" or a path).
+  [[nodiscard]] std::vector<std::pair<std::string, std::string>> List() const;
+
+ private:
+  std::filesystem::path directory_;
+  std::map<std::string, std::filesystem::path, std::less<>> files_;
+  Status scanned_;
+  std::map<std::string, Schema, std::less<>> compiled_;
+};
+
+}  // namespace fleetpub::schema

@@ -1,0 +1,29 @@
+// Is a message valid, yes or no: the way taken for every message, with valijson.
+#pragma once
+
+#include <memory>
+
+#include "base/rapidjson.h"
+#include "schema/vet.h"
+
+namespace fleetpub::schema {
+
+/// Thrown when a schema of many nested references makes one message too much work (hours instead of
+/// microseconds).
+struct TooMuchWork {};
+
+class Validator {
+ public:
+  /// `vetted` outlives the validator.
+  explicit Validator(const Vetted& vetted);
+  ~Validator();
+
+  /// May be called by several threads at once. Throws TooMuchWork.
+  [[nodiscard]] bool IsValid(const rapidjson::Value& message) const;
+
+ private:
+  class Rules;
+  std::unique_ptr<const Rules> rules_;
+};
+
+}  // namespace fleetpub::schema

@@ -1,0 +1,33 @@
+// What a schema asks of a value, in words: the second half of `must be …`.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "base/rapidjson.h"
+
+namespace fleetpub::schema {
+
+/// `a string`, `an integer between 0 and 4294967295`, `a string or a number`: `type`, with the
+/// limits of a number.
+[[nodiscard]] std::string TypeInWords(const rapidjson::Value& schema);
+
+/// `between 0 and 9`, `at least 0`, `more than 0 and at most 1`; empty without limits.
+[[nodiscard]] std::string RangeInWords(const rapidjson::Value& schema);
+
+/// What kind of value it is, where its kind is what is wrong: `a number`, `null`; a number with a
+/// fraction is shown where only the fraction is wrong.
+[[nodiscard]] std::string KindInWords(const rapidjson::Value& value,
+                                      const rapidjson::Value& schema);
+
+/// `one of NONE, SOFT, HARD`; the first dozen of many.
+[[nodiscard]] std::string ChoiceInWords(const rapidjson::Value& values);
+
+/// `1 item`, `3 items`.
+[[nodiscard]] std::string Counted(std::uint64_t count, std::string_view noun);
+
+/// `a`, `a or b`, `a, b or c`.
+[[nodiscard]] std::string Alternatives(const std::vector<std::string>& parts);
+
+}  // namespace fleetpub::schema

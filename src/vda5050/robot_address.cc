@@ -1,0 +1,136 @@
+#include "vda5050/robot_address.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "base/text.h"
+
+namespace fleetpub::vda5050 {
+namespace {
+
+constexpr std::size_t kLongestTopic = 65'535;  // MQTT §1.5.3: strings have a 16-bit length
+
+bool IsControl(char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7F; }
+
+// Why this may not be a topic level, or "".
+std::string_view FaultOfLevel(std::string_view level) {
+  if (level.empty()) return "it is empty";
+  if (level.find_first_of("+#") != std::string_view::npos) {
+    return "+ and # are wildcards, which no robot is called";
+  }
+  if (level.find('$') != std::string_view::npos) return "$ is reserved for the broker";
+  if (level.find('/') != std::string_view::npos) return "/ separates topic levels";
+  if (std::any_of(level.begin(), level.end(), IsControl)) return "it contains a control character";
+  if (!base::IsUtf8(level)) return "it is not valid UTF-8";
+  return "";
+}
+
+Status CheckLevel(std::string_view target, std::string_view what, std::string_view level) {
+  const std::string_view fault = FaultOfLevel(level);
+  if (fault.empty()) return {};
+  return Fail(ErrorKind::kUsage, fmt::format("target '{}': its {} is refused: {}",
+                                             base::Printable(target), what, fault));
+}
+
+// Replaces each {placeholder}; an unknown one is an error.
+Result<std::string> Fill(std::string_view topic_template, auto value_of) {
+  std::string topic;
+  while (!topic_template.empty()) {
+    const std::size_t open = topic_template.find('{');
+    topic += topic_template.substr(0, open);
+    if (open == std::string_view::npos) break;
+    const std::size_t close = topic_template.find('}', open);
+    const std::string_view name = topic_template.substr(open + 1, close - open - 1);
+    const std::string_view* value = close == std::string_view::npos ? nullptr : value_of(name);
+    if (value == nullptr) {
+      return Fail(ErrorKind::kUsage,
+                  fmt::format("topic template: '{{{}' is no placeholder; there are {{interface}} "
+                              "{{major}} {{manufacturer}} {{serial}} {{topic}}",
+                              base::Printable(name)));
+    }
+    topic += *value;
+    topic_template.remove_prefix(close + 1);
+  }
+  return topic;
+}
+
+Status CheckTemplate(std::string_view topic_template) {
+  for (const std::string_view needed : {"{manufacturer}", "{serial}", "{topic}"}) {
+    if (topic_template.find(needed) == std::string_view::npos) {
+      return Fail(ErrorKind::kUsage,
+                  fmt::format("topic template '{}' lacks {}: every robot would get the message",
+                              base::Printable(topic_template), needed));
+    }
+  }
+  return {};
+}
+
+Status CheckTopic(const std::string& topic) {
+  if (topic.size() > kLongestTopic) {
+    return Fail(ErrorKind::kUsage,
+                fmt::format("topic of {} bytes: MQTT allows {}", topic.size(), kLongestTopic));
+  }
+  const auto levels = base::Split(topic, '/');
+  for (std::size_t i = 0; i < levels.size(); ++i) {
+    const std::string& level = levels[i];
+    const std::string_view fault = FaultOfLevel(level);
+    // A leading slash or `$name` may be what a cloud broker's own prefix demands.
+    const bool forced_prefix = i == 0 && (level.empty() || level.front() == '$');
+    if (fault.empty() || forced_prefix) continue;
+    return Fail(ErrorKind::kUsage,
+                fmt::format("topic '{}': level '{}' is refused: {}", base::Printable(topic),
+                            base::Printable(level), fault));
+  }
+  return {};
+}
+
+}  // namespace
+
+Result<RobotAddress> ParseRobotAddress(std::string_view text) {
+  const std::size_t slash = text.find('/');
+  if (slash == std::string_view::npos || text.find('/', slash + 1) != std::string_view::npos) {
+    return Fail(ErrorKind::kUsage,
+                fmt::format("'{}' is not a target: name a robot as manufacturer/serialNumber, "
+                            "such as KIT/0001",
+                            base::Printable(text)));
+  }
+  RobotAddress robot{std::string(text.substr(0, slash)), std::string(text.substr(slash + 1))};
+  if (auto ok = CheckLevel(text, "manufacturer", robot.manufacturer); !ok) return Fail(ok.error());
+  if (auto ok = CheckLevel(text, "serial number", robot.serial_number); !ok) {
+    return Fail(ok.error());
+  }
+  return robot;
+}
+
+bool HasRecommendedCharacters(std::string_view text) {
+  return std::all_of(text.begin(), text.end(), [](char c) {
+    return (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '_' ||
+           c == '.' || c == ':' || c == '-';
+  });
+}
+
+Result<std::string> TopicFor(const TopicScheme& scheme, Version version, const RobotAddress& robot,
+                             std::string_view topic) {
+  if (auto ok = CheckTemplate(scheme.topic_template); !ok) return Fail(ok.error());
+  const VersionFacts& facts = FactsOf(version);
+  const std::string_view interface_name = scheme.interface_name.empty()
+                                              ? facts.interface_name
+                                              : std::string_view(scheme.interface_name);
+  const std::string_view manufacturer = robot.manufacturer;
+  const std::string_view serial = robot.serial_number;
+  const auto value_of = [&](std::string_view name) -> const std::string_view* {
+    if (name == "interface") return &interface_name;
+    if (name == "major") return &facts.major;
+    if (name == "manufacturer") return &manufacturer;
+    if (name == "serial") return &serial;
+    if (name == "topic") return &topic;
+    return nullptr;
+  };
+  auto full = Fill(scheme.topic_template, value_of);
+  if (!full) return full;
+  if (auto ok = CheckTopic(*full); !ok) return Fail(ok.error());
+  return full;
+}
+
+}  // namespace fleetpub::vda5050

@@ -1,0 +1,197 @@
+// Disks without room, files without permission, media that nobody can write.
+#include <gmock/gmock.h>
+#include <signal.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+
+#include "ledger/ledger_support.h"
+#include "ledger/sqlite_database.h"
+
+namespace fleetpub::ledger {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::AnyOf;
+using ::testing::HasSubstr;
+namespace fs = std::filesystem;
+
+/// No file of this process may grow beyond: write(2) fails with EFBIG, as it would with ENOSPC.
+void LimitFiles(rlim_t bytes) {
+  signal(SIGXFSZ, SIG_IGN);
+  rlimit limit{};
+  getrlimit(RLIMIT_FSIZE, &limit);
+  limit.rlim_cur = bytes;
+  if (setrlimit(RLIMIT_FSIZE, &limit) != 0) throw std::runtime_error("setrlimit");
+}
+
+class HardTimes : public ::testing::Test {
+ protected:
+  HardTimes() {
+    chmod(folder_.path().c_str(), 0755);
+    const auto ledger = MustOpen(path_);
+    for (int i = 0; i < 3; ++i) MustReserve(*ledger);
+  }
+
+  /// Everything readable for everybody, nothing writable.
+  void Forbid() const {
+    for (const auto& entry : fs::directory_iterator(folder_.path())) {
+      chmod(entry.path().c_str(), 0444);
+    }
+    chmod(folder_.path().c_str(), 0555);
+  }
+
+  /// Copies the log into the file and removes it with its shared memory.
+  void RemoveLog() const {
+    {
+      auto database = Database::Open(path_, Access::kReadWrite, milliseconds(100));
+      (*database)->Checkpoint(AfterCheckpoint::kNothingFollows);
+    }
+    fs::remove(path_.string() + "-wal");
+    fs::remove(path_.string() + "-shm");
+  }
+
+  std::string NextAsOrdinaryUser() const {
+    return AsOrdinaryUser([&]() -> std::string {
+      const auto ledger = OpenSqlite(OptionsFor(path_), OpenMode::kReadOnly);
+      if (!ledger) return ledger.error().message;
+      const auto rows = (*ledger)->History({});
+      const auto next = (*ledger)->PeekNext(TopicOf(1));
+      return next ? std::to_string(*next) + " after " + std::to_string(rows->size()) + " rows"
+                  : next.error().message;
+    });
+  }
+
+  ~HardTimes() override { chmod(folder_.path().c_str(), 0755); }
+
+  testing::TemporaryFolder folder_;
+  fs::path path_ = folder_ / "ledger.db";
+};
+
+TEST_F(HardTimes, AFullDiskReservesNothing) {
+  const std::string said = InProcess([&]() -> std::string {
+    const auto ledger = MustOpen(path_);
+    LimitFiles(fs::file_size(path_.string() + "-wal") + 100'000);
+    Draft draft = DraftFor();
+    draft.after_id = std::string(1'000'000, 'x');
+    const auto refused = ledger->Reserve(std::span(&draft, 1));
+    LimitFiles(RLIM_INFINITY);
+    if (refused || refused.error().kind != ErrorKind::kLedger) return "reserved";
+    return refused.error().message + " then " + std::to_string(MustReserve(*ledger).header_id);
+  });
+  EXPECT_THAT(said, AllOf(HasSubstr("no room"), HasSubstr(path_.string()), HasSubstr("then 3")));
+}
+
+TEST_F(HardTimes, AFullDiskAtTheBeginningSaysSo) {
+  EXPECT_THAT(InProcess([&]() -> std::string {
+                LimitFiles(0);
+                return ErrorOfOpening(folder_ / "new.db");
+              }),
+              HasSubstr("no room"));
+  // And leaves nothing behind that would be in the way later.
+  EXPECT_EQ(MustReserve(*MustOpen(folder_ / "new.db")).header_id, 0U);
+}
+
+TEST_F(HardTimes, AFileWithoutWritePermissionIsRefused) {
+  Forbid();
+  EXPECT_THAT(AsOrdinaryUser([&] { return ErrorOfOpening(path_); }),
+              AllOf(HasSubstr("cannot be written"), HasSubstr("permission")));
+}
+
+TEST_F(HardTimes, AFolderWithoutWritePermissionIsRefused) {
+  Forbid();
+  EXPECT_THAT(AsOrdinaryUser([&] { return ErrorOfOpening(folder_ / "new.db"); }),
+              AllOf(HasSubstr("new.db"), HasSubstr("Permission denied")));
+}
+
+TEST_F(HardTimes, AFileWithoutReadPermissionIsRefused) {
+  chmod(path_.c_str(), geteuid() == 0 ? 0600 : 0);
+  for (const OpenMode mode : {OpenMode::kCreate, OpenMode::kReadOnly}) {
+    EXPECT_THAT(AsOrdinaryUser([&] { return ErrorOfOpening(path_, mode); }),
+                HasSubstr("Permission denied"));
+  }
+}
+
+TEST_F(HardTimes, AMediumThatNobodyCanWriteIsRead) {
+  Forbid();
+  EXPECT_EQ(NextAsOrdinaryUser(), "3 after 3 rows");
+}
+
+TEST_F(HardTimes, AMediumThatNobodyCanWriteIsReadWithoutALog) {
+  RemoveLog();
+  Forbid();
+  EXPECT_EQ(NextAsOrdinaryUser(), "3 after 3 rows");
+}
+
+TEST_F(HardTimes, ALogThatCannotBeReadIsNotPassedOver) {
+  fs::remove(path_.string() + "-shm");
+  Forbid();
+  EXPECT_THAT(NextAsOrdinaryUser(), AllOf(HasSubstr("-wal"), HasSubstr("writ")));
+}
+
+TEST_F(HardTimes, AnInterruptedRollbackNeedsSomebodyWhoMayWrite) {
+  RemoveLog();
+  const std::string said = InProcess([&]() -> std::string {
+    auto database = Database::Open(path_, Access::kReadWrite, milliseconds(100));
+    Database& file = **database;
+    for (const char* sql :
+         {"PRAGMA journal_mode=DELETE", "PRAGMA cache_size=1", "PRAGMA cache_spill=1",
+          "BEGIN IMMEDIATE",
+          "WITH RECURSIVE n(i) AS (SELECT 1 UNION ALL SELECT i + 1 FROM n WHERE i < 2000) "
+          "INSERT INTO header_ids SELECT 't' || i, i FROM n"}) {
+      const Status done = file.Execute(sql);
+      if (!done) return done.error().message + done.error().detail;
+    }
+    _exit(0);
+  });
+  ASSERT_EQ(said, "");
+  ASSERT_TRUE(fs::exists(path_.string() + "-journal"));
+  Forbid();
+  EXPECT_THAT(NextAsOrdinaryUser(), HasSubstr("writ"));
+  chmod(folder_.path().c_str(), 0755);
+  for (const auto& entry : fs::directory_iterator(folder_.path())) {
+    chmod(entry.path().c_str(), 0600);
+  }
+  EXPECT_EQ(MustReserve(*MustOpen(path_)).header_id, 3U);
+}
+
+TEST(ReadingOnly, MakesNothing) {
+  const testing::TemporaryFolder folder;
+  const auto ledger = MustOpen(folder / "a" / "ledger.db", OpenMode::kReadOnly);
+  EXPECT_EQ(ledger->PeekNext(TopicOf(1)), 0U);
+  EXPECT_TRUE(ledger->History({})->empty());
+  EXPECT_EQ(*ledger->Find(1), std::nullopt);
+  EXPECT_TRUE(fs::is_empty(folder.path()));
+}
+
+TEST(ReadingOnly, TakesAnEmptyFileForAnEmptyLedger) {
+  const testing::TemporaryFolder folder;
+  folder.Write("ledger.db", "");
+  EXPECT_EQ(MustOpen(folder / "ledger.db", OpenMode::kReadOnly)->PeekNext("t"), 0U);
+  EXPECT_TRUE(fs::is_empty(folder / "ledger.db"));
+}
+
+TEST(ReadingOnly, BeginsWhereTheLedgerWouldBegin) {
+  const testing::TemporaryFolder folder;
+  SqliteOptions options = OptionsFor(folder / "ledger.db");
+  options.start = HeaderIdStart::kEpoch;
+  EXPECT_GE(*MustOpen(options, OpenMode::kReadOnly)->PeekNext("t"),
+            static_cast<std::uint32_t>(time(nullptr)) - 2);
+}
+
+TEST(ReadingOnly, RefusesToWrite) {
+  const testing::TemporaryFolder folder;
+  const fs::path path = folder / "ledger.db";
+  MustReserve(*MustOpen(path));
+  const auto ledger = MustOpen(path, OpenMode::kReadOnly);
+  const std::string topic = TopicOf(1);
+  const Draft draft = DraftFor();
+  const Outcome outcome{1, "SENT", ""};
+  EXPECT_FALSE(ledger->Lock(std::span(&topic, 1), In(milliseconds(0))));
+  EXPECT_FALSE(ledger->Reserve(std::span(&draft, 1)));
+  EXPECT_FALSE(ledger->RecordOutcomes(std::span(&outcome, 1)));
+  EXPECT_FALSE(ledger->Prune(std::chrono::system_clock::now()));
+  EXPECT_EQ(ledger->PeekNext(topic), 1U);
+}
+
+}  // namespace
+}  // namespace fleetpub::ledger

@@ -1,0 +1,181 @@
+// The ledger's promise, kept against parallel processes and against SIGKILL.
+#include <gmock/gmock.h>
+#include <signal.h>
+
+#include <fstream>
+#include <map>
+#include <random>
+#include <set>
+#include <thread>
+
+#include "ledger/ledger_support.h"
+#include "ledger/sqlite_database.h"
+
+namespace fleetpub::ledger {
+namespace {
+
+using std::chrono::seconds;
+namespace fs = std::filesystem;
+
+constexpr int kTopics = 3;
+
+/// What left: written by senders while they hold the topic's lock, so that it stands in the order
+/// of sending.
+struct Sent {
+  int robot = 0;
+  std::uint32_t header_id = 0;
+  std::int64_t row = 0;
+};
+
+class ManyProcesses : public ::testing::Test {
+ protected:
+  /// The way of a command, in short.
+  void Send(Ledger& ledger, int wire, int robot) const {
+    const std::string topic = TopicOf(robot);
+    auto lock = ledger.Lock(std::span(&topic, 1), In(seconds(30)));
+    if (!lock) throw std::runtime_error(lock.error().message);
+    const Reservation reserved = MustReserve(ledger, DraftFor(robot));
+    const std::string line = std::to_string(robot) + " " + std::to_string(reserved.header_id) +
+                             " " + std::to_string(reserved.row) + "\n";
+    if (write(wire, line.data(), line.size()) < 0) throw std::runtime_error("write");
+    lock->reset();
+    MustRecord(ledger, {reserved.row, "SENT", ""});
+  }
+
+  [[nodiscard]] int OpenWire() const {
+    return open((folder_ / "wire").c_str(), O_WRONLY | O_APPEND | O_CREAT | O_CLOEXEC, 0600);
+  }
+
+  [[nodiscard]] std::vector<Sent> ReadWire() const {
+    std::vector<Sent> all;
+    std::ifstream wire(folder_ / "wire");
+    for (Sent sent; wire >> sent.robot >> sent.header_id >> sent.row;) all.push_back(sent);
+    return all;
+  }
+
+  void ExpectRisingIds(const std::vector<Sent>& all) const {
+    std::map<int, std::int64_t> last;
+    for (const Sent& sent : all) {
+      const auto [before, first] = last.try_emplace(sent.robot, -1);
+      ASSERT_GT(std::int64_t{sent.header_id}, before->second) << "robot " << sent.robot;
+      before->second = sent.header_id;
+    }
+  }
+
+  void ExpectRowsFor(const std::vector<Sent>& all) const {
+    const auto ledger = MustOpen(path_, OpenMode::kReadOnly);
+    const auto records = ledger->History({.limit = 0});
+    ASSERT_TRUE(records) << records.error().message;
+    std::map<std::int64_t, const Record*> rows;
+    for (const Record& record : *records) rows[record.id] = &record;
+    for (const Sent& sent : all) {
+      ASSERT_TRUE(rows.contains(sent.row));
+      ASSERT_EQ(rows[sent.row]->topic, TopicOf(sent.robot));
+      ASSERT_EQ(rows[sent.row]->header_id, sent.header_id);
+    }
+  }
+
+  void ExpectSoundFile() const {
+    auto database = Database::Open(path_, Access::kReadWrite, milliseconds(1'000));
+    ASSERT_TRUE(database);
+    EXPECT_EQ((*database)->Ask("PRAGMA integrity_check"), "ok");
+  }
+
+  testing::TemporaryFolder folder_;
+  fs::path path_ = folder_ / "ledger.db";
+};
+
+TEST_F(ManyProcesses, GiveEachIdOnceAndInOrder) {
+  std::vector<pid_t> children;
+  for (int child = 0; child < 8; ++child) {
+    children.push_back(StartProcess([&] {
+      const int wire = OpenWire();
+      for (int i = 0; i < 200; ++i) {
+        // Some keep the ledger open, as a batch does; some open it anew, as one-shot commands do.
+        thread_local std::unique_ptr<Ledger> ledger;
+        if (!ledger || child % 2 == 0) ledger = MustOpen(path_);
+        Send(*ledger, wire, (child + i) % kTopics);
+      }
+    }));
+  }
+  for (const pid_t child : children) EXPECT_EQ(WaitFor(child), 0);
+  const std::vector<Sent> all = ReadWire();
+  ASSERT_EQ(all.size(), 1'600U);
+  ExpectRisingIds(all);
+  ExpectRowsFor(all);
+  std::uint32_t total = 0;
+  for (int robot = 0; robot < kTopics; ++robot) {
+    total += *MustOpen(path_)->PeekNext(TopicOf(robot));
+  }
+  EXPECT_EQ(total, 1'600U);  // and none was lost
+}
+
+TEST_F(ManyProcesses, KilledAtAnyMomentRepeatNothingAndLoseNothing) {
+  const auto start_one = [&](int number) {
+    return StartProcess([&] {
+      const int wire = OpenWire();
+      for (int i = number;; ++i) Send(*MustOpen(path_), wire, i % kTopics);
+    });
+  };
+  std::mt19937 random(4711);
+  std::vector<pid_t> children;
+  for (int child = 0; child < 4; ++child) children.push_back(start_one(child));
+  int killed = 0;
+  for (const auto end = In(seconds(3)); steady_clock::now() < end; ++killed) {
+    std::this_thread::sleep_for(std::chrono::microseconds(random() % 8'000));
+    pid_t& victim = children[random() % children.size()];
+    kill(victim, SIGKILL);
+    EXPECT_EQ(WaitFor(victim), SIGKILL);
+    victim = start_one(killed);
+  }
+  for (const pid_t child : children) {
+    kill(child, SIGKILL);
+    EXPECT_EQ(WaitFor(child), SIGKILL);
+  }
+  const std::vector<Sent> all = ReadWire();
+  EXPECT_GT(killed, 50);
+  EXPECT_GT(all.size(), 200U);
+  ExpectRisingIds(all);
+  ExpectRowsFor(all);
+  ExpectSoundFile();
+}
+
+TEST_F(ManyProcesses, KilledWhileMakingTheLedgerLeaveOneThatWorks) {
+  std::mt19937 random(11);
+  for (int round = 0; round < 60; ++round) {
+    const fs::path path = folder_ / std::to_string(round) / "ledger.db";
+    const pid_t child = StartProcess([&] { MustReserve(*MustOpen(path)); });
+    std::this_thread::sleep_for(std::chrono::microseconds(random() % 6'000));
+    kill(child, SIGKILL);
+    WaitFor(child);
+    ASSERT_LE(MustReserve(*MustOpen(path)).header_id, 1U);
+  }
+}
+
+TEST_F(ManyProcesses, MakeTheLedgerOnceTogether) {
+  for (int round = 0; round < 10; ++round) {
+    const fs::path path = folder_ / std::to_string(round) / "ledger.db";
+    std::vector<pid_t> children;
+    for (int child = 0; child < 6; ++child) {
+      children.push_back(StartProcess([&] { MustReserve(*MustOpen(path)); }));
+    }
+    for (const pid_t child : children) ASSERT_EQ(WaitFor(child), 0);
+    ASSERT_EQ(MustOpen(path)->PeekNext(TopicOf(1)), 6U);
+  }
+}
+
+TEST_F(ManyProcesses, AndThreadsDoNotDisturbEachOther) {
+  std::vector<std::thread> threads;
+  const int wire = OpenWire();
+  for (int thread = 0; thread < 4; ++thread) {
+    threads.emplace_back([&, thread] {
+      for (int i = 0; i < 50; ++i) Send(*MustOpen(path_), wire, (thread + i) % kTopics);
+    });
+  }
+  for (std::thread& thread : threads) thread.join();
+  EXPECT_EQ(ReadWire().size(), 200U);
+  ExpectRisingIds(ReadWire());
+}
+
+}  // namespace
+}  // namespace fleetpub::ledger
