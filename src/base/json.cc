@@ -17,12 +17,22 @@ constexpr unsigned kParseFlags = rapidjson::kParseIterativeFlag |
 
 constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
 
-// Passes every event on to the document and stops the parser at the first one too deep.
-class DepthGuard {
+// RapidJSON decodes an escaped low surrogate that has no high one before it (`"\uDC00"`) to bytes
+// that are no UTF-8: ED A0..BF.
+bool HoldsSurrogate(std::string_view text) {
+  for (auto at = text.find('\xED'); at != std::string_view::npos; at = text.find('\xED', at + 1)) {
+    if (at + 1 < text.size() && static_cast<unsigned char>(text[at + 1]) >= 0xA0) return true;
+  }
+  return false;
+}
+
+// Passes every event on to the document and stops the parser at the first one too deep, or at a
+// text that is none.
+class Guard {
  public:
   using Ch = char;
 
-  DepthGuard(rapidjson::Document& document, int limit) : document_(document), limit_(limit) {}
+  Guard(rapidjson::Document& document, int limit) : document_(document), limit_(limit) {}
 
   bool Null() { return document_.Null(); }
   bool Bool(bool value) { return document_.Bool(value); }
@@ -35,19 +45,24 @@ class DepthGuard {
     return document_.RawNumber(text, length, copy);
   }
   bool String(const char* text, rapidjson::SizeType length, bool copy) {
-    return document_.String(text, length, copy);
+    return IsText(text, length) && document_.String(text, length, copy);
   }
   bool Key(const char* text, rapidjson::SizeType length, bool copy) {
-    return document_.Key(text, length, copy);
+    return IsText(text, length) && document_.Key(text, length, copy);
   }
   bool StartObject() { return Enter() && document_.StartObject(); }
   bool EndObject(rapidjson::SizeType members) { return Leave(), document_.EndObject(members); }
   bool StartArray() { return Enter() && document_.StartArray(); }
   bool EndArray(rapidjson::SizeType elements) { return Leave(), document_.EndArray(elements); }
 
+  [[nodiscard]] bool too_deep() const { return depth_ > limit_; }
+
  private:
   bool Enter() { return ++depth_ <= limit_; }
   void Leave() { --depth_; }
+  static bool IsText(const char* text, rapidjson::SizeType length) {
+    return !HoldsSurrogate({text, length});
+  }
 
   rapidjson::Document& document_;
   int limit_;
@@ -60,11 +75,13 @@ struct Generator {
   rapidjson::MemoryStream stream;
   int depth;
   rapidjson::ParseResult result;
+  bool too_deep = false;
 
   bool operator()(rapidjson::Document& document) {
     rapidjson::Reader reader;
-    DepthGuard guard(document, depth);
+    Guard guard(document, depth);
     result = reader.Parse<kParseFlags>(stream, guard);
+    too_deep = guard.too_deep();
     return !result.IsError();
   }
 };
@@ -78,13 +95,16 @@ std::string Place(std::string_view text, std::size_t offset) {
   return fmt::format("line {}, column {}", line, column);
 }
 
-Error ParseError(std::string_view text, const rapidjson::ParseResult& result, int depth) {
-  const std::string place = Place(text, result.Offset());
-  if (result.Code() == rapidjson::kParseErrorTermination) {
-    return {ErrorKind::kInvalid,
-            fmt::format("not accepted at {}: nested more than {} levels deep", place, depth)};
+Error ParseError(std::string_view text, const Generator& generator) {
+  const std::string place = Place(text, generator.result.Offset());
+  if (generator.too_deep) {
+    return {ErrorKind::kInvalid, fmt::format("not accepted at {}: nested more than {} levels deep",
+                                             place, generator.depth)};
   }
-  std::string reason = rapidjson::GetParseError_En(result.Code());
+  const bool by_guard = generator.result.Code() == rapidjson::kParseErrorTermination;
+  const auto code =
+      by_guard ? rapidjson::kParseErrorStringUnicodeSurrogateInvalid : generator.result.Code();
+  std::string reason = rapidjson::GetParseError_En(code);
   if (reason.ends_with('.')) reason.pop_back();
   return {ErrorKind::kInvalid, fmt::format("not valid JSON at {}: {}", place, reason)};
 }
@@ -146,9 +166,9 @@ Result<rapidjson::Document> ParseJson(std::string_view text, JsonLimits limits) 
                 fmt::format("not valid JSON at {}: a NUL byte", Place(text, nul)));
   }
   rapidjson::Document document;
-  Generator generator{rapidjson::MemoryStream(text.data(), text.size()), limits.depth, {}};
+  Generator generator{rapidjson::MemoryStream(text.data(), text.size()), limits.depth, {}, false};
   document.Populate(generator);
-  if (generator.result.IsError()) return Fail(ParseError(text, generator.result, limits.depth));
+  if (generator.result.IsError()) return Fail(ParseError(text, generator));
   if (const std::string name = FindRepeatedName(document); !name.empty()) {
     return Fail(ErrorKind::kInvalid, fmt::format("{} stands there twice", name));
   }

@@ -98,7 +98,9 @@ std::optional<std::string> Nearest(std::string_view word,
   for (const std::string_view candidate : candidates) {
     const int distance = EditDistance(word, candidate);
     const auto allowed = static_cast<int>(std::max<std::size_t>(1, word.size() / 3));
-    if (distance <= allowed && distance < least) {
+    // Not a single letter in common, as in `z` for `x`: another word, not a typo.
+    const bool is_other = distance >= static_cast<int>(std::max(word.size(), candidate.size()));
+    if (distance <= allowed && distance < least && !is_other) {
       least = distance;
       nearest = std::string(candidate);
     }

@@ -2,9 +2,12 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <charconv>
 #include <ctime>
+
+#include "base/text.h"
 
 namespace fleetpub::base {
 namespace {
@@ -68,6 +71,13 @@ bool ScanOffset(Scanner& scanner, std::chrono::minutes& offset) {
   return true;
 }
 
+// Nanoseconds in 64 bits reach from 1677 to 2262; a time beyond becomes the end of that range.
+WallTime ToWallTime(std::chrono::sys_time<microseconds> time) {
+  constexpr auto kFirst = std::chrono::ceil<microseconds>(WallTime::min());
+  constexpr auto kLast = std::chrono::floor<microseconds>(WallTime::max());
+  return WallTime(std::clamp(time, kFirst, kLast));
+}
+
 }  // namespace
 
 std::string FormatTimestamp(WallTime time) {
@@ -120,13 +130,14 @@ std::optional<WallTime> ParseDateTime(std::string_view text) {
                           std::chrono::hours(23) + std::chrono::minutes(59)) {
     return std::nullopt;
   }
-  return WallTime(utc_minute + std::chrono::seconds(second) + fraction);
+  return ToWallTime(utc_minute + std::chrono::seconds(second) + fraction);
 }
 
 Result<milliseconds> ParseDuration(std::string_view text, milliseconds unit) {
   const auto bad = [&] {
-    return Fail(ErrorKind::kUsage,
-                fmt::format("'{}' is not a duration: use 250ms, 30s, 5m, 2h or 90d", text));
+    return Fail(
+        ErrorKind::kUsage,
+        fmt::format("'{}' is not a duration: use 250ms, 30s, 5m, 2h or 90d", Printable(text)));
   };
   double value = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
@@ -149,7 +160,7 @@ std::string FormatElapsed(nanoseconds elapsed) {
   if (ms < 9.95) return fmt::format("{:.1f} ms", ms);
   if (ms < 999.5) return fmt::format("{:.0f} ms", ms);
   if (ms < 59'950) return fmt::format("{:.1f} s", ms / 1e3);
-  const auto seconds = static_cast<long>(ms / 1e3);
+  const auto seconds = static_cast<long>(ms / 1e3 + 0.5);
   return fmt::format("{} min {:02} s", seconds / 60, seconds % 60);
 }
 

@@ -14,21 +14,18 @@ namespace fleetpub::cli {
 namespace {
 
 constexpr std::size_t kWidth = 80;
-constexpr std::size_t kColumn = 30;
+constexpr std::size_t kColumn = 28;
 
-// `  left    right`, the right side broken between words and kept in its column.
-std::string TwoColumns(std::string_view left, std::string_view right) {
-  std::string text = fmt::format("  {:<{}}", left, kColumn - 2);
-  std::size_t column = std::max(left.size() + 2, kColumn);
-  if (column > kColumn) {
-    text += "\n" + std::string(kColumn, ' ');
-    column = kColumn;
-  }
+// Appends the words to a text whose last line is `column` wide, and breaks lines between words.
+void AppendWrapped(std::string& text, std::size_t column, std::string_view words,
+                   std::string_view line_break) {
   bool first = true;
-  for (const std::string& word : base::Split(right, ' ')) {
-    if (!first && column + 1 + word.size() > kWidth) {
-      text += "\n" + std::string(kColumn, ' ');
-      column = kColumn;
+  const std::size_t indent = line_break.size() - line_break.rfind('\n') - 1;
+  const std::size_t room = kWidth - line_break.find('\n');
+  for (const std::string& word : base::Split(words, ' ')) {
+    if (!first && column + 1 + word.size() > room) {
+      text += line_break;
+      column = indent;
     } else if (!first) {
       text += ' ';
       ++column;
@@ -37,6 +34,14 @@ std::string TwoColumns(std::string_view left, std::string_view right) {
     column += word.size();
     first = false;
   }
+}
+
+// `  left    right`, the right side broken between words and kept in its column.
+std::string TwoColumns(std::string_view left, std::string_view right) {
+  const std::string line_break = "\n" + std::string(kColumn, ' ');
+  std::string text = fmt::format("  {:<{}}", left, kColumn - 2);
+  if (left.size() + 3 > kColumn) text += line_break;
+  AppendWrapped(text, kColumn, right, line_break);
   return text + "\n";
 }
 
@@ -110,14 +115,15 @@ std::string ActionExamples(std::string_view name) {
     const bool number = parameter.type != vda5050::ParameterType::kString;
     parameters += fmt::format(" --{} {}", parameter.name, number ? "1.5" : "TEXT");
   }
-  return fmt::format("{0} KIT/0001{1}\n{0} KIT/0001 KIT/0002{1} --vda 2.1 --dry-run", name,
-                     parameters);
+  return fmt::format("{0} KIT/0001{1}\n{0} KIT/0001{1} --vda 2.1 --dry-run", name, parameters);
 }
 
 std::string Indented(std::string_view examples) {
   std::string text;
   for (const std::string& line : base::Split(examples, '\n')) {
-    text += fmt::format("  fleetpub {}\n", line);
+    text += "  ";
+    AppendWrapped(text, 2, "fleetpub " + line, " \\\n      ");
+    text += '\n';
   }
   return text;
 }
@@ -167,13 +173,15 @@ std::string CommandHelp(const CLI::App& app, const Invocation& invocation) {
   const std::string_view arguments = subcommand == nullptr ? "TARGET..." : subcommand->arguments;
   const std::string examples =
       subcommand == nullptr ? ActionExamples(invocation.name) : std::string(subcommand->examples);
+  std::string wrapped_summary;
+  AppendWrapped(wrapped_summary, 0, summary, "\n");
   return fmt::format(
       "{}\n\n"
       "Usage: fleetpub {}{}{} [OPTIONS]\n"
       "{}\n"
       "Examples:\n{}\n"
       "Broker, output and ledger options are listed by fleetpub --help.\n",
-      summary, invocation.name, arguments.empty() ? "" : " ", arguments,
+      wrapped_summary, invocation.name, arguments.empty() ? "" : " ", arguments,
       OptionLines(app, [](const std::string& group) { return !IsGlobalGroup(group); }),
       Indented(examples));
 }

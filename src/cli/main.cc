@@ -44,6 +44,10 @@ Status Parse(CLI::App& app, const Invocation& invocation) {
     app.parse(std::move(reversed));
   } catch (const CLI::Success&) {
     throw;  // --help, --version
+  } catch (const CLI::ArgumentMismatch& error) {
+    const std::string_view what = error.what();
+    return Fail(ErrorKind::kUsage, fmt::format("{}: {} needs a value", invocation.name,
+                                               base::Printable(what.substr(0, what.find(':')))));
   } catch (const CLI::ParseError& error) {
     return Fail(ErrorKind::kUsage,
                 fmt::format("{}: {}", invocation.name, base::Printable(error.what())));

@@ -77,7 +77,7 @@ Status ValidateAll(const std::vector<Command>& commands, const Context& context)
     }
     if (!findings->errors.empty()) {
       return Fail(ErrorKind::kInvalid,
-                  fmt::format("{}: {}", command.target, dispatch::Describe(findings->errors)));
+                  fmt::format("{}: {}", command.target, dispatch::Describe(*findings)));
     }
   }
   return {};

@@ -72,7 +72,7 @@ class Validator {
     const auto schema = registry_.Find(SchemaName(*version, *topic));
     if (!schema) return OneError(schema.error().message);
     Findings findings = dispatch::Check(*message, **schema, RulesOf(*version, *topic));
-    return options_.strict ? findings : Softened(std::move(findings), *message, **schema);
+    return options_.strict ? findings : Softened(std::move(findings));
   }
 
  private:
@@ -99,9 +99,8 @@ class Validator {
   }
 
   // The text's rules are no schema rules: they warn here, and fail with --strict.
-  static Findings Softened(Findings findings, const rapidjson::Value& message,
-                           const schema::Schema& schema) {
-    if (findings.errors.empty() || !schema.Validate(message).empty()) return findings;
+  static Findings Softened(Findings findings) {
+    if (!findings.satisfies_schema) return findings;
     std::move(findings.warnings.begin(), findings.warnings.end(),
               std::back_inserter(findings.errors));
     return {{}, std::move(findings.errors)};

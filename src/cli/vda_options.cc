@@ -72,7 +72,7 @@ void DeclareVdaOptions(CLI::App& app, VdaOptions& o) {
       "First topic level [uagv up to 2.x, vda5050 from 3.0]")
       ->envname("FLEETPUB_INTERFACE");
   add("--topic-template", o.topic_template, "TEMPLATE",
-      "[{interface}/{major}/{manufacturer}/{serial}/{topic}]");
+      "The topic, with its placeholders in braces (see the manual)");
   add("--actions-key", o.actions_key, "KEY",
       "actions or instantActions: some 2.0 robots expect the latter");
   add("--header-version", o.header_version, "TEXT", "The header's version, if not the one spoken");
@@ -93,7 +93,7 @@ void DeclareInstantOptions(CLI::App& app, InstantOptions& o) {
       ->type_name("KEY=VALUE")
       ->allow_extra_args(false)
       ->group(kAction);
-  add("--id", o.id, "ID", "The actionId [a random UUID]");
+  app.add_option("--id", o.id, "The actionId [a random UUID]")->type_name("ID")->group(kAction);
   add("--descriptor", o.descriptor, "TEXT", "Free text on the action");
   add("--blocking-type", o.blocking_type, "TYPE", "NONE, SOFT, HARD; 3.0 allows NONE only [NONE]");
   add("--header-id", o.header_id, "N", "The headerId, above the topic's last [the next]");
@@ -156,15 +156,14 @@ Result<std::vector<dispatch::Command>> BuildCommands(const InstantOptions& o, st
   const auto blocking_type = BlockingTypeOf(o.blocking_type);
   if (!blocking_type) return Fail(blocking_type.error());
   if (auto ok = AddAssignments(o.assignments, parameters); !ok) return Fail(ok.error());
-  for (const auto& [option, text] : {std::pair("--id", o.id), {"--descriptor", o.descriptor}}) {
-    if (auto ok = CheckUtf8(option, text); !ok) return Fail(ok.error());
-  }
-  if (!o.id.empty() && robots->size() > 1) {
+  if (auto ok = CheckUtf8("--id", o.id.value_or("")); !ok) return Fail(ok.error());
+  if (auto ok = CheckUtf8("--descriptor", o.descriptor); !ok) return Fail(ok.error());
+  if (o.id && robots->size() > 1) {
     return Fail(ErrorKind::kUsage, "--id names one action: give one target with it");
   }
   std::vector<dispatch::Command> commands;
   for (const vda5050::RobotAddress& robot : *robots) {
-    const vda5050::InstantAction action{std::string(type), o.id.empty() ? base::RandomUuid() : o.id,
+    const vda5050::InstantAction action{std::string(type), o.id ? *o.id : base::RandomUuid(),
                                         o.descriptor, *blocking_type, parameters};
     auto command = vda5050::BuildInstantActions(robot, *dialect, {&action, 1}, *header_id);
     if (!command) return Fail(std::move(command.error()));

@@ -2,6 +2,7 @@
 // look.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -29,7 +30,7 @@ struct VdaOptions {
 struct InstantOptions {
   std::vector<std::string> targets;
   std::vector<std::string> assignments;  ///< `-P`
-  std::string id;
+  std::optional<std::string> id;
   std::string descriptor;
   std::string blocking_type;
   std::string header_id;

@@ -21,7 +21,8 @@ Findings Check(const rapidjson::Value& message, const schema::Schema& schema,
                const TextRules& rules) {
   Findings findings;
   findings.errors = schema.Validate(message);
-  if (!findings.errors.empty() || !rules) return findings;
+  findings.satisfies_schema = findings.errors.empty();
+  if (!findings.satisfies_schema || !rules) return findings;
   for (TextFinding& finding : rules(message)) {
     auto& list = finding.is_error ? findings.errors : findings.warnings;
     list.push_back(std::move(finding.violation));
@@ -39,11 +40,12 @@ Result<Findings> Validate(const Command& command, schema::Registry& registry) {
   return Check(*message, **schema, command.text_rules);
 }
 
-std::string Describe(std::span<const schema::Violation> violations) {
+std::string Describe(const Findings& findings) {
   std::string text;
-  for (const auto& [path, message] : violations) {
+  for (const auto& [path, message] : findings.errors) {
     if (!text.empty()) text += "; ";
-    text += path.empty() ? message : fmt::format("{}: {}", path, message);
+    const bool needs_place = !findings.satisfies_schema && !path.empty();
+    text += needs_place ? fmt::format("{}: {}", path, message) : message;
   }
   return text;
 }

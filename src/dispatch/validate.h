@@ -2,7 +2,6 @@
 // broker nor ledger.
 #pragma once
 
-#include <span>
 #include <string>
 #include <vector>
 
@@ -14,8 +13,11 @@
 namespace fleetpub::dispatch {
 
 struct Findings {
+  /// Violations of the schema; when there are none, of the text's rules, whose messages speak for
+  /// themselves.
   std::vector<schema::Violation> errors;
   std::vector<schema::Violation> warnings;
+  bool satisfies_schema = true;
 };
 
 /// Checks a message against a schema and then, when it satisfies that, against the rules of the
@@ -27,7 +29,7 @@ struct Findings {
 /// An Error: the schema itself cannot be had.
 [[nodiscard]] Result<Findings> Validate(const Command& command, schema::Registry& registry);
 
-/// `/actions/0/blockingType: must be …; …`, one line for a person.
-[[nodiscard]] std::string Describe(std::span<const schema::Violation> violations);
+/// What is wrong, in one line for a person: `/actions/0/blockingType: must be …; …`
+[[nodiscard]] std::string Describe(const Findings& findings);
 
 }  // namespace fleetpub::dispatch

@@ -48,18 +48,19 @@ struct Draft {
   std::string broker;  ///< never with credentials
   std::vector<ActionRef> actions;
   bool counted = true;
-  std::optional<std::uint32_t> header_id;  ///< asked for outright; must lie above the last one
+  /// Asked for outright; must lie above the topic's last one (any may follow 4294967295).
+  std::optional<std::uint32_t> header_id;
   std::string before_id;
   std::string after_id;
 };
 
 struct Reservation {
-  std::int64_t row = 0;  ///< for RecordOutcome; 0 when history is off
-  std::uint32_t header_id = 0;
+  std::int64_t row = 0;         ///< for RecordOutcomes; 0 when history is off
+  std::uint32_t header_id = 0;  ///< 0 when the draft is not counted
 };
 
-/// What became of a recorded message. `status` is a status name of the manual ("SENT", "FINISHED"
-/// …).
+/// What became of a recorded message. `status` is a status name of the manual ("SENT",
+/// "FINISHED" …).
 struct Outcome {
   std::int64_t row = 0;
   std::string status;
@@ -95,11 +96,12 @@ struct HistoryFilter {
   std::string user = {};
   std::optional<WallTime> since = {};  ///< from this moment
   std::optional<WallTime> until = {};  ///< before this moment
-  int limit = 50;  ///< the newest so many, returned oldest first; 0: all
+  int limit = 50;                      ///< the newest so many, returned oldest first; 0: all
 };
 
 /// Held from reserving to writing. Released by the destructor, and by the system when the process
-/// dies.
+/// dies. Independent of the Ledger that gave it. A forked child holds it too, until it ends or
+/// starts another program.
 class TopicLock {
  public:
   TopicLock() = default;
@@ -116,7 +118,9 @@ class Ledger {
   virtual ~Ledger() = default;
 
   /// Locks all these topics (in an order of its own, so that two callers cannot wait for each
-  /// other), or none. Errors at the deadline name a topic that somebody else holds.
+  /// other), or none. Blocks until the deadline at most, but tries each topic at least once. The
+  /// error at the deadline names a topic that somebody else holds. Who locks a topic twice waits
+  /// for himself.
   [[nodiscard]] virtual Result<std::unique_ptr<TopicLock>> Lock(std::span<const std::string> topics,
                                                                 Deadline deadline) = 0;
 
@@ -125,6 +129,9 @@ class Ledger {
   /// at or below the last one are refused (ErrorKind::kUsage), naming the last.
   [[nodiscard]] virtual Result<std::vector<Reservation>> Reserve(std::span<const Draft> drafts) = 0;
 
+  /// Outcomes of row 0 are passed over; a later one of the same row replaces the earlier. Does not
+  /// wait for the disk: a power failure may take outcomes back, never ids or rows. Also keeps the
+  /// store tidy: call it once per command even when history is off.
   [[nodiscard]] virtual Status RecordOutcomes(std::span<const Outcome> outcomes) = 0;
 
   /// The id that Reserve would give next; reserves nothing and creates nothing.

@@ -62,7 +62,8 @@ class Database {
   [[nodiscard]] std::int64_t LastRowId() const;
   /// Rows that the last statement changed.
   [[nodiscard]] std::int64_t Changes() const;
-  /// The last call failed because what is shared between readers of a log could not be opened or made.
+  /// The last call failed because what is shared between readers of a log could not be opened or
+  /// made.
   [[nodiscard]] bool LacksSharedMemory() const;
   /// What a person should know about this code of SQLite's.
   [[nodiscard]] Error Explain(int code) const;

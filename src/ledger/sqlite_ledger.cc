@@ -162,8 +162,8 @@ Result<std::unique_ptr<Database>> OpenForWriting(const SqliteOptions& options) {
   return database;
 }
 
-/// SQLite reads a write-ahead log only with shared memory beside it, which it makes if it may. Where it may not, there is
-/// nothing to share as long as the log is empty.
+/// SQLite reads a write-ahead log only with shared memory beside it, which it makes if it may.
+/// Where it may not, there is nothing to share as long as the log is empty.
 Result<std::unique_ptr<Database>> OpenUnshared(const SqliteOptions& options, const Error& refusal) {
   const std::string path = options.path.string();
   if (SizeOf(path + "-wal") == 0) {

@@ -1,4 +1,8 @@
 // The ledger in one SQLite file, with the topics' locks in a second file beside it.
+//
+// `ledger.db` comes with `-wal` (the newest commits), `-shm` and `.locks`. They belong together: a
+// copy of `ledger.db` alone misses the last commands, and their ids would be given again. Backups:
+// `sqlite3 ledger.db ".backup copy.db"`.
 #pragma once
 
 #include <chrono>

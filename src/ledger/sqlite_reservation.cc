@@ -85,7 +85,7 @@ Result<std::uint32_t> TakeId(const Draft& draft, LastIds& last_ids, HeaderIdStar
   if (!draft.counted) return 0;
   const Result<std::optional<std::uint32_t>> last = last_ids.Read(draft.topic);
   if (!last) return Fail(last.error());
-  const Result<std::uint32_t> id = ChooseId(draft, *last, start);
+  Result<std::uint32_t> id = ChooseId(draft, *last, start);
   if (!id) return id;
   if (Status written = last_ids.Write(draft.topic, *id); !written) return Fail(written.error());
   return id;

@@ -69,7 +69,10 @@ Status CreateTables(Database& database, Journal journal) {
   for (const char* sql : kCreate) {
     if (Status done = database.Execute(sql); !done) return done;
   }
-  return transaction.Commit();
+  if (Status done = transaction.Commit(); !done) return done;
+  // Into the file itself: should the log ever be lost, the file still says what it is.
+  database.Checkpoint(AfterCheckpoint::kNothingFollows);
+  return {};
 }
 
 Status ChooseJournal(Database& database, Journal journal) {

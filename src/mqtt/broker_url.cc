@@ -59,7 +59,8 @@ int HexDigit(char c) {
   return -1;
 }
 
-// RFC 3986 §2.1. Nothing when an escape is incomplete or stands for a control character: no name has one.
+// RFC 3986 §2.1. Nothing when an escape is incomplete or stands for a control character: no name
+// has one.
 std::optional<std::string> PercentDecode(std::string_view text) {
   std::string decoded;
   for (std::size_t i = 0; i < text.size(); ++i) {
@@ -78,8 +79,8 @@ std::optional<std::string> PercentDecode(std::string_view text) {
   return decoded;
 }
 
-// The pieces of a URL as written. What a person typed is repeated in an error only when there is no `@` in it:
-// before an `@` a password may stand, wherever it was meant to go.
+// The pieces of a URL as written. What a person typed is repeated in an error only when there is no
+// `@` in it: before an `@` a password may stand, wherever it was meant to go.
 struct Pieces {
   std::string_view scheme;
   std::string_view user;
@@ -121,7 +122,8 @@ Result<Pieces> Split(std::string_view text) {
   }
   pieces.scheme = text.substr(0, scheme_end);
   std::string_view rest = text.substr(scheme_end + 3);
-  // The last @ of all, even behind a slash: a password with a slash in it must not be taken for a path and shown.
+  // The last @ of all, even behind a slash: a password with a slash in it must not be taken for a
+  // path and shown.
   if (const std::size_t at = rest.rfind('@'); at != std::string_view::npos) {
     pieces.has_user = true;
     pieces.user = rest.substr(0, at);
@@ -150,11 +152,13 @@ Result<std::string> ParseUser(const Pieces& pieces) {
   if (!pieces.has_user) return std::string();
   if (pieces.user.find(':') != std::string_view::npos) {
     return Usage(
-        "a broker URL carries no password, since other users of this machine can read it in the process list: "
+        "a broker URL carries no password, since other users of this machine can read it in the "
+        "process list: "
         "use --password-file or FLEETPUB_PASSWORD (a : in a user name is written %3A)");
   }
   if (pieces.user.empty()) {
-    return Usage("the broker URL has an @ without a user name: write mqtt://user@host or mqtt://host");
+    return Usage(
+        "the broker URL has an @ without a user name: write mqtt://user@host or mqtt://host");
   }
   if (pieces.user.find_first_of("@/?#") != std::string_view::npos) {
     return Usage(
@@ -163,7 +167,8 @@ Result<std::string> ParseUser(const Pieces& pieces) {
   auto user = PercentDecode(pieces.user);
   if (!user || !base::IsUtf8(*user)) {
     return Usage(
-        "the user name in the broker URL has a bad percent escape: write % as %25, and two hexadecimal digits after "
+        "the user name in the broker URL has a bad percent escape: write % as %25, and two "
+        "hexadecimal digits after "
         "each %");
   }
   return *std::move(user);
@@ -183,15 +188,16 @@ bool IsHostCharacter(char c) {
 Result<std::string> ParseIpv6(std::string_view text, const Pieces& pieces) {
   auto host = PercentDecode(text);
   const std::size_t zone = host ? host->find('%') : std::string::npos;
-  const bool good =
-      host && IsIpv6(host->substr(0, zone)) &&
-      (zone == std::string::npos ||
-       (zone + 1 < host->size() && std::all_of(host->begin() + static_cast<std::ptrdiff_t>(zone) + 1,
-                                               host->end(), IsHostCharacter)));
+  const bool good = host && IsIpv6(host->substr(0, zone)) &&
+                    (zone == std::string::npos ||
+                     (zone + 1 < host->size() &&
+                      std::all_of(host->begin() + static_cast<std::ptrdiff_t>(zone) + 1,
+                                  host->end(), IsHostCharacter)));
   if (!good) {
-    return Usage(fmt::format(
-        "the address{} in the broker URL is no IPv6 address: write mqtt://[::1]:1883, and a zone as [fe80::1%25eth0]",
-        pieces.Quoted(text)));
+    return Usage(
+        fmt::format("the address{} in the broker URL is no IPv6 address: write mqtt://[::1]:1883, "
+                    "and a zone as [fe80::1%25eth0]",
+                    pieces.Quoted(text)));
   }
   return *std::move(host);
 }
@@ -201,10 +207,11 @@ Result<std::string> ParseHostName(std::string_view text, const Pieces& pieces) {
   auto host = PercentDecode(text);
   if (!host || host->empty() || host->size() > kMaximumHostLength ||
       !std::all_of(host->begin(), host->end(), IsHostCharacter)) {
-    return Usage(fmt::format(
-        "the host{} in the broker URL is no host name: it consists of letters, digits, . and - (and a name with "
-        "other letters has an xn-- form)",
-        pieces.Quoted(text.substr(0, kMaximumHostLength))));
+    return Usage(
+        fmt::format("the host{} in the broker URL is no host name: it consists of letters, digits, "
+                    ". and - (and a name with "
+                    "other letters has an xn-- form)",
+                    pieces.Quoted(text.substr(0, kMaximumHostLength))));
   }
   return *std::move(host);
 }
@@ -227,7 +234,8 @@ Status ParseAuthority(const Pieces& pieces, BrokerUrl& url) {
     const std::size_t close = host.find(']');
     const std::string_view after = close == std::string_view::npos ? "" : host.substr(close + 1);
     if (close == std::string_view::npos || (!after.empty() && after.front() != ':')) {
-      return Usage("the IPv6 address in the broker URL has no proper brackets: write mqtt://[::1]:1883");
+      return Usage(
+          "the IPv6 address in the broker URL has no proper brackets: write mqtt://[::1]:1883");
     }
     if (!after.empty()) port = after.substr(1);
     auto address = ParseIpv6(host.substr(1, close - 1), pieces);

@@ -28,10 +28,10 @@ struct BrokerUrl {
   friend bool operator==(const BrokerUrl&, const BrokerUrl&) = default;
 };
 
-/// Parses a URL with real percent-decoding (RFC 3986). A bare `host` or `host:port` is refused with the right
-/// form; so is a password (the process list would show it) without repeating it, an unknown scheme, an empty
-/// host, a port outside 1..65535, a path on mqtt:// or mqtts://. Default ports: 1883, 8883, 80, 443.
-/// Errors: ErrorKind::kUsage.
+/// Parses a URL with real percent-decoding (RFC 3986). A bare `host` or `host:port` is refused with
+/// the right form; so is a password (the process list would show it) without repeating it, an
+/// unknown scheme, an empty host, a port outside 1..65535, a path on mqtt:// or mqtts://. Default
+/// ports: 1883, 8883, 80, 443. Errors: ErrorKind::kUsage.
 [[nodiscard]] Result<BrokerUrl> ParseBrokerUrl(std::string_view text);
 
 }  // namespace fleetpub::mqtt

@@ -69,12 +69,12 @@ void RunLookup(LookupState& state, const std::string& host, std::uint16_t port, 
 
 Result<std::vector<Address>> Outcome(const std::string& host, LookupState& state) {
   if (state.code == 0 && !state.addresses.empty()) return std::move(state.addresses);
-  const std::string detail =
-      state.code == EAI_SYSTEM ? std::generic_category().message(state.system_error)
-                               : std::string(gai_strerror(state.code));
+  const std::string detail = state.code == EAI_SYSTEM
+                                 ? std::generic_category().message(state.system_error)
+                                 : std::string(gai_strerror(state.code));
   if (state.code == EAI_AGAIN || state.code == EAI_SYSTEM) {
-    return Unreachable(fmt::format("the name {} could not be looked up: the name service fails", host),
-                       detail);
+    return Unreachable(
+        fmt::format("the name {} could not be looked up: the name service fails", host), detail);
   }
   return Unreachable(fmt::format("the name {} is not known", host), detail);
 }
@@ -89,8 +89,8 @@ Result<std::vector<Address>> LookupOnThread(const std::string& host, std::uint16
   }
   std::unique_lock lock(state->mutex);
   if (!state->done.wait_until(lock, deadline, [&] { return state->finished; })) {
-    return Unreachable(
-        fmt::format("looking up the name {} took too long: the name service does not answer", host));
+    return Unreachable(fmt::format(
+        "looking up the name {} took too long: the name service does not answer", host));
   }
   return Outcome(host, *state);
 }
@@ -199,7 +199,8 @@ Result<Descriptor> Dial(const std::vector<Address>& addresses, Deadline deadline
     if (next != addresses.end()) attempts.Begin(*next++);
     if (attempts.empty()) continue;
     // Those that fail wake us early; the rest of the head start is theirs who are still under way.
-    const Deadline until = next == addresses.end() ? deadline : std::min(deadline, now + kHeadStart);
+    const Deadline until =
+        next == addresses.end() ? deadline : std::min(deadline, now + kHeadStart);
     if (Descriptor connected = attempts.Await(until); connected.open()) return connected;
   }
 }

@@ -22,14 +22,16 @@ struct Address {
   }
 };
 
-/// The addresses of a host, at least one. A numeric host and `localhost` (RFC 6761 §6.3) cost no lookup; any other
-/// name is looked up on a thread of its own, since getaddrinfo() knows no timeout: at the deadline that
-/// thread is left behind. Errors: ErrorKind::kBroker with the cause alone ("the name broker.example is not known").
+/// The addresses of a host, at least one. A numeric host and `localhost` (RFC 6761 §6.3) cost no
+/// lookup; any other name is looked up on a thread of its own, since getaddrinfo() knows no
+/// timeout: at the deadline that thread is left behind. Errors: ErrorKind::kBroker with the cause
+/// alone ("the name broker.example is not known").
 [[nodiscard]] Result<std::vector<Address>> Lookup(const std::string& host, std::uint16_t port,
                                                   Deadline deadline);
 
-/// A connected, non-blocking socket with TCP_NODELAY. The addresses are tried in their order, the next one being
-/// started when one has failed or has not answered for 250 ms (RFC 8305 §5). Errors as above ("connection refused").
+/// A connected, non-blocking socket with TCP_NODELAY. The addresses are tried in their order, the
+/// next one being started when one has failed or has not answered for 250 ms (RFC 8305 §5). Errors
+/// as above ("connection refused").
 [[nodiscard]] Result<Descriptor> Dial(const std::vector<Address>& addresses, Deadline deadline);
 
 /// Waits for these poll() events or until the deadline; what was seen, 0 at the deadline.

@@ -17,9 +17,10 @@ constexpr std::size_t kMaximumAnswer = 16 * 1024;
 constexpr std::uint16_t kDefaultPort = 3128;  // squid's, and curl's would be 1080, which is SOCKS
 
 tl::unexpected<Error> BadProxy() {
-  return Fail(ErrorKind::kUsage,
-              "the proxy is no HTTP proxy URL: write http://host:port or http://user:password@host:port, "
-              "with @, : and % in them as %40, %3A and %25");
+  return Fail(
+      ErrorKind::kUsage,
+      "the proxy is no HTTP proxy URL: write http://host:port or http://user:password@host:port, "
+      "with @, : and % in them as %40, %3A and %25");
 }
 
 tl::unexpected<Error> ProxyFailed(std::string cause) {
@@ -28,9 +29,9 @@ tl::unexpected<Error> ProxyFailed(std::string cause) {
 
 std::string Base64(const std::string& text) {
   std::string encoded((text.size() + 2) / 3 * 4 + 1, '\0');
-  const int length =
-      EVP_EncodeBlock(reinterpret_cast<unsigned char*>(encoded.data()),
-                      reinterpret_cast<const unsigned char*>(text.data()), static_cast<int>(text.size()));
+  const int length = EVP_EncodeBlock(reinterpret_cast<unsigned char*>(encoded.data()),
+                                     reinterpret_cast<const unsigned char*>(text.data()),
+                                     static_cast<int>(text.size()));
   encoded.resize(static_cast<std::size_t>(length));
   return encoded;
 }
@@ -114,8 +115,8 @@ Status OpenTunnel(int descriptor, const HttpProxy& proxy, const std::string& hos
   if (status == "200") return {};
   if (status == "407") return ProxyFailed("the proxy wants a user name and password (--proxy)");
   if (status.empty()) return ProxyFailed("what answers as the proxy is none (--proxy)");
-  return ProxyFailed(fmt::format("the proxy refuses the connection (HTTP status {})",
-                                 base::Printable(status)));
+  return ProxyFailed(
+      fmt::format("the proxy refuses the connection (HTTP status {})", base::Printable(status)));
 }
 
 }  // namespace fleetpub::mqtt

@@ -1,5 +1,5 @@
-// A tunnel through an HTTP proxy (RFC 9110 §9.3.6). Paho has one of its own, which waits in steps of 250 ms, has no
-// deadline, and writes the credentials into its trace.
+// A tunnel through an HTTP proxy (RFC 9110 §9.3.6). Paho has one of its own, which waits in steps
+// of 250 ms, has no deadline, and writes the credentials into its trace.
 #pragma once
 
 #include <cstdint>
@@ -20,8 +20,8 @@ struct HttpProxy {
 /// `http://[user:password@]host[:port]`. Errors: ErrorKind::kUsage; never repeats the text.
 [[nodiscard]] Result<HttpProxy> ParseHttpProxy(std::string_view text);
 
-/// Asks the proxy at the other end of this socket for a tunnel to host:port, and reads its answer and no byte more.
-/// Errors: ErrorKind::kBroker with the cause alone.
+/// Asks the proxy at the other end of this socket for a tunnel to host:port, and reads its answer
+/// and no byte more. Errors: ErrorKind::kBroker with the cause alone.
 [[nodiscard]] Status OpenTunnel(int descriptor, const HttpProxy& proxy, const std::string& host,
                                 std::uint16_t port, Deadline deadline);
 

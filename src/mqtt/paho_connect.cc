@@ -21,8 +21,8 @@ namespace {
 
 using std::chrono::steady_clock;
 
-// Debian's level for every program that does not choose for itself. Paho chooses 1. From 1 on, OpenSSL 3 has no TLS
-// older than 1.2, and Paho has no working option that says so.
+// Debian's level for every program that does not choose for itself. Paho chooses 1. From 1 on,
+// OpenSSL 3 has no TLS older than 1.2, and Paho has no working option that says so.
 constexpr const char* kDefaultCiphers = "DEFAULT@SECLEVEL=2";
 
 void InitializePaho() {
@@ -32,12 +32,12 @@ void InitializePaho() {
     MQTTClient_init_options options = MQTTClient_init_options_initializer;
     options.do_openssl_init = 0;
     MQTTClient_global_init(&options);
-    // What Paho would obey from the environment: proxies even for plain MQTT, and a trace on standard output.
-    for (const char* const name : {"http_proxy", "https_proxy", "HTTP_PROXY", "HTTPS_PROXY", "all_proxy",
-                                   "ALL_PROXY", "MQTT_C_CLIENT_TRACE"}) {
-      unsetenv(name);
-    }
   });
+  // What Paho would obey: proxies even for plain MQTT, and a trace on standard output.
+  for (const char* const name :
+       {"http_proxy", "https_proxy", "HTTP_PROXY", "HTTPS_PROXY", "MQTT_C_CLIENT_TRACE"}) {
+    if (getenv(name) != nullptr) unsetenv(name);
+  }
 }
 
 // What MQTTClient_connectOptions points to.
@@ -52,7 +52,9 @@ class Arguments {
     paho_.keepAliveInterval =
         static_cast<int>(std::clamp<std::int64_t>(options.keep_alive.count(), 0, 65'535));
     // Whole seconds; PahoCall knows the exact end. One more, so that it is always the one to speak.
-    paho_.connectTimeout = static_cast<int>(std::chrono::ceil<std::chrono::seconds>(options.connect_timeout).count()) + 1;
+    paho_.connectTimeout =
+        static_cast<int>(std::chrono::ceil<std::chrono::seconds>(options.connect_timeout).count()) +
+        1;
     paho_.reliable = 0;
     paho_.maxInflightMessages = std::clamp(options.window, 1, 65'535);
     if (!username_.empty()) paho_.username = username_.c_str();
@@ -66,7 +68,9 @@ class Arguments {
   MQTTClient_connectOptions* get() { return &paho_; }
 
  private:
-  static const char* OrNull(const std::string& text) { return text.empty() ? nullptr : text.c_str(); }
+  static const char* OrNull(const std::string& text) {
+    return text.empty() ? nullptr : text.c_str();
+  }
 
   void SetTls(const TlsOptions& tls, ConnectWatch& watch) {
     trust_store_ = tls.ca_file.empty() && tls.ca_path.empty() ? ForeignTrustStore() : tls.ca_file;
@@ -99,8 +103,9 @@ class Arguments {
   MQTTClient_connectOptions paho_ = MQTTClient_connectOptions_initializer;
 };
 
-// A URL as Paho takes it apart: it looks for the last colon, so an IPv6 address goes without brackets (with them no
-// certificate would ever match) and a path has no colon. For plain MQTT it needs the host for nothing but connecting.
+// A URL as Paho takes it apart: it looks for the last colon, so an IPv6 address goes without
+// brackets (with them no certificate would ever match) and a path has no colon. For plain MQTT it
+// needs the host for nothing but connecting.
 std::string PahoUri(const BrokerUrl& broker, const std::string& numeric_host) {
   std::string_view prefix = "tcp://";
   if (broker.scheme == Scheme::kMqtts) prefix = "ssl://";
@@ -116,8 +121,8 @@ std::string PahoUri(const BrokerUrl& broker, const std::string& numeric_host) {
 
 std::string NumericHost(const Address& address) {
   std::string host(NI_MAXHOST, '\0');
-  if (getnameinfo(address.get(), address.length, host.data(), static_cast<socklen_t>(host.size()), nullptr,
-                  0, NI_NUMERICHOST) != 0) {
+  if (getnameinfo(address.get(), address.length, host.data(), static_cast<socklen_t>(host.size()),
+                  nullptr, 0, NI_NUMERICHOST) != 0) {
     return {};
   }
   host.resize(host.find('\0'));
@@ -149,7 +154,8 @@ Result<Route> FindRoute(const BrokerUrl& broker, const ConnectOptions& options, 
   auto connected = Dial(*addresses, deadline);
   if (!connected) {
     Error error = std::move(connected.error());
-    if (tunnel) error.message = fmt::format("the proxy {}:{}: {}", proxy.host, proxy.port, error.message);
+    if (tunnel)
+      error.message = fmt::format("the proxy {}:{}: {}", proxy.host, proxy.port, error.message);
     return Fail(std::move(error));
   }
   route.connected = *std::move(connected);
@@ -161,13 +167,14 @@ Result<Route> FindRoute(const BrokerUrl& broker, const ConnectOptions& options, 
 }
 
 std::string_view FirstBytesOf(const BrokerUrl& broker) {
-  if (broker.UsesTls()) return {};         // OpenSSL reads without asking poll() first, and knows its own
-  if (broker.UsesWebSocket()) return "H";   // TTP/1.1
-  return "\x20";                            // CONNACK
+  if (broker.UsesTls()) return {};  // OpenSSL reads without asking poll() first, and knows its own
+  if (broker.UsesWebSocket()) return "H";  // TTP/1.1
+  return "\x20";                           // CONNACK
 }
 
 std::optional<int> NumericProperty(MQTTProperties* properties, enum MQTTPropertyCodes code) {
-  if (properties == nullptr || MQTTProperties_hasProperty(properties, code) == 0) return std::nullopt;
+  if (properties == nullptr || MQTTProperties_hasProperty(properties, code) == 0)
+    return std::nullopt;
   return static_cast<int>(MQTTProperties_getNumericValue(properties, code));
 }
 
@@ -194,7 +201,8 @@ void ReadProperties(MQTTProperties* properties, PahoConnection& connection) {
           ? nullptr
           : MQTTProperties_getProperty(properties, MQTTPROPERTY_CODE_ASSIGNED_CLIENT_IDENTIFER);
   if (id != nullptr) {
-    server.assigned_client_id.assign(id->value.data.data, static_cast<std::size_t>(id->value.data.len));
+    server.assigned_client_id.assign(id->value.data.data,
+                                     static_cast<std::size_t>(id->value.data.len));
   }
 }
 
@@ -277,7 +285,8 @@ bool IsMqttString(const std::string& text) {
 Status CheckConnectOptions(const ConnectOptions& options) {
   if (options.brokers.empty()) return Usage("no broker is given: use --broker mqtt://host");
   if (!IsMqttString(options.client_id) || !IsMqttString(options.username)) {
-    return Usage("the client id or the user name is no MQTT text: UTF-8 without NUL, 65,535 bytes at most");
+    return Usage(
+        "the client id or the user name is no MQTT text: UTF-8 without NUL, 65,535 bytes at most");
   }
   if (options.password && options.password->size() > 65'535) {
     return Usage("the password is longer than 65,535 bytes, the most that MQTT can carry");
@@ -290,7 +299,8 @@ Status CheckConnectOptions(const ConnectOptions& options) {
   }
   if (!options.proxy.empty()) {
     if (!PahoCall::Supported()) {
-      return Usage("this build cannot use a proxy (FLEETPUB_FAST_CONNECT is off): leave out --proxy");
+      return Usage(
+          "this build cannot use a proxy (FLEETPUB_FAST_CONNECT is off): leave out --proxy");
     }
     if (auto proxy = ParseHttpProxy(options.proxy); !proxy) return Fail(std::move(proxy.error()));
   }
@@ -317,7 +327,8 @@ Result<PahoConnection> ConnectTo(const BrokerUrl& broker, const ConnectOptions& 
       (options.keep_alive.count() != 0 && *server_keep_alive >= options.keep_alive.count())) {
     return connection;
   }
-  // The broker's keep alive is the one that counts (MQTT 5 §3.2.2.3.14), and Paho cannot change it any more.
+  // The broker's keep alive is the one that counts (MQTT 5 §3.2.2.3.14), and Paho cannot change it
+  // any more.
   {
     const std::lock_guard lock(PahoMutex());
     const PahoCall call(connection->descriptor, steady_clock::now() + options.connect_timeout);

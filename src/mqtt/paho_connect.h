@@ -23,6 +23,7 @@ struct PahoConnection {
 [[nodiscard]] Status CheckConnectOptions(const ConnectOptions& options);
 
 /// Errors: ErrorKind::kBroker, one line that names the broker.
-[[nodiscard]] Result<PahoConnection> ConnectTo(const BrokerUrl& broker, const ConnectOptions& options);
+[[nodiscard]] Result<PahoConnection> ConnectTo(const BrokerUrl& broker,
+                                               const ConnectOptions& options);
 
 }  // namespace fleetpub::mqtt

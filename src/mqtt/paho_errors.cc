@@ -55,17 +55,22 @@ constexpr std::array<CodeText, 35> kReasons{{
     {0xA2, "wildcard subscriptions not supported"},
 }};
 
-// What a person can do about a refused CONNECT. Codes of 3.1.1 §3.2.2.3 and of MQTT 5 §3.2.2.2 side by side.
+// What a person can do about a refused CONNECT. Codes of 3.1.1 §3.2.2.3 and of MQTT 5 §3.2.2.2 side
+// by side.
 constexpr std::array<CodeText, 14> kRefusals{{
     {1, "it does not speak this version of MQTT: try -V 5 or -V 3.1.1"},
     {2, "it does not accept this client id: choose another one with --client-id"},
     {3, "the MQTT service is unavailable: try again later"},
     {4, "bad user name or password: check --username and --password-file"},
-    {5, "not authorized: check --username and --password-file, and what the broker allows this client"},
+    {5,
+     "not authorized: check --username and --password-file, and what the broker allows this "
+     "client"},
     {0x84, "it does not speak this version of MQTT: try -V 3.1.1"},
     {0x85, "it does not accept this client id: choose another one with --client-id"},
     {0x86, "bad user name or password: check --username and --password-file"},
-    {0x87, "not authorized: check --username and --password-file, and what the broker allows this client"},
+    {0x87,
+     "not authorized: check --username and --password-file, and what the broker allows this "
+     "client"},
     {0x88, "the MQTT service is unavailable: try again later"},
     {0x89, "the broker is busy: try again later"},
     {0x8A, "this client is banned: ask the broker's administrator"},
@@ -80,7 +85,8 @@ struct Hint {
 };
 constexpr std::array<Hint, 6> kReachHints{{
     {"connection refused", "is a broker running there? (--broker, --host, --port)"},
-    {"no answer", "is the address right, and does a firewall let it through? (--broker, --connect-timeout)"},
+    {"no answer",
+     "is the address right, and does a firewall let it through? (--broker, --connect-timeout)"},
     {"the name", "check the host name (--broker, --host)"},
     {"looking up", "check the network, or give the address in numbers"},
     {"network is unreachable", "is this machine connected to the broker's network?"},
@@ -111,7 +117,8 @@ std::string VerifyCause(const ConnectFacts& facts) {
     case X509_V_ERR_UNABLE_TO_GET_ISSUER_CERT:
     case X509_V_ERR_UNABLE_TO_GET_ISSUER_CERT_LOCALLY:
     case X509_V_ERR_UNABLE_TO_VERIFY_LEAF_SIGNATURE:
-      return "its certificate is from an authority that is not trusted here: name that authority's certificate with "
+      return "its certificate is from an authority that is not trusted here: name that authority's "
+             "certificate with "
              "--cafile";
     default:
       return fmt::format("its certificate is not accepted: {}",
@@ -123,7 +130,8 @@ std::string VerifyCause(const ConnectFacts& facts) {
 std::string PeerCause(unsigned char first) {
   const bool tls_record = first == 0x15 || first == 0x16;  // RFC 8446 §5.1: alert, handshake
   if (tls_record) return "what answers there speaks TLS: write mqtts:// (or wss://)";
-  if (first == 'H') return "what answers there speaks HTTP, not MQTT: write ws://, or check the port";
+  if (first == 'H')
+    return "what answers there speaks HTTP, not MQTT: write ws://, or check the port";
   return "what answers there is no MQTT broker: check the port";
 }
 
@@ -135,7 +143,8 @@ std::string TlsCause(const ConnectFacts& facts, const ConnectOptions& options) {
     return "it asks for a certificate of ours: give --cert and --key";
   }
   if (facts.tls_errors.find("wrong version number") != std::string::npos) {
-    return "what answers there does not speak TLS: is it the port without TLS? (mqtt:// instead of mqtts://)";
+    return "what answers there does not speak TLS: is it the port without TLS? (mqtt:// instead of "
+           "mqtts://)";
   }
   if (facts.tls_errors.find("no protocols available") != std::string::npos ||
       facts.tls_errors.find("unsupported protocol") != std::string::npos ||
@@ -145,7 +154,7 @@ std::string TlsCause(const ConnectFacts& facts, const ConnectOptions& options) {
   if (!facts.tls_alert.empty()) {
     return fmt::format("the TLS handshake failed: {}", base::Printable(facts.tls_alert));
   }
-  return "the TLS handshake failed";
+  return "it closed the connection during the TLS handshake: is that its port for TLS?";
 }
 
 std::string Cause(const BrokerUrl& broker, const ConnectOptions& options,
@@ -162,15 +171,17 @@ std::string Cause(const BrokerUrl& broker, const ConnectOptions& options,
                        base::Printable(facts.http_status));
   }
   if (facts.expired) {
-    return fmt::format("something listens there but gave no {} answer within {} ms: is it a broker? "
-                       "(--connect-timeout)",
-                       broker.UsesTls() && !facts.connect_sent ? "TLS" : "MQTT",
-                       options.connect_timeout.count());
+    return fmt::format(
+        "something listens there but gave no {} answer within {} ms: is it a broker? "
+        "(--connect-timeout)",
+        broker.UsesTls() && !facts.connect_sent ? "TLS" : "MQTT", options.connect_timeout.count());
   }
-  if (broker.UsesTls() && (!facts.tls_errors.empty() || facts.verify_code != 0 || !facts.connect_sent)) {
+  if (broker.UsesTls() &&
+      (!facts.tls_errors.empty() || facts.verify_code != 0 || !facts.connect_sent)) {
     return TlsCause(facts, options);
   }
-  return "it closed the connection without an answer: does it speak this version of MQTT (-V), and this scheme?";
+  return "it closed the connection without an answer: does it speak this version of MQTT (-V), and "
+         "this scheme?";
 }
 
 }  // namespace
@@ -195,8 +206,8 @@ Error ConnectError(const BrokerUrl& broker, const ConnectOptions& options,
                    const ConnectFacts& facts) {
   if (facts.code > 0) {
     const std::string_view refusal = Find(kRefusals, facts.code);
-    const std::string code = facts.code >= 0x80 ? ReasonText(facts.code)
-                                                : fmt::format("return code {}", facts.code);
+    const std::string code =
+        facts.code >= 0x80 ? ReasonText(facts.code) : fmt::format("return code {}", facts.code);
     return Broker(fmt::format("{} refused the connection: {}", broker.ToString(),
                               refusal.empty() ? code : std::string(refusal)),
                   fmt::format("CONNACK {}", code));

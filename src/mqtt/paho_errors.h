@@ -12,7 +12,8 @@ namespace fleetpub::mqtt {
 
 /// What was noticed while Paho tried to connect. Paho itself says "-1" of nearly everything.
 struct ConnectFacts {
-  int code = 0;  ///< Paho's: negative its own, 1 to 5 CONNACK of 3.1.1, from 0x80 a reason code of MQTT 5
+  int code =
+      0;  ///< Paho's: negative its own, 1 to 5 CONNACK of 3.1.1, from 0x80 a reason code of MQTT 5
   bool expired = false;
   std::optional<unsigned char> wrong_first;  ///< PahoCall::wrong_first
   bool connect_sent = false;                 ///< the CONNECT packet went out
@@ -21,14 +22,15 @@ struct ConnectFacts {
   std::string tls_alert;                     ///< the last alert sent or received, "unknown CA"
   bool wrong_name = false;                   ///< the certificate is another host's
   std::string certificate_names;             ///< the names that it is for
-  std::string http_status;                   ///< the answer to the WebSocket handshake when it was no 101
+  std::string http_status;  ///< the answer to the WebSocket handshake when it was no 101
 };
 
 /// The sentence for a connection that did not come about.
 [[nodiscard]] Error ConnectError(const BrokerUrl& broker, const ConnectOptions& options,
                                  const ConnectFacts& facts);
 
-/// `cannot reach mqtt://…: <cause>` for what happened before MQTT, with what to try for the causes that have one.
+/// `cannot reach mqtt://…: <cause>` for what happened before MQTT, with what to try for the causes
+/// that have one.
 [[nodiscard]] Error ReachError(const BrokerUrl& broker, const Error& cause);
 
 /// MQTT 5 §2.4: "not authorized (0x87)".

@@ -1,37 +1,48 @@
 // How Paho is made fast and punctual without touching it.
 //
-// The problem. paho-mqtt-c (every release up to 1.3.15) connects a non-blocking socket and then polls it for *reading*
-// only, which a socket that has just connected never is: each MQTTClient_connect() sleeps out its 100 ms poll,
-// while mosquitto_pub does its whole job in one. No option avoids it. Its connect timeout counts whole seconds and
-// excludes the name lookup; its other waits (SUBACK, back-pressure) are 5 s at least or have no end. It takes one
-// address of a host and gives up when that one is dead. It tells "-1" of whatever went wrong.
+// The problem. paho-mqtt-c (every release up to 1.3.15) connects a non-blocking socket and then
+// polls it for *reading* only, which a socket that has just connected never is: each
+// MQTTClient_connect() sleeps out its 100 ms poll, while mosquitto_pub does its whole job in one.
+// No option avoids it. Its connect timeout counts whole seconds and excludes the name lookup; its
+// other waits (SUBACK, back-pressure) are 5 s at least or have no end. It takes one address of a
+// host and gives up when that one is dead. It tells "-1" of whatever went wrong.
 //
-// The way out. Paho calls connect(), poll(), writev() and getaddrinfo() by their names. This file defines them in the
-// executable, and the linker and the dynamic loader both prefer an executable's own definition to the C library's:
-// Paho's calls arrive here, from libpaho-mqtt3cs.a and from libpaho-mqtt3cs.so, also under the sanitizers (whose
-// interceptors are only weak) and with link-time optimisation. `used` keeps the definitions from an optimiser
-// that sees no caller. Nobody else may notice: libpq, OpenSSL's own look-ups and the rest of the program call the same
-// names. So everything below does the plain system call unless the calling *thread* is inside a PahoCall *and*
-// the descriptor is that call's.
+// The way out. Paho calls connect(), poll(), writev() and getaddrinfo() by their names. This file
+// defines them in the executable, and the linker and the dynamic loader both prefer an executable's
+// own definition to the C library's: Paho's calls arrive here, from libpaho-mqtt3cs.a and from
+// libpaho-mqtt3cs.so, also under the sanitizers (whose interceptors are only weak) and with
+// link-time optimisation. `used` keeps the definitions from an optimiser that sees no caller.
+// Nobody else may notice: libpq, OpenSSL's own look-ups and the rest of the program call the same
+// names. So everything below does the plain system call unless the calling *thread* is inside a
+// PahoCall *and* the descriptor is that call's.
 //
-//   connect()      dial.cc has connected a socket before Paho was entered (all addresses, exact errors, a deadline).
-//                  It is put in place of Paho's unconnected one by dup3(). The answer is EINPROGRESS, *not* 0: Paho's
-//                  path for 0 is hardly ever taken elsewhere and is wrong (TLS connects fail half of the time,
-//                  WebSockets always). Its state machine then runs as on any other day.
-//   poll()         The first time that Paho polls the new connection for reading, it is answered at once: that is the
-//                  100 ms. Every wait is cut at the deadline; then the connection is shut down, Paho reads the
-//                  end and gives up. The first byte of the first answer is looked at before Paho sees it: an SSH
-//                  server's greeting is to Paho the start of a packet whose rest never comes.
-//   writev()       Waits for room instead of writing short, which would cost Paho another 100 ms. (TLS writes through
+//   connect()      dial.cc has connected a socket before Paho was entered (all addresses, exact
+//   errors, a deadline).
+//                  It is put in place of Paho's unconnected one by dup3(). The answer is
+//                  EINPROGRESS, *not* 0: Paho's path for 0 is hardly ever taken elsewhere and is
+//                  wrong (TLS connects fail half of the time, WebSockets always). Its state machine
+//                  then runs as on any other day.
+//   poll()         The first time that Paho polls the new connection for reading, it is answered at
+//   once: that is the
+//                  100 ms. Every wait is cut at the deadline; then the connection is shut down,
+//                  Paho reads the end and gives up. The first byte of the first answer is looked at
+//                  before Paho sees it: an SSH server's greeting is to Paho the start of a packet
+//                  whose rest never comes.
+//   writev()       Waits for room instead of writing short, which would cost Paho another 100 ms.
+//   (TLS writes through
 //                  write(), which is left alone: the transport waits for room before it publishes.)
-//   getaddrinfo()  The name has been looked up already. Paho needs an answer only to choose the family of the socket
-//                  that connect() throws away, and still needs the name itself for SNI, the certificate and `Host:`.
+//   getaddrinfo()  The name has been looked up already. Paho needs an answer only to choose the
+//   family of the socket
+//                  that connect() throws away, and still needs the name itself for SNI, the
+//                  certificate and `Host:`.
 //
-// Raw system calls are used in place of the C library's functions, since a static executable has no dlsym(RTLD_NEXT).
-// For the same reason FLEETPUB_STATIC leaves getaddrinfo() out (libc.a would define it twice): there, TLS and
-// WebSocket connections to a host by name look it up a second time.
+// Raw system calls are used in place of the C library's functions, since a static executable has no
+// dlsym(RTLD_NEXT). For the same reason FLEETPUB_STATIC leaves getaddrinfo() out (libc.a would
+// define it twice): there, TLS and WebSocket connections to a host by name look it up a second
+// time.
 //
-// Without FLEETPUB_FAST_CONNECT none of this is compiled: correct, 100 ms slower, and blunt about deadlines.
+// Without FLEETPUB_FAST_CONNECT none of this is compiled: correct, 100 ms slower, and blunt about
+// deadlines.
 
 #ifdef _FORTIFY_SOURCE
 #undef _FORTIFY_SOURCE  // its inline poll() would be a second definition
@@ -150,8 +161,8 @@ struct Interposed {
     return ready;
   }
 
-  // A broker with Nagle's algorithm (mosquitto's default) holds CONNACK back until its TLS session tickets are
-  // acknowledged, which TCP delays by 40 ms. Not permanent: the kernel forgets it.
+  // A broker with Nagle's algorithm (mosquitto's default) holds CONNACK back until its TLS session
+  // tickets are acknowledged, which TCP delays by 40 ms. Not permanent: the kernel forgets it.
   static void AcknowledgeAtOnce(int descriptor) {
     const int on = 1;
     setsockopt(descriptor, IPPROTO_TCP, TCP_QUICKACK, &on, sizeof on);

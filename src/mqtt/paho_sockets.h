@@ -1,4 +1,5 @@
-// Paho's system calls, for as long as one of these lives on the calling thread. See paho_sockets.cc.
+// Paho's system calls, for as long as one of these lives on the calling thread. See
+// paho_sockets.cc.
 #pragma once
 
 #include <chrono>
@@ -12,8 +13,8 @@ namespace fleetpub::mqtt {
 /// One call into Paho. Belongs to the thread that made it; scopes on one thread do not overlap.
 class PahoCall {
  public:
-  /// A call on a connection that exists. At the deadline the connection is shut down, which is the only way to make
-  /// every one of Paho's waits end.
+  /// A call on a connection that exists. At the deadline the connection is shut down, which is the
+  /// only way to make every one of Paho's waits end.
   PahoCall(int descriptor, Deadline deadline);
   PahoCall(const PahoCall&) = delete;
   PahoCall& operator=(const PahoCall&) = delete;
@@ -22,12 +23,12 @@ class PahoCall {
   /// The next connect() of Paho gets this connected socket instead of making its own connection.
   void Adopt(Descriptor connected) { adopted_ = std::move(connected); }
 
-  /// The bytes with which the peer's first answer may begin; whatever begins otherwise is shut down before Paho reads
-  /// (and waits for the rest of) a packet that is none. "" for any.
+  /// The bytes with which the peer's first answer may begin; whatever begins otherwise is shut down
+  /// before Paho reads (and waits for the rest of) a packet that is none. "" for any.
   void ExpectFirst(std::string_view bytes) { expected_ = bytes; }
 
-  /// Lets Paho look for a packet once even when the socket has nothing to read: what OpenSSL or its WebSocket layer
-  /// has read ahead is invisible to poll().
+  /// Lets Paho look for a packet once even when the socket has nothing to read: what OpenSSL or its
+  /// WebSocket layer has read ahead is invisible to poll().
   void Probe() { probe_ = true; }
 
   /// Ends whatever Paho is doing.

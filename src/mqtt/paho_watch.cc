@@ -47,7 +47,8 @@ std::string_view After(std::string_view line, std::string_view marker) {
   return at == std::string_view::npos ? std::string_view() : line.substr(at + marker.size());
 }
 
-// Paho traces nothing that anybody listens to unless told so, and formats every line that its level lets through.
+// Paho traces nothing that anybody listens to unless told so, and formats every line that its level
+// lets through.
 void ApplyTraceLevel() {
   MQTTClient_setTraceLevel(watches > 0 || !listeners.empty() ? MQTTCLIENT_TRACE_PROTOCOL
                                                              : MQTTCLIENT_TRACE_ERROR);
@@ -86,7 +87,8 @@ struct TraceCallback {
     if (text == nullptr || level < MQTTCLIENT_TRACE_PROTOCOL) return;
     const std::string_view line = text;
     if (current_watch != nullptr) Note(*current_watch, line);
-    if (!listeners.empty() && IsForPeople(line)) (*listeners.back())(base::Printable(WithoutTime(line)));
+    if (!listeners.empty() && IsForPeople(line))
+      (*listeners.back())(base::Printable(WithoutTime(line)));
   }
 
   static void Note(ConnectWatch& watch, std::string_view line) {
@@ -102,7 +104,8 @@ struct TraceCallback {
       facts.certificate_names = NamesOf(watch.tls_.ssl());
     } else if (const auto status = After(line, "WebSocket HTTP rc "); !status.empty()) {
       facts.http_status = status.substr(0, 3);
-      watch.abort_();  // Paho would send CONNECT, with the password, to a server that refused to speak MQTT
+      watch.abort_();  // Paho would send CONNECT, with the password, to a server that refused to
+                       // speak MQTT
     }
   }
 
@@ -115,7 +118,8 @@ struct TraceCallback {
   // "20260102 030405.678 " stands before every line.
   static std::string_view WithoutTime(std::string_view line) {
     constexpr std::size_t kTime = 20;
-    return line.size() > kTime && line[8] == ' ' && line[kTime - 1] == ' ' ? line.substr(kTime) : line;
+    return line.size() > kTime && line[8] == ' ' && line[kTime - 1] == ' ' ? line.substr(kTime)
+                                                                           : line;
   }
 };
 

@@ -11,12 +11,13 @@ struct ssl_st;
 
 namespace fleetpub::mqtt {
 
-/// Paho's state is the whole process's and not safe to use from two threads at once: held around every call into it,
-/// never while waiting for the network except in connecting and subscribing.
+/// Paho's state is the whole process's and not safe to use from two threads at once: held around
+/// every call into it, never while waiting for the network except in connecting and subscribing.
 [[nodiscard]] std::mutex& PahoMutex();
 
-/// The TLS connection that Paho makes while a ConnectWatch lives, seen through OpenSSL's ex_data callbacks, since
-/// Paho hands out neither the SSL nor what went wrong with it. Lives longer than the connection.
+/// The TLS connection that Paho makes while a ConnectWatch lives, seen through OpenSSL's ex_data
+/// callbacks, since Paho hands out neither the SSL nor what went wrong with it. Lives longer than
+/// the connection.
 class TlsWatch {
  public:
   /// OpenSSL has bytes that poll() does not know of.
@@ -31,7 +32,8 @@ class TlsWatch {
 /// Collects the facts of one connection attempt of this thread.
 class ConnectWatch {
  public:
-  /// `abort` is called when it is clear that nothing can come of it. Trace lines are read only when `trace`.
+  /// `abort` is called when it is clear that nothing can come of it. Trace lines are read only when
+  /// `trace`.
   ConnectWatch(TlsWatch& tls, bool trace, std::function<void()> abort);
   ConnectWatch(const ConnectWatch&) = delete;
   ConnectWatch& operator=(const ConnectWatch&) = delete;

@@ -18,9 +18,9 @@ namespace fleetpub::mqtt {
 namespace {
 
 // Debian, Fedora, openSUSE, Alpine and the BSDs.
-constexpr std::array<const char*, 4> kTrustStores{
-    "/etc/ssl/certs/ca-certificates.crt", "/etc/pki/tls/certs/ca-bundle.crt",
-    "/etc/ssl/ca-bundle.pem", "/etc/ssl/cert.pem"};
+constexpr std::array<const char*, 4> kTrustStores{"/etc/ssl/certs/ca-certificates.crt",
+                                                  "/etc/pki/tls/certs/ca-bundle.crt",
+                                                  "/etc/ssl/ca-bundle.pem", "/etc/ssl/cert.pem"};
 
 std::string OpensslSays() {
   const unsigned long code = ERR_peek_last_error();
@@ -48,8 +48,8 @@ Status CheckContents(const TlsOptions& options) {
                                                                   SSL_CTX_free);
   if (context == nullptr) return {};
   const auto bad = [](const std::string& path, std::string_view what, std::string_view option) {
-    return Fail(ErrorKind::kUsage,
-                fmt::format("{} ({}) {}", base::Printable(path), option, what), OpensslSays());
+    return Fail(ErrorKind::kUsage, fmt::format("{} ({}) {}", base::Printable(path), option, what),
+                OpensslSays());
   };
   if (!options.ca_file.empty() &&
       SSL_CTX_load_verify_locations(context.get(), options.ca_file.c_str(), nullptr) != 1) {
@@ -68,9 +68,10 @@ Status CheckContents(const TlsOptions& options) {
   SSL_CTX_set_default_passwd_cb(context.get(), GivePassword);
   SSL_CTX_set_default_passwd_cb_userdata(context.get(), &password);
   if (SSL_CTX_use_PrivateKey_file(context.get(), key.c_str(), SSL_FILETYPE_PEM) != 1) {
-    return bad(key,
-               "holds no private key that fits the certificate and the password (--key-password-file)",
-               "--key");
+    return bad(
+        key,
+        "holds no private key that fits the certificate and the password (--key-password-file)",
+        "--key");
   }
   return {};
 }
@@ -91,7 +92,8 @@ Status CheckTlsFiles(const TlsOptions& options) {
 std::string ForeignTrustStore() {
   if (getenv(X509_get_default_cert_file_env()) != nullptr ||
       getenv(X509_get_default_cert_dir_env()) != nullptr ||
-      access(X509_get_default_cert_file(), R_OK) == 0 || access(X509_get_default_cert_dir(), R_OK) == 0) {
+      access(X509_get_default_cert_file(), R_OK) == 0 ||
+      access(X509_get_default_cert_dir(), R_OK) == 0) {
     return {};
   }
   for (const char* const path : kTrustStores) {

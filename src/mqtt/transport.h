@@ -1,4 +1,5 @@
-// A connection to a broker, as the rest of the program sees it. No type of any MQTT library stands here.
+// A connection to a broker, as the rest of the program sees it. No type of any MQTT library stands
+// here.
 //
 // Threads: a Transport belongs to one thread at a time and starts none of its own.
 // Blocking: every call returns by the deadline that it is given or by the connect timeout.
@@ -30,8 +31,8 @@ struct Message {
   std::string topic;
   std::string payload;
   Qos qos = Qos::kAtMostOnce;
-  /// On a received message: the broker had stored it before we subscribed. Never set on what we send:
-  /// a retained command would be obeyed by a robot that reconnects tomorrow.
+  /// On a received message: the broker had stored it before we subscribed. Never set on what we
+  /// send: a retained command would be obeyed by a robot that reconnects tomorrow.
   bool retained = false;
 };
 
@@ -68,7 +69,8 @@ struct ConnectOptions {
 /// What the broker said to one QoS 1 or 2 message.
 struct Acknowledgement {
   int token = 0;
-  /// MQTT 5 §2.4; 0 on MQTT 3.1.1, which cannot say no. 0x80 and above: the broker refused the message.
+  /// MQTT 5 §2.4; 0 on MQTT 3.1.1, which cannot say no. 0x80 and above: the broker refused the
+  /// message.
   int reason_code = 0;
   /// For a person, set when refused: "not authorized (0x87)".
   std::string reason = {};
@@ -87,8 +89,8 @@ struct ServerInfo {
   std::string assigned_client_id;
 };
 
-/// An open connection with a clean session. Closing: Disconnect(); the destructor drops the connection
-/// without a DISCONNECT packet when that was not called.
+/// An open connection with a clean session. Closing: Disconnect(); the destructor drops the
+/// connection without a DISCONNECT packet when that was not called.
 class Transport {
  public:
   Transport() = default;
@@ -98,16 +100,19 @@ class Transport {
 
   [[nodiscard]] virtual const ServerInfo& server() const = 0;
 
-  /// Subscribes and waits for the SUBACK. A filter that the broker refuses is an error that names it.
+  /// Subscribes and waits for the SUBACK. A filter that the broker refuses is an error that names
+  /// it.
   [[nodiscard]] virtual Status Subscribe(std::span<const std::string> filters, Qos qos,
                                          Deadline deadline) = 0;
 
-  /// QoS 0: returns 0 when the message is with the operating system. QoS 1 and 2: returns the token by which
-  /// AwaitAcknowledgements names it; while the window is full, waits for room until the deadline.
+  /// QoS 0: returns 0 when the message is with the operating system. QoS 1 and 2: returns the token
+  /// by which AwaitAcknowledgements names it; while the window is full, waits for room until the
+  /// deadline.
   [[nodiscard]] virtual Result<int> Publish(const Message& message, Deadline deadline) = 0;
 
-  /// Waits until every message in flight is acknowledged, or until the deadline. Returns what came since the
-  /// last call, in order of arrival; in_flight() tells what is missing. An error is a lost connection.
+  /// Waits until every message in flight is acknowledged, or until the deadline. Returns what came
+  /// since the last call, in order of arrival; in_flight() tells what is missing. An error is a
+  /// lost connection.
   [[nodiscard]] virtual Result<std::vector<Acknowledgement>> AwaitAcknowledgements(
       Deadline deadline) = 0;
   [[nodiscard]] virtual int in_flight() const = 0;

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <functional>
 #include <string>
 #include <string_view>
 #include <tuple>
@@ -58,12 +59,14 @@ class Explainer {
 
   void Check(const Value& schema, const Value& value, const Where& where) {
     if (findings_.size() > most_) return;
-    if (--work_left_ < 0) throw TooMuchWork();
     if (schema.IsBool()) {
       if (schema.IsFalse()) Add(where, "is not allowed");
       return;
     }
-    if (const Value* target = vetted_.Reference(schema)) Check(*target, value, where);
+    if (const Value* target = vetted_.Reference(schema)) {
+      if (--work_left_ < 0) throw TooMuchWork();
+      Check(*target, value, where);
+    }
     if (vetted_.OnlyReference(schema) != nullptr) return;
     if (!Type(schema, value, where)) return;  // nothing else that is said would help
     Choice(schema, value, where);
@@ -218,7 +221,7 @@ class Explainer {
       if (named == nullptr) continue;
       const Findings wrong = Try(*named, member.name, below);
       if (wrong.empty()) continue;
-      Add(below, fmt::format("has a name that is not allowed: it {}", wrong[0].violation.message));
+      Add(below, fmt::format("has a name that {}", wrong[0].violation.message));
     }
   }
 
@@ -296,6 +299,9 @@ class Explainer {
     if (names != nullptr && schema.MemberCount() == 1 && value.IsObject() && names->Size() == 1) {
       return Add(where, fmt::format("must not have {}", base::Printable(ViewOf((*names)[0]))));
     }
+    if (const std::string type = TypeInWords(schema); !type.empty() && schema.MemberCount() == 1) {
+      return Add(where, fmt::format("must not be {}", type));
+    }
     Add(where, fmt::format("must not be {}, which the schema's not excludes", Shown(value)));
   }
 
@@ -330,22 +336,28 @@ class Explainer {
       for (Finding& finding : wrong[0]) findings_.push_back(std::move(finding));
       return;
     }
-    std::vector<std::string> wanted;
-    for (const Findings& each : wrong) {
-      const Finding& only = each.front();
-      if (each.size() > 1 || only.wanted.empty() || only.order.size() != depth) wanted.clear();
-      if (each.size() > 1 || only.wanted.empty() || only.order.size() != depth) break;
-      wanted.push_back(only.wanted);
+    const auto same_place = [depth](const Findings& findings) {
+      return findings.size() == 1 && !findings[0].wanted.empty() &&
+             findings[0].order.size() == depth;
+    };
+    std::vector<std::string> parts;
+    if (std::all_of(wrong.begin(), wrong.end(), same_place)) {
+      for (const Findings& each : wrong) parts.push_back(each[0].wanted);
+      return MustBe(where, Alternatives(parts), wrong[0][0].found);
     }
-    if (wanted.empty()) {
-      return Add(where, fmt::format("matches none of {} alternatives", wrong.size()));
+    constexpr std::size_t kMost = 3;
+    for (std::size_t i = 0; i < std::min(wrong.size(), kMost); ++i) {
+      const Violation& first = wrong[i][0].violation;
+      const std::string below = first.path.substr(PointerTo(where).size());
+      parts.push_back(below.empty() ? first.message : fmt::format("{} {}", below, first.message));
     }
-    MustBe(where, Alternatives(wanted), wrong[0].front().found);
+    Add(where,
+        fmt::format("matches none of {} alternatives: {}", wrong.size(), Alternatives(parts)));
   }
 
   const Vetted& vetted_;
   const std::size_t most_;
-  int work_left_ = 4'000'000;
+  int work_left_ = kMostWork;
   Findings findings_;
 };
 
@@ -353,7 +365,7 @@ class Explainer {
 
 std::vector<Violation> Explain(const Vetted& vetted, const Value& message, std::size_t most) {
   Explainer explainer(vetted, most);
-  explainer.Check(vetted.document, message, Where());
+  explainer.Check(*vetted.root, message, Where());
   Findings findings = explainer.Take();
   std::stable_sort(findings.begin(), findings.end(),
                    [](const Finding& a, const Finding& b) { return a.order < b.order; });

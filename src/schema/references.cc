@@ -37,22 +37,11 @@ std::string Unescape(std::string_view token) {  // RFC 6901 §4
 const Value* Step(const Value& value, std::string_view token) {
   if (value.IsObject()) return base::FindMember(value, Unescape(token));
   if (!value.IsArray()) return nullptr;
+  if (token.size() > 1 && token.front() == '0') return nullptr;
   rapidjson::SizeType index = 0;
   const char* end = token.data() + token.size();
   const auto [stop, error] = std::from_chars(token.data(), end, index);
   return error == std::errc() && stop == end && index < value.Size() ? &value[index] : nullptr;
-}
-
-// Null when nothing is there. `pointer` is empty or begins with `/`.
-const Value* Follow(const Value& document, std::string_view pointer) {
-  const Value* value = &document;
-  while (value != nullptr && !pointer.empty()) {
-    pointer.remove_prefix(1);
-    const std::string_view token = pointer.substr(0, pointer.find('/'));
-    value = Step(*value, token);
-    pointer.remove_prefix(token.size());
-  }
-  return value;
 }
 
 // Finds the longest chain of schemas that apply to one and the same value.
@@ -113,6 +102,17 @@ std::string Place::Pointer() const {
   const std::string above = up->Pointer();
   if (name.data() == nullptr) return fmt::format("{}/{}", above, index);
   return fmt::format("{}/{}", above, base::PointerToken(name));
+}
+
+const Value* Follow(const Value& document, std::string_view pointer) {
+  const Value* value = &document;
+  while (value != nullptr && !pointer.empty()) {
+    pointer.remove_prefix(1);
+    const std::string_view token = pointer.substr(0, pointer.find('/'));
+    value = Step(*value, token);
+    pointer.remove_prefix(token.size());
+  }
+  return value;
 }
 
 ReferenceTable::ReferenceTable(Vetted& vetted) : vetted_(vetted) {

@@ -28,6 +28,11 @@ struct Place {
   [[nodiscard]] std::string Pointer() const;
 };
 
+/// The value that a JSON Pointer leads to (RFC 6901 §4), or null. `pointer` is empty or begins with
+/// `/`.
+[[nodiscard]] const rapidjson::Value* Follow(const rapidjson::Value& document,
+                                             std::string_view pointer);
+
 class ReferenceTable {
  public:
   template <typename T>

@@ -7,6 +7,7 @@
 #include "base/file.h"
 #include "base/text.h"
 #include "schema/schema.h"
+#include "schema/uri.h"
 
 namespace fleetpub::schema {
 namespace {
@@ -51,11 +52,17 @@ const Embedded* FindEmbedded(std::string_view name) {
 
 Registry::Registry(fs::path directory) : directory_(std::move(directory)) {
   if (directory_.empty()) return;
+  constexpr int kDeepest = 4;
   std::error_code error;
-  fs::recursive_directory_iterator entry(directory_, error);
+  fs::recursive_directory_iterator entry(directory_, fs::directory_options::skip_permission_denied,
+                                         error);
   for (; !error && entry != fs::recursive_directory_iterator(); entry.increment(error)) {
+    if (entry.depth() >= kDeepest) entry.disable_recursion_pending();
     const std::string name = NameOf(entry->path().lexically_relative(directory_));
-    if (!name.empty()) files_.emplace(name, entry->path());
+    std::error_code ignored;
+    if (name.empty() || !entry->is_regular_file(ignored)) continue;
+    const auto [known, is_new] = files_.emplace(name, entry->path());
+    if (!is_new) known->second = std::min(known->second, entry->path());
   }
   if (error) {
     scanned_ = Fail(ErrorKind::kUsage, fmt::format("cannot read the schema folder {}: {}",
@@ -81,15 +88,16 @@ Result<std::string> Registry::Text(std::string_view name) const {
 
 Result<const Schema*> Registry::Find(std::string_view name) {
   if (const auto known = compiled_.find(name); known != compiled_.end()) return &known->second;
-  const auto text = Text(name);
+  const auto [document, pointer] = SplitFragment(name);
+  const auto text = Text(document);
   if (!text) return Fail(text.error());
-  const auto file = files_.find(name);
-  const std::string shown = file == files_.end() ? std::string(name) : file->second.string();
-  auto schema = Schema::Compile(*text, shown);
+  const auto file = files_.find(document);
+  const std::string shown = file == files_.end() ? document : file->second.string();
+  auto schema = Schema::Compile(*text, shown, pointer);
   if (!schema) {
     Error error = std::move(schema.error());
     if (error.message.find("not valid JSON") != std::string::npos) {
-      error.message += KnownBroken(name);
+      error.message += KnownBroken(document);
     }
     return Fail(std::move(error));
   }

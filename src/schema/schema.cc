@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <exception>
+#include <utility>
 
 #include "base/text.h"
 #include "schema/explain.h"
@@ -24,11 +25,12 @@ Schema::Schema(Schema&&) noexcept = default;
 Schema& Schema::operator=(Schema&&) noexcept = default;
 Schema::~Schema() = default;
 
-Result<Schema> Schema::Compile(std::string_view text, std::string_view name) {
+Result<Schema> Schema::Compile(std::string_view text, std::string_view name,
+                               std::string_view pointer) {
   const auto refuse = [name](std::string_view why) {
     return Fail(ErrorKind::kInvalid, fmt::format("schema {}: {}", base::Printable(name), why));
   };
-  auto vetted = Vet(text);
+  auto vetted = Vet(text, pointer);
   if (!vetted) return refuse(vetted.error().message);
   try {
     return Schema(std::make_unique<const Compiled>(std::move(*vetted)));

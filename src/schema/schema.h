@@ -23,8 +23,11 @@ namespace fleetpub::schema {
 
 /// One thing that is wrong with a message.
 struct Violation {
-  std::string path;     ///< JSON Pointer (RFC 6901) to the offending value; "" is the whole message
-  std::string message;  ///< in a person's words: `must be one of NONE, SOFT, HARD, not "LOUD"`
+  /// JSON Pointer (RFC 6901) to the offending value; "" is the whole message. With the message's
+  /// own names in it: base::Printable before it is shown on a terminal.
+  std::string path;
+  /// In a person's words, safe to show: `must be one of NONE, SOFT, HARD, not "LOUD"`.
+  std::string message;
 
   friend bool operator==(const Violation&, const Violation&) = default;
 };
@@ -37,8 +40,10 @@ class Schema {
  public:
   /// Compiles. A schema that is no valid schema, uses a keyword that we do not check, refers to
   /// something that is not in it or only to itself, or would hang or crash a validator is refused:
-  /// ErrorKind::kInvalid, with the JSON Pointer of the place. `name` is for messages.
-  [[nodiscard]] static Result<Schema> Compile(std::string_view text, std::string_view name);
+  /// ErrorKind::kInvalid, with the JSON Pointer of the place. `name` is for messages. `pointer`
+  /// leads to the schema when it is only a part of the text: `/components/schemas/MESSAGE`.
+  [[nodiscard]] static Result<Schema> Compile(std::string_view text, std::string_view name,
+                                              std::string_view pointer = {});
 
   Schema(Schema&&) noexcept;
   Schema& operator=(Schema&&) noexcept;
@@ -81,7 +86,8 @@ class Registry {
   /// what is close.
   [[nodiscard]] Result<std::string> Text(std::string_view name) const;
 
-  /// Owned by the registry and valid as long as it lives. Errors: as Text and Schema::Compile.
+  /// Owned by the registry and valid as long as it lives. A part of a document is named by a
+  /// pointer: `soar/1.0/messages#/components/schemas/MESSAGE`. Errors: as Text and Schema::Compile.
   [[nodiscard]] Result<const Schema*> Find(std::string_view name);
 
   /// Every name that Find accepts, sorted, with where it comes from ("built-in" or a path).

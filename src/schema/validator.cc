@@ -210,9 +210,6 @@ bool IsValidBy(const Subschema& schema, const Value& value) {
   return visitor.validateSchema(schema);
 }
 
-// How often schemas that are referred to may be applied to one message. Only references let the
-// work grow beyond schema times message.
-constexpr int kMostWork = 4'000'000;
 thread_local int work_left = 0;
 
 void Spend() {
@@ -228,8 +225,8 @@ class Validator::Rules {
  public:
   explicit Rules(const Vetted& vetted) : vetted_(vetted) {
     for (const auto& [from, target] : vetted.targets) shared_.emplace(target, nullptr);
-    if (shared_.contains(&vetted.document)) shared_[&vetted.document] = &root_;
-    todo_.emplace_back(&vetted.document, &root_);
+    if (shared_.contains(vetted.root)) shared_[vetted.root] = &root_;
+    todo_.emplace_back(vetted.root, &root_);
     while (!todo_.empty()) {  // no recursion: references lead as deep as they like
       const auto [schema, subschema] = todo_.back();
       todo_.pop_back();
@@ -244,6 +241,11 @@ class Validator::Rules {
 
  private:
   using Builder = void (Rules::*)(const Value& schema, const Value& value, const Subschema* into);
+  struct Keyword {
+    std::string_view name;
+    Builder build;
+  };
+  static const std::array<Keyword, 30> kKeywords;
 
   void Build(const Value& schema, const Subschema* into);
 
@@ -429,8 +431,8 @@ class Validator::Rules {
 };
 
 // `properties`, `patternProperties` and `additionalProperties` in one pass over the message's
-// members. valijson's own has std::regex for the second, and for the first copies every name into a
-// set: four times as slow (docs/benchmarks.md).
+// members. valijson's own would match the second with std::regex, and copies every name into a set:
+// with it, checking an instantActions message takes four times as long.
 struct PropertyRules {
   std::vector<std::pair<std::string_view, const Subschema*>> named;  // sorted
   std::vector<std::pair<const Pattern*, const Subschema*>> matching;
@@ -482,51 +484,48 @@ void Validator::Rules::Properties(const Value& schema, const Value& value, const
       into);
 }
 
+const std::array<Validator::Rules::Keyword, 30> Validator::Rules::kKeywords = {{
+    {"additionalProperties", &Rules::Properties},
+    {"allOf", &Rules::Several<constraints::AllOfConstraint>},
+    {"anyOf", &Rules::Several<constraints::AnyOfConstraint>},
+    {"const", &Rules::Const},
+    {"contains", &Rules::Single<constraints::ContainsConstraint>},
+    {"dependencies", &Rules::Dependencies},
+    {"enum", &Rules::Enum},
+    {"exclusiveMaximum", &Rules::Maximum<true>},
+    {"exclusiveMinimum", &Rules::Minimum<true>},
+    {"format", &Rules::Format},
+    {"if", &Rules::Condition},
+    {"items", &Rules::Items},
+    {"maxItems",
+     &Rules::Limit<constraints::MaxItemsConstraint, &constraints::MaxItemsConstraint::setMaxItems>},
+    {"maxLength", &Rules::MaxLength},
+    {"maxProperties", &Rules::Limit<constraints::MaxPropertiesConstraint,
+                                    &constraints::MaxPropertiesConstraint::setMaxProperties>},
+    {"maximum", &Rules::Maximum<false>},
+    {"minItems",
+     &Rules::Limit<constraints::MinItemsConstraint, &constraints::MinItemsConstraint::setMinItems>},
+    {"minLength", &Rules::MinLength},
+    {"minProperties", &Rules::Limit<constraints::MinPropertiesConstraint,
+                                    &constraints::MinPropertiesConstraint::setMinProperties>},
+    {"minimum", &Rules::Minimum<false>},
+    {"multipleOf", &Rules::MultipleOf},
+    {"not", &Rules::Single<constraints::NotConstraint>},
+    {"oneOf", &Rules::Several<constraints::OneOfConstraint>},
+    {"pattern", &Rules::OnePattern},
+    {"patternProperties", &Rules::Properties},
+    {"properties", &Rules::Properties},
+    {"propertyNames", &Rules::Single<constraints::PropertyNamesConstraint>},
+    {"required", &Rules::Required},
+    {"type", &Rules::Types},
+    {"uniqueItems", &Rules::UniqueItems},
+}};
+
 void Validator::Rules::Build(const Value& schema, const Subschema* into) {
-  struct Keyword {
-    std::string_view name;
-    Builder build;
-  };
-  using R = Rules;
-  using namespace constraints;  // NOLINT(google-build-using-namespace)
-  static constexpr std::array<Keyword, 30> kKeywords = {{
-      {"additionalProperties", &R::Properties},
-      {"allOf", &R::Several<AllOfConstraint>},
-      {"anyOf", &R::Several<AnyOfConstraint>},
-      {"const", &R::Const},
-      {"contains", &R::Single<ContainsConstraint>},
-      {"dependencies", &R::Dependencies},
-      {"enum", &R::Enum},
-      {"exclusiveMaximum", &R::Maximum<true>},
-      {"exclusiveMinimum", &R::Minimum<true>},
-      {"format", &R::Format},
-      {"if", &R::Condition},
-      {"items", &R::Items},
-      {"maxItems", &R::Limit<MaxItemsConstraint, &MaxItemsConstraint::setMaxItems>},
-      {"maxLength", &R::MaxLength},
-      {"maxProperties",
-       &R::Limit<MaxPropertiesConstraint, &MaxPropertiesConstraint::setMaxProperties>},
-      {"maximum", &R::Maximum<false>},
-      {"minItems", &R::Limit<MinItemsConstraint, &MinItemsConstraint::setMinItems>},
-      {"minLength", &R::MinLength},
-      {"minProperties",
-       &R::Limit<MinPropertiesConstraint, &MinPropertiesConstraint::setMinProperties>},
-      {"minimum", &R::Minimum<false>},
-      {"multipleOf", &R::MultipleOf},
-      {"not", &R::Single<NotConstraint>},
-      {"oneOf", &R::Several<OneOfConstraint>},
-      {"pattern", &R::OnePattern},
-      {"patternProperties", &R::Properties},
-      {"properties", &R::Properties},
-      {"propertyNames", &R::Single<PropertyNamesConstraint>},
-      {"required", &R::Required},
-      {"type", &R::Types},
-      {"uniqueItems", &R::UniqueItems},
-  }};
   if (schema.IsBool()) return root_.setAlwaysInvalid(into, schema.IsFalse());
   if (shared_.contains(&schema)) AddRule([](const Value&) { return Spend(), true; }, into);
   if (const Value* target = vetted_.Reference(schema)) {
-    AllOfConstraint constraint;
+    constraints::AllOfConstraint constraint;
     constraint.addSubschema(Make(*target));
     Add(constraint, into);
   }

@@ -8,8 +8,11 @@
 
 namespace fleetpub::schema {
 
-/// Thrown when a schema of many nested references makes one message too much work (hours instead of
-/// microseconds).
+/// How often schemas that are referred to may be applied to one message. Only references let the
+/// work grow beyond schema times message, and then exponentially.
+constexpr int kMostWork = 10'000'000;
+
+/// Thrown beyond kMostWork.
 struct TooMuchWork {};
 
 class Validator {

@@ -145,6 +145,7 @@ std::uint64_t CountCharacters(std::string_view text) {
 std::string Shown(const Value& value) {
   if (value.IsObject()) return "an object";
   if (value.IsArray()) return "an array";
+  if (value.IsDouble()) return fmt::format("{}", value.GetDouble());
   constexpr std::size_t kLongest = 60;
   std::string text = base::ToJson(value);
   if (text.size() > kLongest) {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstddef>
 #include <string>
 #include <unordered_set>
 #include <utility>
@@ -21,14 +22,26 @@ using base::ViewOf;
 using rapidjson::SizeType;
 using rapidjson::Value;
 
+// A schema is vetted in time quadratic in its size, and the largest published one has 60 KB.
+constexpr base::JsonLimits kLimits = {.bytes = std::size_t{1024} * 1024};
+
 // Every check says what is wrong by Refuse and returns false; the first one ends the walk.
 class Vetter {
  public:
   explicit Vetter(Vetted& vetted) : vetted_(vetted), references_(vetted) {}
 
-  bool Run() {
-    const Place root;
-    return Dialect(root) && Schema(vetted_.document, root) && References() && Chains();
+  bool Run(std::string_view pointer) {
+    const Place top;
+    Place root;
+    root.prefix = pointer;
+    vetted_.root = Follow(vetted_.document, pointer);
+    if (vetted_.root == nullptr) return Refuse(root, "is not there");
+    if (pointer.empty() && base::FindMember(vetted_.document, "openapi") != nullptr) {
+      return Refuse(
+          top,
+          "is an OpenAPI document: one of its schemas must be named, with #/components/schemas/…");
+    }
+    return Dialect(top) && Schema(*vetted_.root, root) && References() && Chains();
   }
 
   [[nodiscard]] Error TakeError() { return {ErrorKind::kInvalid, std::move(error_)}; }
@@ -167,14 +180,16 @@ class Vetter {
     return MustBe(value.IsArray(), place, "an array", value);
   }
 
+  // valijson ends a name at the first NUL.
+  bool WithoutNul(const Value& name, const Place& place) {
+    return ViewOf(name).find('\0') == std::string_view::npos ||
+           Refuse(place, "must not contain the character U+0000");
+  }
+
   bool Names(const Value& value, const Place& place) {
     if (!List(value, place)) return false;
     for (SizeType i = 0; i < value.Size(); ++i) {
-      if (!Text(value[i], place.Below(i))) return false;
-      // valijson ends a name at the first NUL.
-      if (ViewOf(value[i]).find('\0') != std::string_view::npos) {
-        return Refuse(place.Below(i), "must not contain the character U+0000");
-      }
+      if (!Text(value[i], place.Below(i)) || !WithoutNul(value[i], place.Below(i))) return false;
     }
     return !FirstRepeat(value) || Refuse(place, "must not name anything twice");
   }
@@ -225,6 +240,7 @@ class Vetter {
     if (!MustBe(value.IsObject(), place, "an object", value)) return false;
     for (const auto& member : value.GetObject()) {
       const Place below = place.Below(ViewOf(member.name));
+      if (!WithoutNul(member.name, below)) return false;
       const bool names = member.value.IsArray();
       if (!(names ? Names(member.value, below) : Schema(member.value, below))) return false;
     }
@@ -332,13 +348,13 @@ const Value* Vetted::OnlyReference(const Value& schema) const {
   return reference_has_siblings ? nullptr : Reference(schema);
 }
 
-Result<std::unique_ptr<const Vetted>> Vet(std::string_view text) {
-  auto document = base::ParseJson(text);
+Result<std::unique_ptr<const Vetted>> Vet(std::string_view text, std::string_view pointer) {
+  auto document = base::ParseJson(text, kLimits);
   if (!document) return Fail(std::move(document.error()));
   auto vetted = std::make_unique<Vetted>();
   vetted->document = std::move(*document);
   Vetter vetter(*vetted);
-  if (!vetter.Run()) return Fail(vetter.TakeError());
+  if (!vetter.Run(pointer)) return Fail(vetter.TakeError());
   return vetted;
 }
 

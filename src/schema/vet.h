@@ -5,7 +5,6 @@
 #pragma once
 
 #include <memory>
-#include <optional>
 #include <string_view>
 #include <unordered_map>
 
@@ -19,6 +18,7 @@ namespace fleetpub::schema {
 /// where it is.
 struct Vetted {
   rapidjson::Document document;
+  const rapidjson::Value* root = nullptr;  ///< the schema itself, in `document`
 
   /// From draft 2019-09 on, what stands beside a `$ref` counts; in draft-07 it does not (§8.3).
   bool reference_has_siblings = false;
@@ -36,7 +36,9 @@ struct Vetted {
   [[nodiscard]] const rapidjson::Value* Reference(const rapidjson::Value& schema) const;
 };
 
-/// Errors: ErrorKind::kInvalid with the JSON Pointer of the place and what is wrong with it.
-[[nodiscard]] Result<std::unique_ptr<const Vetted>> Vet(std::string_view text);
+/// `pointer` leads to the schema when it is only a part of the document. Errors:
+/// ErrorKind::kInvalid with the JSON Pointer of the place and what is wrong with it.
+[[nodiscard]] Result<std::unique_ptr<const Vetted>> Vet(std::string_view text,
+                                                        std::string_view pointer = {});
 
 }  // namespace fleetpub::schema

@@ -21,7 +21,8 @@ Result<Parameter> NotOfItsType(const ParameterSpec& spec, std::string_view text,
 
 Result<Parameter> ParseNumber(const ParameterSpec& spec, std::string_view text) {
   double value = 0;
-  const std::string_view digits = text.starts_with('+') ? text.substr(1) : text;
+  const bool has_plus = text.starts_with('+') && !text.starts_with("+-");
+  const std::string_view digits = has_plus ? text.substr(1) : text;
   const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
   if (error != std::errc() || end != digits.data() + digits.size() || !std::isfinite(value)) {
     return NotOfItsType(spec, text, "a finite number");
@@ -81,14 +82,16 @@ Result<Parameter> ParseAssignment(std::string_view text) {
   if (!value) return Fail(std::move(value.error()));
   if (!is_json) {
     if (!base::IsUtf8(*value)) {
-      return Fail(ErrorKind::kInvalid, fmt::format("-P {}: the text is not valid UTF-8", key));
+      return Fail(ErrorKind::kInvalid,
+                  fmt::format("-P {}: the text is not valid UTF-8", base::Printable(key)));
     }
     return Parameter{key, base::JsonString(*value)};
   }
   const auto json = base::ParseJson(*value);
   if (!json) {
-    return Fail(ErrorKind::kInvalid, fmt::format("-P {}:= takes JSON: {} (for plain text: -P {}=…)",
-                                                 key, json.error().message, key));
+    return Fail(ErrorKind::kInvalid,
+                fmt::format("-P {}:= takes JSON: {} (for plain text: -P {}=…)",
+                            base::Printable(key), json.error().message, base::Printable(key)));
   }
   return Parameter{key, base::ToJson(*json)};
 }

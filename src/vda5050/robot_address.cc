@@ -73,14 +73,15 @@ Status CheckTopic(const std::string& topic) {
   }
   const auto levels = base::Split(topic, '/');
   for (std::size_t i = 0; i < levels.size(); ++i) {
-    const std::string& level = levels[i];
-    const std::string_view fault = FaultOfLevel(level);
+    std::string_view level = levels[i];
     // A leading slash or `$name` may be what a cloud broker's own prefix demands.
-    const bool forced_prefix = i == 0 && (level.empty() || level.front() == '$');
-    if (fault.empty() || forced_prefix) continue;
+    if (i == 0 && level.starts_with('$')) level.remove_prefix(1);
+    if (i == 0 && level.empty()) continue;
+    const std::string_view fault = FaultOfLevel(level);
+    if (fault.empty()) continue;
     return Fail(ErrorKind::kUsage,
                 fmt::format("topic '{}': level '{}' is refused: {}", base::Printable(topic),
-                            base::Printable(level), fault));
+                            base::Printable(levels[i]), fault));
   }
   return {};
 }

@@ -76,7 +76,9 @@ void CheckFurtherKey(const ActionSpec& action, std::string_view key, const std::
 void CheckParameters(const ActionSpec& action, const Value* parameters, const std::string& path,
                      Findings& findings) {
   std::set<std::string_view> present;
-  const rapidjson::SizeType count = parameters == nullptr ? 0 : parameters->Size();
+  // A user's own schema may let pass what the official ones do not.
+  const bool are_given = parameters != nullptr && parameters->IsArray();
+  const rapidjson::SizeType count = are_given ? parameters->Size() : 0;
   for (rapidjson::SizeType i = 0; i < count; ++i) {
     const Value& parameter = (*parameters)[i];
     const std::string_view key = StringMember(parameter, "key");
@@ -91,7 +93,9 @@ void CheckParameters(const ActionSpec& action, const Value* parameters, const st
     }
     if (spec == nullptr) {
       CheckFurtherKey(action, key, place, findings);
-    } else if (auto fault = FaultOfValue(*spec, parameter["value"]); !fault.empty()) {
+    } else if (const Value* value = FindMember(parameter, "value"); value == nullptr) {
+      AddError(findings, place, fmt::format("{} has no value", key));
+    } else if (auto fault = FaultOfValue(*spec, *value); !fault.empty()) {
       AddError(findings, place + "/value", fmt::format("{} {}", key, fault));
     }
   }
@@ -139,7 +143,7 @@ void CheckFurtherType(std::string_view type, const std::string& path, Version ve
 void CheckAction(const Value& action, const std::string& path, Version version,
                  Findings& findings) {
   const std::string_view type = StringMember(action, "actionType");
-  if (type.empty()) AddError(findings, path + "/actionType", "must not be empty");
+  if (type.empty()) AddError(findings, path + "/actionType", "actionType must not be empty");
   const ActionSpec* spec = FindAction(version, type);
   if (spec != nullptr && spec->scopes.instant) {
     return CheckParameters(*spec, FindMember(action, "actionParameters"), path, findings);
@@ -156,14 +160,15 @@ void CheckAction(const Value& action, const std::string& path, Version version,
 
 void CheckId(std::string_view id, const std::string& path, std::set<std::string_view>& ids,
              Findings& findings) {
-  if (id.empty()) return AddError(findings, path + "/actionId", "must not be empty");
+  if (id.empty()) return AddError(findings, path + "/actionId", "actionId must not be empty");
   if (!ids.insert(id).second) {
     AddError(findings, path + "/actionId",
-             fmt::format("'{}' stands for two actions: ids must be unique", base::Printable(id)));
+             fmt::format("actionId '{}' stands for two actions: ids must be unique",
+                         base::Printable(id)));
   }
   if (!HasRecommendedCharacters(id)) {
     AddWarning(findings, path + "/actionId",
-               "has characters other than the recommended A-Z a-z 0-9 _ . : -");
+               "actionId has characters other than the recommended A-Z a-z 0-9 _ . : -");
   }
 }
 
@@ -174,7 +179,7 @@ Findings CheckInstantActions(const Value& message, Version version) {
   Findings findings;
   const Value* actions = FindMember(message, array);
   if (actions == nullptr || !actions->IsArray() || actions->Empty()) {
-    AddError(findings, "/" + std::string(array), "must hold at least one action");
+    AddError(findings, "/" + std::string(array), "there must be at least one action");
     return findings;
   }
   std::set<std::string_view> ids;

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "base/text.h"
+
 namespace fleetpub::vda5050 {
 namespace {
 
@@ -42,7 +44,7 @@ Result<Version> ParseVersion(std::string_view text) {
   return Fail(ErrorKind::kUsage,
               fmt::format("'{}' is not a VDA 5050 version that fleetpub speaks: use 1.1.0, 2.0.0, "
                           "2.1.0 or 3.0.0 (short: 1.1, 2.0, 2.1, 3)",
-                          text));
+                          base::Printable(text)));
 }
 
 }  // namespace fleetpub::vda5050

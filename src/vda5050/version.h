@@ -10,7 +10,8 @@ namespace fleetpub::vda5050 {
 
 enum class Version { k110, k200, k210, k300 };
 
-inline constexpr std::array kVersions = {Version::k110, Version::k200, Version::k210, Version::k300};
+inline constexpr std::array kVersions = {Version::k110, Version::k200, Version::k210,
+                                         Version::k300};
 
 /// What the message and topic of each release look like.
 struct VersionFacts {

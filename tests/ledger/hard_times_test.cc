@@ -44,6 +44,7 @@ class HardTimes : public ::testing::Test {
   void RemoveLog() const {
     {
       auto database = Database::Open(path_, Access::kReadWrite, milliseconds(100));
+      if (!(*database)->Execute("SELECT count(*) FROM messages")) throw std::runtime_error("read");
       (*database)->Checkpoint(AfterCheckpoint::kNothingFollows);
     }
     fs::remove(path_.string() + "-wal");
@@ -130,14 +131,14 @@ TEST_F(HardTimes, ALogThatCannotBeReadIsNotPassedOver) {
 
 TEST_F(HardTimes, AnInterruptedRollbackNeedsSomebodyWhoMayWrite) {
   RemoveLog();
+  const char* many_rows =
+      "WITH RECURSIVE n(i) AS (SELECT 1 UNION ALL SELECT i + 1 FROM n WHERE i < 2000) "
+      "INSERT INTO header_ids SELECT 't' || i, i FROM n";
   const std::string said = InProcess([&]() -> std::string {
     auto database = Database::Open(path_, Access::kReadWrite, milliseconds(100));
     Database& file = **database;
-    for (const char* sql :
-         {"PRAGMA journal_mode=DELETE", "PRAGMA cache_size=1", "PRAGMA cache_spill=1",
-          "BEGIN IMMEDIATE",
-          "WITH RECURSIVE n(i) AS (SELECT 1 UNION ALL SELECT i + 1 FROM n WHERE i < 2000) "
-          "INSERT INTO header_ids SELECT 't' || i, i FROM n"}) {
+    for (const char* sql : {"PRAGMA journal_mode=DELETE", "PRAGMA cache_size=1",
+                            "PRAGMA cache_spill=1", "BEGIN IMMEDIATE", many_rows}) {
       const Status done = file.Execute(sql);
       if (!done) return done.error().message + done.error().detail;
     }

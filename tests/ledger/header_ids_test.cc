@@ -1,5 +1,6 @@
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <limits>
 
 #include "ledger/ledger_support.h"
@@ -87,8 +88,9 @@ TEST_F(HeaderIds, OfOneCallOnOneTopicAreConsecutive) {
   const std::vector<Draft> drafts = {DraftFor(1), DraftFor(2), DraftFor(1), DraftFor(1)};
   const auto reserved = ledger_->Reserve(drafts);
   ASSERT_TRUE(reserved);
-  std::vector<std::uint32_t> ids;
-  for (const Reservation& one : *reserved) ids.push_back(one.header_id);
+  std::vector<std::uint32_t> ids(reserved->size());
+  std::transform(reserved->begin(), reserved->end(), ids.begin(),
+                 [](const Reservation& one) { return one.header_id; });
   EXPECT_THAT(ids, ElementsAre(0, 0, 1, 2));
 }
 
@@ -133,6 +135,7 @@ TEST_F(HeaderIds, AreKeptWithoutHistory) {
 
 TEST_F(HeaderIds, OfThousandsOfTopicsTakeOneCall) {
   std::vector<Draft> drafts;
+  drafts.reserve(5'000);
   for (int robot = 0; robot < 5'000; ++robot) drafts.push_back(DraftFor(robot));
   ASSERT_TRUE(ledger_->Reserve(drafts));
   EXPECT_EQ(ledger_->PeekNext(TopicOf(4'999)), 1U);

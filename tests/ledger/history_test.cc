@@ -89,6 +89,7 @@ TEST_F(History, LearnsManyOutcomesAtOnce) {
 
 TEST_F(History, GivesTheNewestOldestFirst) {
   std::vector<std::int64_t> rows;
+  rows.reserve(5);
   for (int i = 0; i < 5; ++i) rows.push_back(Add());
   EXPECT_THAT(Rows({.limit = 2}), ElementsAre(rows[3], rows[4]));
   EXPECT_EQ(Rows({.limit = 0}), rows);

@@ -87,6 +87,7 @@ class ManyProcesses : public ::testing::Test {
 
 TEST_F(ManyProcesses, GiveEachIdOnceAndInOrder) {
   std::vector<pid_t> children;
+  children.reserve(8);
   for (int child = 0; child < 8; ++child) {
     children.push_back(StartProcess([&] {
       const int wire = OpenWire();
@@ -119,6 +120,7 @@ TEST_F(ManyProcesses, KilledAtAnyMomentRepeatNothingAndLoseNothing) {
   };
   std::mt19937 random(4711);
   std::vector<pid_t> children;
+  children.reserve(8);
   for (int child = 0; child < 4; ++child) children.push_back(start_one(child));
   int killed = 0;
   for (const auto end = In(seconds(3)); steady_clock::now() < end; ++killed) {
@@ -156,6 +158,7 @@ TEST_F(ManyProcesses, MakeTheLedgerOnceTogether) {
   for (int round = 0; round < 10; ++round) {
     const fs::path path = folder_ / std::to_string(round) / "ledger.db";
     std::vector<pid_t> children;
+    children.reserve(8);
     for (int child = 0; child < 6; ++child) {
       children.push_back(StartProcess([&] { MustReserve(*MustOpen(path)); }));
     }
@@ -166,6 +169,7 @@ TEST_F(ManyProcesses, MakeTheLedgerOnceTogether) {
 
 TEST_F(ManyProcesses, AndThreadsDoNotDisturbEachOther) {
   std::vector<std::thread> threads;
+  threads.reserve(4);
   const int wire = OpenWire();
   for (int thread = 0; thread < 4; ++thread) {
     threads.emplace_back([&, thread] {

@@ -3,11 +3,23 @@
 
 #include <gmock/gmock.h>
 #include <sys/stat.h>
+#include <sys/syscall.h>
 
+#include <atomic>
 #include <fstream>
 
 #include "ledger/ledger_support.h"
 #include "ledger/sqlite_database.h"
+
+namespace {
+std::atomic<int> waits_for_disk = 0;
+}
+
+/// In place of the C library's, for SQLite too: counts.
+extern "C" int fdatasync(int fd) {
+  ++waits_for_disk;
+  return static_cast<int>(syscall(SYS_fdatasync, fd));
+}
 
 namespace fleetpub::ledger {
 namespace {
@@ -46,6 +58,14 @@ class SqliteFile : public ::testing::Test {
   void Fill(int messages = 20) const {
     const auto ledger = MustOpen(path_);
     for (int i = 0; i < messages; ++i) MustReserve(*ledger);
+  }
+
+  /// Everything is in the file itself.
+  void EmptyLog() const {
+    auto database = Database::Open(path_, Access::kReadWrite, milliseconds(1'000));
+    ASSERT_TRUE((*database)->Execute("SELECT count(*) FROM messages"));
+    (*database)->Checkpoint(AfterCheckpoint::kNothingFollows);
+    ASSERT_EQ(fs::file_size(path_.string() + "-wal"), 0U);
   }
 
   testing::TemporaryFolder folder_;
@@ -119,14 +139,14 @@ TEST_F(SqliteFile, ThatIsNoneSaysHowToRepairIt) {
 
 TEST_F(SqliteFile, ThatWasCutShortIsRefused) {
   Fill();
-  RunSql(path_, "PRAGMA wal_checkpoint(TRUNCATE)");
+  EmptyLog();
   fs::resize_file(path_, fs::file_size(path_) / 2);
   EXPECT_THAT(ErrorOfOpening(path_), HasSubstr("damaged"));
 }
 
 TEST_F(SqliteFile, WithDamageInsideReservesNothing) {
   Fill();
-  RunSql(path_, "PRAGMA wal_checkpoint(TRUNCATE)");
+  EmptyLog();
   std::fstream file(path_, std::ios::binary | std::ios::in | std::ios::out);
   file.seekp(1'024);
   file << std::string(fs::file_size(path_) - 1'024, 'x');
@@ -159,6 +179,13 @@ TEST_F(SqliteFile, CannotBeALinkThatLeadsInACircle) {
   fs::create_symlink(path_, folder_ / "other.db");
   fs::create_symlink(folder_ / "other.db", path_);
   EXPECT_THAT(ErrorOfOpening(path_), HasSubstr("Too many levels of symbolic links"));
+}
+
+TEST_F(SqliteFile, IsALedgerFromTheBeginningEvenWithoutItsLog) {
+  MustOpen(path_);
+  fs::remove(path_.string() + "-wal");
+  fs::remove(path_.string() + "-shm");
+  RunSql(path_, "SELECT last FROM header_ids");
 }
 
 TEST_F(SqliteFile, HeldTooLongByAnotherProcessReservesNothing) {
@@ -225,8 +252,32 @@ TEST_F(SqliteFile, LosesAnOutcomeToAPowerFailureButNoReservation) {
   EXPECT_EQ(MustReserve(*recovered).header_id, sent.header_id + 1);
 }
 
+TEST_F(SqliteFile, WaitsForTheDiskToReserveButNotForAnOutcome) {
+  Fill(1);
+  const auto ledger = MustOpen(path_);
+  waits_for_disk = 0;
+  const Reservation first = MustReserve(*ledger);
+  EXPECT_GT(waits_for_disk, 0);
+  MustRecord(*ledger, {first.row, "SENT", ""});
+  waits_for_disk = 0;
+  MustRecord(*ledger, {first.row, "FINISHED", ""});
+  EXPECT_EQ(waits_for_disk, 0);
+  MustReserve(*ledger);
+  EXPECT_EQ(waits_for_disk, 1);
+}
+
+TEST_F(SqliteFile, InRollbackModeWaitsForAnOutcomeAsForAReservation) {
+  Fill(1);
+  RunSql(path_, "PRAGMA journal_mode=DELETE");
+  const auto ledger = MustOpen(path_);
+  waits_for_disk = 0;
+  const Reservation reserved = MustReserve(*ledger);
+  const int waits = waits_for_disk.exchange(0);
+  MustRecord(*ledger, {reserved.row, "SENT", ""});
+  EXPECT_EQ(waits_for_disk, waits);
+}
+
 TEST_F(SqliteFile, InRollbackModeKeepsItsMode) {
-  folder_.Write("ledger.db", "");
   Fill(1);
   RunSql(path_, "PRAGMA journal_mode=DELETE");
   const auto ledger = MustOpen(path_);

@@ -1,0 +1,209 @@
+#include "base/json.h"
+
+#include <gmock/gmock.h>
+
+#include <string>
+
+#include "base/text.h"
+
+namespace fleetpub::base {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+
+std::string Nested(int depth) {
+  return std::string(static_cast<std::size_t>(depth), '[') +
+         std::string(static_cast<std::size_t>(depth), ']');
+}
+
+// The sentence of the refusal, or "" when the text was taken.
+std::string Refusal(std::string_view text, JsonLimits limits = {}) {
+  const auto document = ParseJson(text, limits);
+  if (document) return "";
+  EXPECT_EQ(document.error().kind, ErrorKind::kInvalid);
+  return document.error().message;
+}
+
+// What comes out when the text goes in, or the refusal.
+std::string RoundTrip(std::string_view text) {
+  const auto document = ParseJson(text);
+  return document ? ToJson(*document) : "refused: " + document.error().message;
+}
+
+TEST(ParseJson, TakesEveryKindOfValue) {
+  for (const std::string text :
+       {"null", "true", "false", "0", "-1", "1.5", R"("")", R"("text")", "[]", "{}", R"([1,[2]])",
+        R"({"a":{"b":[null]}})", "18446744073709551615", "-9223372036854775808"}) {
+    EXPECT_EQ(RoundTrip(text), text);
+  }
+}
+
+TEST(ParseJson, PassesOverAByteOrderMark) { EXPECT_EQ(RoundTrip("\xEF\xBB\xBF{}"), "{}"); }
+
+TEST(ParseJson, PassesOverWhiteSpaceAroundTheValue) { EXPECT_EQ(RoundTrip(" \t\r\n{} \n"), "{}"); }
+
+TEST(ParseJson, KeepsDigitsOfADouble) {
+  EXPECT_EQ(ParseJson("3.141592653589793")->GetDouble(), 3.141592653589793);
+  EXPECT_EQ(ParseJson("5e-324")->GetDouble(), 5e-324);
+  EXPECT_EQ(ParseJson("123456789012345678901234567890")->GetDouble(),
+            123456789012345678901234567890.);
+}
+
+TEST(ParseJson, RefusesWhatIsNoJson) {
+  for (const std::string_view text :
+       {"",         " ",        "{",          "]",     "{]",       "[1,]",      R"({"a":1,})",
+        "{a:1}",    "{'a':1}",  "nul",        "NaN",   "Infinity", "-Infinity", "+1",
+        "01",       ".5",       "1.",         "1e",    "0x10",     "1 2",       "{}{}",
+        "[1] x",    "// no\n1", "/* no */ 1", R"("a)", "\"a\nb\"", R"("\q")",   R"("\u12")",
+        R"({"a"})", R"({1:2})"}) {
+    EXPECT_NE(Refusal(text), "") << text;
+  }
+}
+
+TEST(ParseJson, SaysWhereTheFaultIs) {
+  EXPECT_THAT(Refusal("{\n  \"a\": 1,\n  \"b\": oops\n}"),
+              StartsWith("not valid JSON at line 3, column 8: "));
+  EXPECT_THAT(Refusal(""), StartsWith("not valid JSON at line 1, column 1: "));
+}
+
+TEST(ParseJson, EndsNoSentenceWithAFullStop) {
+  EXPECT_NE(Refusal("[1,]").back(), '.');
+  EXPECT_NE(Refusal("nul").back(), '.');
+}
+
+TEST(ParseJson, RefusesANulByteWhereverItStands) {
+  using namespace std::string_view_literals;
+  for (const auto text : {"\0"sv, "{}\0"sv, "\"a\0b\""sv, "[1,\0 2]"sv}) {
+    EXPECT_THAT(Refusal(text), HasSubstr("NUL byte"));
+  }
+}
+
+TEST(ParseJson, KeepsAnEscapedNulInAText) {
+  const auto document = ParseJson(R"("a\u0000b")");
+  ASSERT_TRUE(document);
+  EXPECT_EQ(ViewOf(*document), std::string_view("a\0b", 3));
+}
+
+TEST(ParseJson, RefusesInvalidUtf8) {
+  for (const std::string_view text : {"\"\xFF\"", "\"\xC0\x80\"", "\"\xC3\"", "\"\xED\xA0\x80\"",
+                                      "\"\xF4\x90\x80\x80\"", "{\"\x80\":1}"}) {
+    EXPECT_NE(Refusal(text), "") << Printable(text);
+  }
+}
+
+TEST(ParseJson, RefusesALoneSurrogate) {
+  for (const std::string_view text :
+       {R"("\ud800")", R"("\udc00")", R"("a\udfffb")", R"("\ud800x")", R"("\ud800\ud800")",
+        R"("\udc00\ud800")", R"({"\udc00":1})"}) {
+    EXPECT_THAT(Refusal(text), HasSubstr("surrogate")) << text;
+  }
+}
+
+TEST(ParseJson, JoinsAPairOfSurrogates) {
+  EXPECT_EQ(RoundTrip(R"("\ud83e\udd16")"), "\"\xF0\x9F\xA4\x96\"");
+  EXPECT_EQ(RoundTrip("\"\xED\x95\x9C\""), "\"\xED\x95\x9C\"");  // U+D55C is a letter
+}
+
+TEST(ParseJson, RefusesANumberThatNoDoubleHolds) {
+  EXPECT_NE(Refusal("1e309"), "");
+  EXPECT_NE(Refusal("-1e999999999"), "");
+  EXPECT_NE(Refusal(std::string(400, '9')), "");
+  EXPECT_EQ(Refusal("1e-999"), "");
+}
+
+TEST(ParseJson, TakesDepth64AndRefusesDepth65) {
+  EXPECT_EQ(Refusal(Nested(64)), "");
+  EXPECT_THAT(Refusal(Nested(65)),
+              "not accepted at line 1, column 65: nested more than 64 levels deep");
+  EXPECT_EQ(Refusal("[" + Nested(63) + "," + Nested(63) + "]"), "") << "depth, not brackets";
+}
+
+TEST(ParseJson, SurvivesAMillionBrackets) {
+  EXPECT_THAT(Refusal(std::string(1'000'000, '[')), HasSubstr("nested more than 64 levels"));
+  std::string objects;
+  for (int i = 0; i < 1'000'000; ++i) objects += R"({"a":)";
+  EXPECT_THAT(Refusal(objects), HasSubstr("nested more than 64 levels"));
+}
+
+TEST(ParseJson, RefusesWhatIsTooLarge) {
+  EXPECT_EQ(Refusal("[1,2]", {.bytes = 5}), "");
+  EXPECT_EQ(Refusal("[1,2 ]", {.bytes = 5}), "too large: 6 bytes, at most 5 are read");
+}
+
+TEST(ParseJson, RefusesARepeatedName) {
+  constexpr std::pair<std::string_view, std::string_view> kCases[] = {
+      {R"({"a":1,"a":2})", "/a stands there twice"},
+      {R"({"a":1,"\u0061":2})", "/a stands there twice"},
+      {R"({"":1,"":2})", "/ stands there twice"},
+      {R"({"o":{"x":[0,{"b":1,"c":2,"b":3}]}})", "/o/x/1/b stands there twice"},
+      {R"([[{"a/b":1,"a/b":2}]])", "/0/0/a~1b stands there twice"},
+      {R"({"m~n":{"a":1,"a":2}})", "/m~0n/a stands there twice"},
+  };
+  for (const auto& [text, sentence] : kCases) EXPECT_EQ(Refusal(text), sentence) << text;
+}
+
+TEST(ParseJson, RefusesARepeatedNameAmongMany) {
+  std::string members;
+  for (int i = 0; i < 100; ++i) members += "\"k" + std::to_string(i) + "\":0,";
+  EXPECT_EQ(Refusal("{" + members + "\"k100\":0}"), "");
+  EXPECT_EQ(Refusal("{" + members + "\"k42\":0}"), "/k42 stands there twice");
+}
+
+TEST(ParseJson, SeesARepeatedNameOnBothSidesOfTheLimitForFewMembers) {
+  for (int count = 1; count < 40; ++count) {
+    std::string members = R"("first":0)";
+    for (int i = 1; i < count; ++i) members += ",\"k" + std::to_string(i) + "\":0";
+    EXPECT_EQ(Refusal("{" + members + "}"), "") << count;
+    EXPECT_EQ(Refusal("{" + members + R"(,"first":1})"), "/first stands there twice") << count;
+  }
+}
+
+TEST(ParseJson, DistinguishesNamesThatDifferInCaseOrBehindANul) {
+  EXPECT_EQ(Refusal(R"({"a":1,"A":2,"a\u0000":3,"a ":4})"), "");
+}
+
+TEST(ParseJson, KeepsTheSameNameInDifferentObjects) {
+  EXPECT_EQ(Refusal(R"([{"key":1},{"key":2,"value":{"key":3}}])"), "");
+}
+
+TEST(ToPrettyJson, IndentsByTwo) {
+  EXPECT_EQ(ToPrettyJson(*ParseJson(R"({"a":[1]})")), "{\n  \"a\": [\n    1\n  ]\n}");
+}
+
+TEST(JsonString, Escapes) {
+  EXPECT_EQ(JsonString("a\"b\\c\n\x01"), R"("a\"b\\c\n\u0001")");
+  EXPECT_EQ(JsonString(std::string_view("a\0b", 3)), R"("a\u0000b")");
+  EXPECT_EQ(JsonString("Straße"), "\"Straße\"");
+  EXPECT_EQ(JsonString(""), "\"\"");
+}
+
+TEST(FindMember, FindsWhatIsThere) {
+  const auto document = ParseJson(R"({"a":1,"b":"text"})");
+  ASSERT_NE(FindMember(*document, "a"), nullptr);
+  EXPECT_EQ(FindMember(*document, "a")->GetInt(), 1);
+  EXPECT_EQ(FindMember(*document, "c"), nullptr);
+  EXPECT_EQ(FindMember(*ParseJson("[1]"), "a"), nullptr) << "no object";
+}
+
+TEST(StringMember, IsEmptyWhenItIsNoString) {
+  const auto document = ParseJson(R"({"a":1,"b":"text"})");
+  EXPECT_EQ(StringMember(*document, "b"), "text");
+  EXPECT_EQ(StringMember(*document, "a"), "");
+  EXPECT_EQ(StringMember(*document, "c"), "");
+  EXPECT_EQ(StringMember(*ParseJson("null"), "a"), "");
+}
+
+TEST(PointerToken, EscapesTildeAndSlash) {
+  EXPECT_EQ(PointerToken("a/b~c"), "a~1b~0c");
+  EXPECT_EQ(PointerToken("~1"), "~01");
+  EXPECT_EQ(PointerToken(""), "");
+}
+
+TEST(RapidJson, ThrowsWhereItWouldAbort) {
+  const auto document = ParseJson("1");
+  EXPECT_THROW(std::ignore = document->GetString(), JsonAssertion);
+}
+
+}  // namespace
+}  // namespace fleetpub::base

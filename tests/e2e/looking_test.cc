@@ -1,0 +1,160 @@
+// The commands that send nothing: catalogue, schemas, validation, history, ping, help.
+#include <gmock/gmock.h>
+
+#include "support/broken_broker.h"
+#include "support/operator.h"
+
+namespace fleetpub::testing {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::Not;
+using ::testing::SizeIs;
+
+class Looking : public EndToEnd {};
+
+TEST_F(Looking, ListsTheCatalogueOfAVersion) {
+  EXPECT_THAT(Lines(Fleetpub({"actions", "--quiet"}).output), SizeIs(29));
+  EXPECT_THAT(Lines(Fleetpub({"actions", "--vda", "1.1", "--quiet"}).output), SizeIs(13));
+  const auto lines = Lines(Fleetpub({"actions", "--vda", "2.1", "-o", "json"}).output);
+  ASSERT_THAT(lines, SizeIs(17));
+  const auto pause = Json(lines[0]);
+  EXPECT_STREQ(pause["actionType"].GetString(), "startPause");
+  EXPECT_STREQ(pause["counterAction"].GetString(), "stopPause");
+  EXPECT_TRUE(pause["instant"].GetBool());
+}
+
+TEST_F(Looking, ValidatesWhatItBuilt) {
+  for (const char* version : {"1.1", "2.0", "2.1", "3"}) {
+    Command command = operator_.Prepare({"validate"});
+    command.input = Fleetpub({"pause", "KIT/0001", "--vda", version, "-n"}).output;
+    const Finished run = testing::Run(command);
+    EXPECT_EQ(run.exit_code, 0) << run.output;
+    EXPECT_EQ(run.output, "standard input: valid\n");
+  }
+}
+
+TEST_F(Looking, ListsEveryViolationWithItsPlace) {
+  const auto file = operator_.home().Write(
+      "message.json", R"({"headerId":-1,"timestamp":"2023-02-29T00:00:00Z","version":"3.0.0",)"
+                      R"("manufacturer":"KIT","actions":[{"actionType":"a","actionId":1}]})");
+  const Finished run = Fleetpub({"validate", file.string(), "-o", "json"});
+  EXPECT_EQ(run.exit_code, 3);
+  const auto result = Json(run.output);
+  EXPECT_FALSE(result["valid"].GetBool());
+  std::vector<std::string> paths;
+  for (const auto& error : result["errors"].GetArray())
+    paths.emplace_back(error["path"].GetString());
+  EXPECT_THAT(paths, ::testing::UnorderedElementsAre("", "/headerId", "/timestamp", "/actions/0",
+                                                     "/actions/0/actionId"));
+}
+
+TEST_F(Looking, WarnsOfTheTextsRulesAndFailsOnThemWhenStrict) {
+  const auto file = operator_.home().Write(
+      "message.json", R"({"headerId":1,"timestamp":"2026-01-02T03:04:05.678Z","version":"3.0.0",)"
+                      R"("manufacturer":"KIT","serialNumber":"1","actions":[]})");
+  const Finished lenient = Fleetpub({"validate", file.string()});
+  EXPECT_EQ(lenient.exit_code, 0);
+  EXPECT_THAT(lenient.errors, HasSubstr("at least one action"));
+  EXPECT_EQ(Fleetpub({"validate", file.string(), "--strict"}).exit_code, 3);
+}
+
+TEST_F(Looking, ValidatesLinesWithTheirNumbers) {
+  const std::string good = Fleetpub({"pause", "KIT/0001", "-n"}).output;
+  const auto file = operator_.home().Write("messages.jsonl", good + "\n{\"a\":\n" + good);
+  const Finished run = Fleetpub({"validate", "--lines", file.string(), "-o", "json"});
+  EXPECT_EQ(run.exit_code, 3);
+  const auto lines = Lines(run.output);
+  ASSERT_THAT(lines, SizeIs(3));
+  EXPECT_EQ(Json(lines[1])["line"].GetInt(), 3);
+  EXPECT_FALSE(Json(lines[1])["valid"].GetBool());
+}
+
+TEST_F(Looking, SurvivesHostileMessagesAndSchemas) {
+  const std::vector<std::string> messages = {
+      std::string(1'000'000, '['), "\xFF", "", std::string("{}\0{}", 5),
+      R"({"a":1,"a":2})",          "1e999"};
+  for (const std::string& message : messages) {
+    Command command = operator_.Prepare({"validate"});
+    command.input = message;
+    EXPECT_EQ(testing::Run(command).exit_code, 3) << message.substr(0, 20);
+  }
+  for (const std::string schema : {R"({"$ref":"#"})", R"({"multipleOf":0})", R"({"type":"strnig"})",
+                                   R"({"pattern":"("})", R"({"unevaluatedItems":false})", "{,}"}) {
+    const auto file = operator_.home().Write("schema.json", schema);
+    Command command = operator_.Prepare({"validate", "--schema", file.string()});
+    command.input = "{}";
+    const Finished run = testing::Run(command);
+    EXPECT_EQ(run.exit_code, 3) << schema << run.errors;
+    EXPECT_THAT(run.errors, HasSubstr("schema.json"));
+  }
+}
+
+TEST_F(Looking, ShowsAndListsSchemas) {
+  EXPECT_THAT(Fleetpub({"schema", "list"}).output, HasSubstr("vda5050/3.0.0/instantActions"));
+  const Finished run = Fleetpub({"schema", "show", "vda5050/3.0.0/instantActions"});
+  EXPECT_TRUE(Json(run.output).HasMember("$comment"));
+  const Finished wrong = Fleetpub({"schema", "show", "vda5050/3.0.0/instantaction"});
+  EXPECT_EQ(wrong.exit_code, 2);
+  EXPECT_THAT(wrong.errors, HasSubstr("did you mean vda5050/3.0.0/instantActions?"));
+}
+
+TEST_F(Looking, RemembersWhatWasSent) {
+  EXPECT_EQ(Fleetpub({"pause", "KIT/0001"}).exit_code, 0);
+  EXPECT_EQ(Fleetpub({"resume", "KIT/0002", "-q", "1"}).exit_code, 0);
+  EXPECT_EQ(Fleetpub({"resume", "KIT/0003", "--no-history"}).exit_code, 0);
+  const auto rows = Lines(Fleetpub({"history", "-o", "json"}).output);
+  ASSERT_THAT(rows, SizeIs(2));
+  EXPECT_STREQ(Json(rows[0])["status"].GetString(), "SENT");
+  EXPECT_STREQ(Json(rows[1])["status"].GetString(), "PUBLISHED");
+  EXPECT_EQ(std::string(Json(rows[1])["broker"].GetString()), broker_.Url());
+  EXPECT_THAT(Lines(Fleetpub({"history", "--target", "KIT/0002", "--quiet"}).output), SizeIs(1));
+  EXPECT_THAT(Fleetpub({"history", "show", "2"}).output,
+              AllOf(HasSubstr("KIT/0002"), HasSubstr("\"actionType\": \"stopPause\"")));
+  EXPECT_EQ(Fleetpub({"history", "show", "3"}).exit_code, 2);
+  EXPECT_THAT(Fleetpub({"history", "prune", "--older-than", "0s"}).output, HasSubstr("2 rows"));
+  EXPECT_THAT(Fleetpub({"pause", "KIT/0001"}).output, HasSubstr("headerId 1"));
+}
+
+TEST_F(Looking, PingsTheBroker) {
+  const Finished text = Fleetpub({"ping"});
+  EXPECT_EQ(text.exit_code, 0) << text.errors;
+  EXPECT_THAT(text.output, AllOf(HasSubstr("reachable"), HasSubstr("mosquitto version")));
+  const auto json = Json(Fleetpub({"ping", "-o", "json", "-V", "5"}).output);
+  EXPECT_TRUE(json["reachable"].GetBool());
+  EXPECT_STREQ(json["mqtt"].GetString(), "5");
+  EXPECT_TRUE(json["subscribe"]["state"].GetBool());
+  operator_.UseBroker("mqtt://127.0.0.1:1");
+  EXPECT_EQ(Fleetpub({"ping"}).exit_code, 4);
+}
+
+TEST(Ping, SaysWhichSubscriptionsTheBrokerRefuses) {
+  const std::string granted("\x90\x03\x00\x01\x00", 5);
+  const std::string refused("\x90\x03\x00\x02\x80", 5);
+  const BrokenBroker broker(BrokenBroker::Answers({BrokenBroker::Connack(0), granted, refused}));
+  Operator someone;
+  someone.UseBroker(broker.Url());
+  const Finished run = someone.Fleetpub({"ping", "-o", "json", "--connect-timeout", "500ms"});
+  EXPECT_EQ(run.exit_code, 4);
+  EXPECT_TRUE(Json(run.output)["subscribe"]["connection"].GetBool());
+  EXPECT_FALSE(Json(run.output)["subscribe"]["state"].GetBool());
+}
+
+TEST_F(Looking, ExplainsItself) {
+  const Finished general = Fleetpub({"--help"});
+  EXPECT_EQ(general.exit_code, 0);
+  EXPECT_THAT(general.output, AllOf(HasSubstr("startPause, pause"), HasSubstr("--broker"),
+                                    HasSubstr("no emergency stop")));
+  const Finished command = Fleetpub({"initposition", "--help"});
+  EXPECT_EQ(command.exit_code, 0);
+  EXPECT_THAT(command.output, AllOf(HasSubstr("--lastNodeId,--last-node-id"), HasSubstr("Examples"),
+                                    Not(HasSubstr("--cafile"))));
+  for (const Finished& help : {general, command, Fleetpub({"validate", "-h"})}) {
+    for (const std::string& line : Lines(help.output)) EXPECT_LE(line.size(), 80U) << line;
+  }
+  EXPECT_THAT(Fleetpub({"--version"}).output, ::testing::StartsWith("fleetpub "));
+}
+
+}  // namespace
+}  // namespace fleetpub::testing

@@ -1,0 +1,191 @@
+// Every way to be refused: the exit code, one sentence, and nothing sent.
+#include <gmock/gmock.h>
+
+#include "support/broken_broker.h"
+#include "support/free_port.h"
+#include "support/operator.h"
+
+namespace fleetpub::testing {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::Not;
+
+struct Case {
+  std::vector<std::string> arguments;
+  int exit_code;
+  std::string sentence;  ///< a part of what standard error says
+};
+
+class Refusals : public EndToEnd {};
+
+TEST_F(Refusals, NameWhatIsWrongAndSendNothing) {
+  const Subscriber subscriber(broker_);
+  const std::vector<Case> cases = {
+      {{}, 2, "Usage: fleetpub COMMAND"},
+      {{"puase", "KIT/0001"}, 2, "did you mean pause?"},
+      {{"pause"}, 2, "name at least one robot"},
+      {{"pause", "KIT"}, 2, "manufacturer/serialNumber"},
+      {{"pause", "KIT/+"}, 2, "wildcards"},
+      {{"pause", "KIT/"}, 2, "it is empty"},
+      {{"pause", "KIT/$x"}, 2, "reserved"},
+      {{"pause", "KIT/a\nb"}, 2, "control character"},
+      {{"pause", "KIT/0001", "--vda", "4"}, 2, "1.1.0, 2.0.0, 2.1.0 or 3.0.0"},
+      {{"pause", "KIT/0001", "--qso", "1"}, 2, "did you mean --qos?"},
+      {{"pause", "KIT/0001", "-q", "3"}, 2, "0, 1 or 2"},
+      {{"pause", "KIT/0001", "-b", "http://x"}, 2, "no scheme"},
+      {{"pause", "KIT/0001", "-b", "mqtt://u:secret@x"}, 2, "password"},
+      {{"pause", "KIT/0001", "-P", "secret"}, 2, "key=text"},
+      {{"pause", "KIT/0001", "--topic-template", "{serial}/{topic}"}, 2, "{manufacturer}"},
+      {{"pause", "KIT/1", "KIT/2", "--id", "a"}, 2, "one target"},
+      {{"pick", "KIT/0001"}, 3, "never an instant action"},
+      {{"action", "drop", "KIT/0001"}, 3, "never an instant action"},
+      {{"downloadMap", "KIT/0001", "--vda", "2.0"}, 3, "it is one in 2.1.0, 3.0.0"},
+      {{"initPosition", "KIT/0001", "--x", "nan"}, 3, "x must be a finite number"},
+      {{"initPosition", "KIT/0001", "--x", "1e999"}, 3, "x must be a finite number"},
+      {{"initPosition", "KIT/0001", "--theta", "3.2"}, 3, "between -π and π"},
+      {{"initPosition", "KIT/0001", "--x", "1"}, 3, "needs the parameters y, theta, mapId"},
+      {{"pause", "KIT/0001", "--blocking-type", "HARD"}, 3, "must be NONE"},
+      {{"pause", "KIT/0001", "--id", ""}, 3, "actionId must not be empty"},
+      {{"action", "beep", "KIT/0001", "-P", "a:={"}, 3, "takes JSON"},
+      {{"action", "beep", "KIT/0001", "-P", "a:=null"}, 3, "must be"},
+      {{"action", "beep", "KIT/0001", "-P", "a=\xFF"}, 3, "UTF-8"},
+      {{"action", "beep", "KIT/0001", "-P", "a=@/nowhere"}, 8, "/nowhere"},
+  };
+  for (const auto& [arguments, exit_code, sentence] : cases) {
+    const Finished run = Fleetpub(arguments);
+    EXPECT_EQ(run.exit_code, exit_code) << sentence << "\n" << run.errors;
+    EXPECT_THAT(run.errors, AllOf(HasSubstr(sentence), Not(HasSubstr("secret"))));
+    EXPECT_THAT(run.output, IsEmpty());
+  }
+  EXPECT_EQ(Fleetpub({"pause", "KIT/0001", "-q", "1"}).exit_code, 0);
+  EXPECT_EQ(subscriber.Await(1).size(), 1U);
+}
+
+TEST_F(Refusals, AnInvalidTargetAmongSeveralStopsThemAll) {
+  const Subscriber subscriber(broker_);
+  EXPECT_EQ(Fleetpub({"pause", "KIT/0001", "KIT/+"}).exit_code, 2);
+  EXPECT_EQ(Fleetpub({"resume", "KIT/0002", "-q", "1"}).exit_code, 0);
+  const auto messages = subscriber.Await(1);
+  ASSERT_EQ(messages.size(), 1U);
+  EXPECT_THAT(messages[0].payload, HasSubstr("stopPause"));
+}
+
+TEST_F(Refusals, ANearlyPredefinedKeyIsSentWithAWarning) {
+  const Finished run = Fleetpub({"logReport", "KIT/0001", "--reason", "x", "-P", "reasn=y"});
+  EXPECT_EQ(run.exit_code, 0);
+  EXPECT_THAT(run.errors, HasSubstr("is reason meant?"));
+}
+
+TEST_F(Refusals, ARefusedConnectionIsExit4) {
+  operator_.UseBroker("mqtt://127.0.0.1:" + std::to_string(FreePort()));
+  const Finished run = Fleetpub({"pause", "KIT/0001"});
+  EXPECT_EQ(run.exit_code, 4);
+  EXPECT_THAT(run.errors, AllOf(HasSubstr("nothing was sent"), HasSubstr("connection refused")));
+  const Finished json = Fleetpub({"pause", "KIT/0001", "KIT/0002", "-o", "json"});
+  EXPECT_EQ(json.exit_code, 4);
+  ASSERT_EQ(Lines(json.output).size(), 2U);
+  EXPECT_STREQ(Json(Lines(json.output)[1])["status"].GetString(), "ERROR");
+}
+
+TEST_F(Refusals, ASilentBrokerIsExit4WithinTheTimeout) {
+  const BrokenBroker silent(BrokenBroker::Silent());
+  operator_.UseBroker(silent.Url());
+  const Finished run = Fleetpub({"pause", "KIT/0001", "--connect-timeout", "300ms"});
+  EXPECT_EQ(run.exit_code, 4);
+  EXPECT_THAT(run.errors, HasSubstr("nothing was sent"));
+}
+
+TEST_F(Refusals, ABrokerThatDoesNotAcknowledgeIsExit4AndSaysThatItMayHaveIt) {
+  const BrokenBroker deaf(BrokenBroker::Answers({BrokenBroker::Connack(0)}));
+  operator_.UseBroker(deaf.Url());
+  const Finished run = Fleetpub({"pause", "KIT/0001", "-q", "1", "--connect-timeout", "300ms"});
+  EXPECT_EQ(run.exit_code, 4);
+  EXPECT_THAT(run.output, AllOf(HasSubstr("ERROR"), HasSubstr("may or may not have")));
+}
+
+TEST(Login, IsRefusedWithExit4AndGrantedWithAPasswordFile) {
+  const Mosquitto broker({"allow_anonymous false", "password_file {}/users"},
+                         {{"users", PasswordFile("ann", "s3cret word")}});
+  Operator ann;
+  ann.UseBroker(broker.Url());
+  const Finished anonymous = ann.Fleetpub({"pause", "KIT/0001"});
+  EXPECT_EQ(anonymous.exit_code, 4);
+  const auto file = ann.home().Write("password", "s3cret word\n");
+  const Finished exposed =
+      ann.Fleetpub({"pause", "KIT/0001", "-u", "ann", "--password-file", file.string()});
+  EXPECT_EQ(exposed.exit_code, 0) << exposed.errors;
+  EXPECT_THAT(exposed.errors, HasSubstr("chmod 600"));
+  std::filesystem::permissions(file, std::filesystem::perms::owner_read);
+  EXPECT_EQ(
+      ann.Fleetpub({"pause", "KIT/0001", "-u", "ann", "--password-file", file.string()}).errors,
+      "");
+
+  Command command = ann.Prepare({"pause", "KIT/0001", "-u", "ann", "--debug"});
+  command.environment.emplace_back("FLEETPUB_PASSWORD", "s3cret word");
+  const Finished debugged = testing::Run(command);
+  EXPECT_EQ(debugged.exit_code, 0) << debugged.errors;
+  EXPECT_THAT(debugged.errors, Not(HasSubstr("s3cret")));
+  EXPECT_EQ(ann.Fleetpub({"pause", "KIT/0001", "--password-file", file.string()}).exit_code, 2);
+}
+
+TEST(AccessList, ThatDeniesPublishingIsKnownOnlyToMqtt5) {
+  const Mosquitto broker({"allow_anonymous true", "acl_file {}/acl"}, {{"acl", "topic read #\n"}});
+  Operator someone;
+  someone.UseBroker(broker.Url());
+  const Finished known = someone.Fleetpub({"pause", "KIT/0001", "-q", "1", "-V", "5"});
+  EXPECT_EQ(known.exit_code, 4);
+  EXPECT_THAT(known.output, HasSubstr("not authorized"));
+}
+
+TEST_F(Refusals, ALedgerThatCannotBeUsedIsExit8AndSendsNothing) {
+  const Subscriber subscriber(broker_);
+  operator_.home().Write("ledger.db", std::string(8192, 'x'));
+  const Finished corrupt = Fleetpub({"pause", "KIT/0001"});
+  EXPECT_EQ(corrupt.exit_code, 8);
+  EXPECT_THAT(corrupt.errors, AllOf(HasSubstr("nothing was sent"), HasSubstr("ledger.db")));
+  const Finished folder = Fleetpub({"pause", "KIT/0001", "--ledger", operator_.home().path()});
+  EXPECT_EQ(folder.exit_code, 8);
+  const Finished good =
+      Fleetpub({"resume", "KIT/0001", "-q", "1", "--ledger", operator_.home() / "good.db"});
+  EXPECT_EQ(good.exit_code, 0) << good.errors;
+  const auto messages = subscriber.Await(1);
+  ASSERT_EQ(messages.size(), 1U);
+  EXPECT_THAT(messages[0].payload, HasSubstr("stopPause"));
+}
+
+TEST_F(Refusals, CtrlCEndsWith130AndSaysWhatWasSent) {
+  const BrokenBroker silent(BrokenBroker::Silent());
+  operator_.UseBroker(silent.Url());
+  for (const auto& [signal, code] : {std::pair(SIGINT, 130), std::pair(SIGTERM, 143)}) {
+    Process run(operator_.Prepare({"pause", "KIT/0001", "--debug"}));
+    ASSERT_TRUE(run.AwaitErrors("CONNECT"));
+    run.Signal(signal);
+    EXPECT_EQ(run.Wait(), code);
+    EXPECT_THAT(run.Errors(), HasSubstr("nothing was sent"));
+  }
+  const BrokenBroker deaf(BrokenBroker::Answers({BrokenBroker::Connack(0)}));
+  operator_.UseBroker(deaf.Url());
+  Process run(operator_.Prepare({"pause", "KIT/0001", "-q", "1", "--debug"}));
+  ASSERT_TRUE(run.AwaitErrors("PUBLISH"));
+  run.Signal(SIGINT);
+  EXPECT_EQ(run.Wait(), 130);
+  EXPECT_THAT(run.Errors(), HasSubstr("1 of 1 messages were sent"));
+}
+
+TEST_F(Refusals, ResultsThatCannotBeWrittenAreTold) {
+  Command command = operator_.Prepare({"actions"});
+  command.arguments = {"sh", "-c", Binary() + " actions > /dev/full"};
+  const Finished looking = testing::Run(command);
+  EXPECT_EQ(looking.exit_code, 8);
+  EXPECT_THAT(looking.errors, HasSubstr("could not be written"));
+  command.arguments = {"sh", "-c", Binary() + " pause KIT/0001 > /dev/full"};
+  const Finished sending = testing::Run(command);
+  EXPECT_EQ(sending.exit_code, 0) << "the command was sent, whoever reads the result";
+  EXPECT_THAT(sending.errors, HasSubstr("could not be written"));
+}
+
+}  // namespace
+}  // namespace fleetpub::testing

@@ -1,0 +1,161 @@
+// TLS and WebSockets against a real mosquitto.
+#include <algorithm>
+
+#include "certificates.h"
+#include "connecting.h"
+#include "support/broken_broker.h"
+#include "support/free_port.h"
+#include "support/mosquitto.h"
+#include "support/process.h"
+
+namespace fleetpub::mqtt {
+namespace {
+
+using fleetpub::testing::BrokenBroker;
+using fleetpub::testing::Mosquitto;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+ConnectOptions Trusting(const std::string& url) {
+  ConnectOptions options = To(url);
+  options.tls.ca_file = Certificates::Get() / "ca.crt";
+  return options;
+}
+
+// Publishes and receives at every QoS, small and large, with packets arriving close together.
+void ExpectTraffic(const ConnectOptions& options) {
+  const auto both = Connected(options);
+  MustSubscribe(*both, "t/#", Qos::kExactlyOnce);
+  for (const Qos qos : {Qos::kAtMostOnce, Qos::kAtLeastOnce, Qos::kExactlyOnce}) {
+    for (int i = 0; i < 200; ++i) {
+      ASSERT_TRUE(both->Publish({"t/" + std::to_string(i), std::string(50, 'x'), qos}, Soon()));
+    }
+    std::size_t acknowledged = 0;
+    while (both->in_flight() > 0)
+      acknowledged += both->AwaitAcknowledgements(Soon()).value().size();
+    for (int i = 0; i < 200; ++i) ASSERT_EQ(MustReceive(*both).topic, "t/" + std::to_string(i));
+  }
+  const std::string large(1 << 20, 'y');
+  ASSERT_TRUE(both->Publish({"t/large", large, Qos::kAtLeastOnce}, Soon()));
+  EXPECT_EQ(MustReceive(*both).payload, large);
+  both->Disconnect();
+}
+
+TEST(Tls, CarriesTraffic) {
+  const Mosquitto broker(Certificates::Get().Listener());
+  ExpectTraffic(Trusting(broker.Url("mqtts", "localhost")));
+  ExpectTraffic(V5(Trusting(broker.Url("mqtts", "localhost"))));
+}
+
+TEST(Tls, ChecksAnAddressInNumbersToo) {
+  const Mosquitto broker(Certificates::Get().Listener());
+  EXPECT_TRUE(ConnectPaho(Trusting(broker.Url("mqtts", "127.0.0.1"))));
+}
+
+TEST(Tls, ConnectsFiftyTimes) {
+  const Mosquitto broker(Certificates::Get().Listener());
+  for (int i = 0; i < 50; ++i) ASSERT_TRUE(ConnectPaho(Trusting(broker.Url("mqtts", "localhost"))));
+}
+
+TEST(Tls, TrustsNoUnknownAuthority) {
+  const Mosquitto broker(Certificates::Get().Listener());
+  ConnectOptions options = To(broker.Url("mqtts", "localhost"));
+  EXPECT_THAT(Refusal(options).message,
+              HasSubstr("not trusted here: name that authority's certificate"));
+  options.tls.ca_file = Certificates::Get() / "stranger.crt";
+  EXPECT_THAT(Refusal(options).message, HasSubstr("not trusted here"));
+  options.tls.verify = false;
+  EXPECT_TRUE(ConnectPaho(options));
+}
+
+TEST(Tls, NamesTheHostsOfAnotherCertificate) {
+  const Mosquitto broker(Certificates::Get().Listener("other.crt"));
+  ConnectOptions options = Trusting(broker.Url("mqtts", "localhost"));
+  EXPECT_THAT(Refusal(options).message,
+              HasSubstr("its certificate is for other.example, not for localhost"));
+  options.tls.verify = false;
+  EXPECT_TRUE(ConnectPaho(options));
+}
+
+TEST(Tls, SendsNoPasswordToAnotherHost) {
+  const Mosquitto broker(Certificates::Get().Listener("other.crt"));
+  EXPECT_FALSE(ConnectPaho(Trusting(broker.Url("mqtts", "localhost"))));
+  EXPECT_THAT(broker.Log(), Not(HasSubstr("New client connected")));
+}
+
+TEST(Tls, SaysThatTheCertificateHasExpired) {
+  const Mosquitto broker(Certificates::Get().Listener("expired.crt"));
+  EXPECT_THAT(Refusal(Trusting(broker.Url("mqtts", "localhost"))).message,
+              HasSubstr("has expired"));
+}
+
+TEST(Tls, ShowsACertificateOfItsOwn) {
+  const auto& files = Certificates::Get();
+  const Mosquitto broker(files.Listener("server.crt", {"require_certificate true"}));
+  ConnectOptions options = Trusting(broker.Url("mqtts", "localhost"));
+  EXPECT_EQ(Refusal(options).kind, ErrorKind::kBroker);
+  options.tls.cert_file = files / "client.crt";
+  options.tls.key_file = files / "client.key";
+  EXPECT_THAT(Refusal(options).message, HasSubstr("--key-password-file"));
+  options.tls.key_password = "wrong";
+  EXPECT_EQ(Refusal(options).kind, ErrorKind::kUsage);
+  options.tls.key_password = "secret";
+  EXPECT_TRUE(ConnectPaho(options));
+}
+
+TEST(Tls, SaysWhichFileIsWrong) {
+  const Mosquitto broker(Certificates::Get().Listener());
+  ConnectOptions options = Trusting(broker.Url("mqtts", "localhost"));
+  options.tls.ca_file = "/nowhere/ca.crt";
+  EXPECT_EQ(Refusal(options).message,
+            "cannot read /nowhere/ca.crt (--cafile): no such file or directory");
+  options.tls.ca_file = Certificates::Get() / "ca.key";
+  EXPECT_THAT(Refusal(options).message, HasSubstr("holds no certificate in PEM form"));
+  options = Trusting(broker.Url("mqtts", "localhost"));
+  options.tls.ciphers = "NO-SUCH-CIPHER";
+  EXPECT_THAT(Refusal(options).message, HasSubstr("--ciphers"));
+}
+
+TEST(Tls, SpeaksNothingOlderThan12) {
+  const auto& files = Certificates::Get();
+  const std::string port = std::to_string(fleetpub::testing::FreePort());
+  fleetpub::testing::Process server(
+      {.arguments = {"openssl", "s_server", "-tls1_1", "-cipher", "ALL:@SECLEVEL=0", "-accept",
+                     port, "-cert", files / "server.crt", "-key", files / "server.key"},
+       .input = std::nullopt});
+  ASSERT_TRUE(server.AwaitOutput("ACCEPT")) << server.Errors();
+  EXPECT_THAT(Refusal(Trusting("mqtts://localhost:" + port)).message,
+              HasSubstr("offers no TLS from 1.2 on"));
+}
+
+TEST(WebSocket, CarriesTraffic) {
+  const Mosquitto broker({"protocol websockets", "allow_anonymous true"});
+  ExpectTraffic(To(broker.Url("ws")));
+  ExpectTraffic(V5(To(broker.Url("ws") + "/mqtt:a")));
+}
+
+TEST(WebSocket, CarriesTrafficOverTls) {
+  const Mosquitto broker(Certificates::Get().Listener("server.crt", {"protocol websockets"}));
+  ExpectTraffic(Trusting(broker.Url("wss", "localhost")));
+  EXPECT_FALSE(ConnectPaho(To(broker.Url("wss", "localhost"))));
+}
+
+TEST(WebSocket, SendsNoPasswordToAServerThatRefuses) {
+  std::string heard;
+  {
+    const BrokenBroker server([&heard](int socket) {
+      heard += fleetpub::testing::ReadSome(socket);
+      fleetpub::testing::WriteTo(socket, "HTTP/1.1 404 Not Found\r\nContent-Length: 0\r\n\r\n");
+      for (std::string more; !(more = fleetpub::testing::ReadSome(socket)).empty();) heard += more;
+    });
+    ConnectOptions options = To(server.Url("ws"));
+    options.username = "operator";
+    options.password = "hunter2";
+    EXPECT_THAT(Refusal(options).message, HasSubstr("refuses the WebSocket (HTTP status 404)"));
+  }
+  EXPECT_THAT(heard, HasSubstr("Upgrade: websocket"));
+  EXPECT_THAT(heard, Not(HasSubstr("hunter2")));
+}
+
+}  // namespace
+}  // namespace fleetpub::mqtt

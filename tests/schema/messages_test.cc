@@ -1,0 +1,102 @@
+// The built-in schemas against messages: tests/data/schema/<topic>.json holds one good message and
+// what is done to it.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "base/file.h"
+#include "base/json.h"
+#include "schema/schema.h"
+
+namespace fleetpub::schema {
+namespace {
+
+using rapidjson::Document;
+using rapidjson::Value;
+
+constexpr std::array<std::string_view, 4> kVersions = {"1.1.0", "2.0.0", "2.1.0", "3.0.0"};
+
+Document ReadCases(std::string_view topic) {
+  const auto text =
+      base::ReadFile(fmt::format("{}/tests/data/schema/{}.json", FLEETPUB_SOURCE_DIR, topic));
+  auto cases = base::ParseJson(text.value());
+  return std::move(cases.value());
+}
+
+// In 1.1.0 the array has another name.
+std::string Renamed(std::string text, std::string_view version) {
+  const std::size_t at = text.find("actions");
+  const bool alone = at != std::string::npos && at <= 1 && version == "1.1.0";
+  return alone ? text.replace(at, std::string_view("actions").size(), "instantActions") : text;
+}
+
+Document MakeMessage(const Value& base, const Value& change, std::string_view version) {
+  Document message;
+  message.CopyFrom(base, message.GetAllocator());
+  if (const Value* set = base::FindMember(change, "set")) {
+    for (const auto& [pointer, value] : set->GetObject()) {
+      rapidjson::Pointer(pointer.GetString()).Set(message, value);
+    }
+  }
+  if (const Value* remove = base::FindMember(change, "remove")) {
+    for (const Value& pointer : remove->GetArray()) {
+      rapidjson::Pointer(pointer.GetString()).Erase(message);
+    }
+  }
+  const auto array = message.FindMember("actions");
+  if (version == "1.1.0" && array != message.MemberEnd()) array->name.SetString("instantActions");
+  return message;
+}
+
+bool ConcernsVersion(const Value& change, std::string_view version) {
+  const Value* versions = base::FindMember(change, "versions");
+  if (versions == nullptr) return true;
+  return std::any_of(versions->Begin(), versions->End(),
+                     [&](const Value& each) { return base::ViewOf(each) == version; });
+}
+
+std::vector<std::string> Expected(const Value& change, std::string_view version) {
+  std::vector<std::string> violations;
+  if (const Value* expected = base::FindMember(change, "violations")) {
+    for (const Value& each : expected->GetArray()) {
+      violations.push_back(Renamed(each.GetString(), version));
+    }
+  }
+  return violations;
+}
+
+std::vector<std::string> Found(const Schema& schema, const Value& message) {
+  std::vector<std::string> violations;
+  for (const Violation& each : schema.Validate(message)) {
+    violations.push_back(each.path + " " + each.message);
+  }
+  return violations;
+}
+
+class Messages : public ::testing::TestWithParam<const char*> {};
+
+TEST_P(Messages, AreJudgedInEveryVersion) {
+  const Document cases = ReadCases(GetParam());
+  Registry registry;
+  for (const std::string_view version : kVersions) {
+    const auto schema = registry.Find(fmt::format("vda5050/{}/{}", version, GetParam()));
+    ASSERT_TRUE(schema) << schema.error().message;
+    for (const Value& each : cases["cases"].GetArray()) {
+      if (!ConcernsVersion(each, version)) continue;
+      const Document message = MakeMessage(cases["base"], each, version);
+      EXPECT_EQ(Found(**schema, message), Expected(each, version))
+          << version << ", " << each["name"].GetString() << ": " << base::ToJson(message);
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Topics, Messages, ::testing::Values("instantActions", "connection"));
+
+}  // namespace
+}  // namespace fleetpub::schema

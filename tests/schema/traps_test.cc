@@ -1,0 +1,192 @@
+// Schemas and messages that crash, hang or mislead validators. Each must end in an answer, and
+// soon.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "base/json.h"
+#include "schema/schema.h"
+
+namespace fleetpub::schema {
+namespace {
+
+constexpr std::chrono::seconds kSoon(60);  // also under sanitizers
+
+Schema Compiled(std::string_view text) {
+  auto schema = Schema::Compile(text, "test");
+  if (!schema) throw std::runtime_error(schema.error().message);
+  return std::move(*schema);
+}
+
+std::vector<Violation> Judge(std::string_view schema, std::string_view message) {
+  const auto document = base::ParseJson(message);
+  if (!document) return {{"parser", document.error().message}};
+  const auto begin = std::chrono::steady_clock::now();
+  auto violations = Compiled(schema).Validate(*document);
+  EXPECT_LT(std::chrono::steady_clock::now() - begin, kSoon);
+  return violations;
+}
+
+bool IsValid(std::string_view schema, std::string_view message) {
+  return Judge(schema, message).empty();
+}
+
+std::string Repeat(std::string_view text, int times) {
+  std::string result;
+  for (int i = 0; i < times; ++i) result += text;
+  return result;
+}
+
+TEST(Traps, DeepSchemasAndMessagesAreRefused) {
+  const std::string deep = Repeat("[", 1'000'000);
+  EXPECT_EQ(Judge("true", deep).at(0).path, "parser");
+  const auto schema = Schema::Compile(Repeat(R"({"items":)", 100'000), "deep");
+  ASSERT_FALSE(schema);
+  EXPECT_NE(schema.error().message.find("nested more than 64 levels"), std::string::npos);
+}
+
+TEST(Traps, TextsThatAreNoJsonAreRefused) {
+  const std::string nul("{\"a\":1}\0garbage", 15);
+  for (const std::string& text :
+       {nul, std::string("\"\xff\""), std::string("\"\xed\xa0\x80\""), std::string("{} {}"),
+        std::string(R"({"a":1,"a":2})"), std::string(R"({"a":1,})"), std::string("NaN")}) {
+    EXPECT_FALSE(Schema::Compile(text, "bad")) << text;
+    EXPECT_EQ(Judge("true", text).at(0).path, "parser") << text;
+  }
+}
+
+TEST(Traps, RegularExpressionsTakeLinearTime) {
+  const std::string bomb = "\"" + std::string(100'000, 'a') + "!\"";
+  EXPECT_FALSE(IsValid(R"({"pattern":"^(a+)+$"})", bomb));
+  EXPECT_FALSE(IsValid(R"({"pattern":"^(a|aa)+$"})", bomb));
+  EXPECT_TRUE(IsValid(R"({"pattern":"!$"})", bomb));
+  EXPECT_FALSE(
+      IsValid(R"({"patternProperties":{"^(a+)+$":false,"!$":false}})", "{" + bomb + ":1}"));
+  EXPECT_FALSE(Schema::Compile(R"re({"pattern":"((((a{1,99}){1,99}){1,99}){1,99})"})re", "huge"));
+}
+
+TEST(Traps, LongStringsAreOnlyStrings) {
+  const std::string text = "\"" + std::string(10'000'000, 'x') + "\"";
+  EXPECT_FALSE(IsValid(R"({"format":"date-time"})", text));
+  EXPECT_TRUE(IsValid(R"({"minLength":10000000,"maxLength":10000000})", text));
+  EXPECT_TRUE(IsValid(R"({"pattern":"x$"})", text));
+  EXPECT_EQ(Judge("true", "\"" + std::string(17U * 1024 * 1024, 'x') + "\"").at(0).path, "parser");
+}
+
+TEST(Traps, ManyItemsAreComparedInReasonableTime) {
+  std::string different = "[0";
+  for (int i = 1; i < 300'000; ++i) different += fmt::format(",{}", i);
+  EXPECT_TRUE(IsValid(R"({"uniqueItems":true})", different + "]"));
+  const auto twice = Judge(R"({"uniqueItems":true})", different + ",7.0]");
+  ASSERT_EQ(twice.size(), 1U);
+  EXPECT_EQ(twice[0].message, "must not hold an item twice: items 7 and 300000 are equal");
+}
+
+TEST(Traps, ALateFaultInALongMessageIsFound) {
+  const auto found =
+      Judge(R"({"items":{"$ref":"#/definitions/a"},"definitions":{"a":{"type":"integer"}}})",
+            "[" + Repeat("1,", 500'000) + "\"x\"]");
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_EQ(found[0].path, "/500000");
+}
+
+TEST(Traps, RecursiveSchemasFollowTheMessage) {
+  constexpr std::string_view kTree =
+      R"({"properties":{"child":{"$ref":"#"},"n":{"type":"integer"}},"additionalProperties":false})";
+  const auto nested = [](std::string_view inner) {
+    return Repeat(R"({"n":1,"child":)", 60) + std::string(inner) + std::string(60, '}');
+  };
+  EXPECT_TRUE(IsValid(kTree, nested("{}")));
+  const auto found = Judge(kTree, nested(R"({"n":"x"})"));
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_EQ(found[0].path, Repeat("/child", 60) + "/n");
+}
+
+TEST(Traps, TheLongestChainAtTheGreatestDepthFitsTheStack) {
+  std::string definitions = R"("a0":{"properties":{"c":{"$ref":"#"}},"type":"object"})";
+  for (int i = 1; i < 32; ++i) {
+    definitions += fmt::format(R"(,"a{}":{{"$ref":"#/definitions/a{}"}})", i, i - 1);
+  }
+  // In 2020-12 a reference is one step of its own for the validator.
+  const auto schema = fmt::format(
+      R"({{"$schema":"https://json-schema.org/draft/2020-12/schema","definitions":{{{}}},
+           "$ref":"#/definitions/a30"}})",
+      definitions);
+  EXPECT_TRUE(IsValid(schema, Repeat(R"({"c":)", 63) + "{}" + std::string(63, '}')));
+  EXPECT_EQ(Judge(schema, Repeat(R"({"c":)", 63) + "1" + std::string(63, '}')).at(0).message,
+            "must be an object, not a number");
+}
+
+TEST(Traps, ExponentialWorkIsGivenUp) {
+  // Each level of the message doubles the visits.
+  constexpr std::string_view kTwice =
+      R"({"properties":{"a":{"$ref":"#"}},"patternProperties":{"a":{"$ref":"#"}}})";
+  const auto nested = Repeat(R"({"a":)", 60) + "1" + std::string(60, '}');
+  const auto found = Judge(kTwice, nested);
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_EQ(found[0].message,
+            "could not be checked: the schema's references make this message too much work");
+}
+
+TEST(Traps, NumbersMeanWhatTheySay) {
+  EXPECT_TRUE(IsValid(R"({"type":"integer"})", "1.0"));
+  EXPECT_TRUE(IsValid(R"({"type":"integer"})", "1e300"));
+  EXPECT_FALSE(IsValid(R"({"type":"integer"})", "1.5"));
+  EXPECT_TRUE(IsValid(R"({"minimum":0})", "18446744073709551615"));
+  EXPECT_FALSE(IsValid(R"({"maximum":0})", "18446744073709551615"));
+  EXPECT_TRUE(IsValid(R"({"const":1})", "1.0"));
+  EXPECT_FALSE(IsValid(R"({"const":9007199254740993})", "9007199254740992"));
+  EXPECT_FALSE(IsValid(R"({"const":1})", "true"));
+  EXPECT_FALSE(IsValid(R"({"multipleOf":1})", "1.5"));
+  EXPECT_TRUE(IsValid(R"({"multipleOf":0.0001})", "0.0075"));
+  EXPECT_FALSE(IsValid(R"({"multipleOf":0.123456789})", "1e308"));
+  EXPECT_TRUE(IsValid(R"({"maxLength":3.0})", "\"abc\""));
+}
+
+TEST(Traps, ANulIsACharacterLikeAnyOther) {
+  EXPECT_TRUE(IsValid(R"({"minLength":3,"maxLength":3})", R"("a\u0000b")"));
+  EXPECT_FALSE(IsValid(R"({"enum":["a"]})", R"("a\u0000b")"));
+  EXPECT_TRUE(IsValid(R"({"enum":["a\u0000b"]})", R"("a\u0000b")"));
+  EXPECT_FALSE(IsValid(R"({"required":["a"]})", R"({"a\u0000b":1})"));
+  EXPECT_FALSE(IsValid(R"({"properties":{"a\u0000b":{"type":"string"}}})", R"({"a\u0000b":1})"));
+  EXPECT_TRUE(IsValid(R"({"properties":{"a\u0000b":{"type":"string"}}})", R"({"a":1})"));
+  EXPECT_FALSE(IsValid(R"({"propertyNames":{"enum":["a"]}})", R"({"a\u0000b":1})"));
+}
+
+TEST(Traps, ReferencesMeanWhatTheySay) {
+  // A name with a slash is no path.
+  EXPECT_TRUE(IsValid(R"({"properties":{"a/properties/b":{"type":"string"},
+      "a":{"properties":{"b":{"type":"integer"}}},"c":{"$ref":"#/properties/a/properties/b"}}})",
+                      R"({"c":1})"));
+  // `propertyNames` beside a reference to the whole.
+  EXPECT_FALSE(IsValid(R"({"properties":{"x":{"$ref":"#"}},"propertyNames":{"maxLength":3}})",
+                       R"({"x":{"long name":1}})"));
+  // An empty name is a name.
+  EXPECT_FALSE(IsValid(R"({"$ref":"#/definitions/","definitions":{"":{"type":"string"}}})", "1"));
+  // `id` is no keyword of draft-07.
+  EXPECT_FALSE(IsValid(R"({"id":"http://x/","items":{"$ref":"#/definitions/a"},
+      "definitions":{"a":{"type":"string"}}})",
+                       "[1]"));
+}
+
+TEST(Traps, SiblingsOfAReferenceCountFrom2019On) {
+  const auto schema = [](std::string_view edition) {
+    return fmt::format(R"({{"$schema":"{}","items":{{"$ref":"#/definitions/a","maximum":5}},
+        "definitions":{{"a":{{"type":"integer"}}}}}})",
+                       edition);
+  };
+  EXPECT_TRUE(IsValid(schema("http://json-schema.org/draft-07/schema#"), "[9]"));
+  const auto later = schema("https://json-schema.org/draft/2020-12/schema");
+  EXPECT_FALSE(IsValid(later, "[9]"));
+  EXPECT_FALSE(IsValid(later, "[1.5]"));
+  EXPECT_TRUE(IsValid(later, "[5]"));
+}
+
+}  // namespace
+}  // namespace fleetpub::schema

@@ -1,0 +1,70 @@
+// A connection to a broker that is not there, through the production interface.
+#pragma once
+
+#include <functional>
+
+#include "mqtt/transport.h"
+#include "support/journal.h"
+
+namespace fleetpub::testing {
+
+/// Notes `publish TOPIC` and `await` in the journal. Acknowledges everything unless told otherwise.
+class FakeTransport : public mqtt::Transport {
+ public:
+  explicit FakeTransport(Journal& journal) : journal_(journal) { server_.broker.host = "broker"; }
+
+  /// From this message on (counted from 0) publishing fails with `publish_error`.
+  std::optional<std::size_t> publish_fails_at;
+  Error publish_error{ErrorKind::kBroker, "broker: connection lost"};
+  /// Decides on the acknowledgement of a token; nothing: the broker stays silent.
+  std::function<std::optional<mqtt::Acknowledgement>(int token)> acknowledge = [](int token) {
+    return mqtt::Acknowledgement{.token = token};
+  };
+  std::optional<Error> await_error;
+
+  [[nodiscard]] const std::vector<mqtt::Message>& published() const { return published_; }
+
+  const mqtt::ServerInfo& server() const override { return server_; }
+  Status Subscribe(std::span<const std::string> /*filters*/, mqtt::Qos /*qos*/,
+                   mqtt::Deadline /*deadline*/) override {
+    return {};
+  }
+
+  Result<int> Publish(const mqtt::Message& message, mqtt::Deadline /*deadline*/) override {
+    journal_.Note("publish " + message.topic);
+    if (publish_fails_at && published_.size() >= *publish_fails_at) return Fail(publish_error);
+    published_.push_back(message);
+    if (message.qos == mqtt::Qos::kAtMostOnce) return 0;
+    in_flight_.push_back(static_cast<int>(published_.size()));
+    return in_flight_.back();
+  }
+
+  Result<std::vector<mqtt::Acknowledgement>> AwaitAcknowledgements(
+      mqtt::Deadline /*deadline*/) override {
+    journal_.Note("await");
+    if (await_error) return Fail(*await_error);
+    std::vector<mqtt::Acknowledgement> acknowledgements;
+    std::vector<int> silent;
+    for (const int token : in_flight_) {
+      const auto acknowledgement = acknowledge(token);
+      if (acknowledgement) acknowledgements.push_back(*acknowledgement);
+      if (!acknowledgement) silent.push_back(token);
+    }
+    in_flight_ = std::move(silent);
+    return acknowledgements;
+  }
+
+  int in_flight() const override { return static_cast<int>(in_flight_.size()); }
+  Result<std::optional<mqtt::Message>> Receive(mqtt::Deadline /*deadline*/) override {
+    return std::optional<mqtt::Message>();
+  }
+  void Disconnect() override { journal_.Note("disconnect"); }
+
+ private:
+  Journal& journal_;
+  mqtt::ServerInfo server_;
+  std::vector<mqtt::Message> published_;
+  std::vector<int> in_flight_;
+};
+
+}  // namespace fleetpub::testing

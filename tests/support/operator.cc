@@ -1,0 +1,81 @@
+#include "support/operator.h"
+
+#include <cstdlib>
+#include <sstream>
+#include <thread>
+
+#include "base/json.h"
+
+namespace fleetpub::testing {
+
+std::string Binary() {
+  const char* other = std::getenv("FLEETPUB_BINARY");
+  return other == nullptr ? FLEETPUB_BINARY : other;
+}
+
+Command Operator::Prepare(std::vector<std::string> arguments) const {
+  arguments.insert(arguments.begin(), Binary());
+  Command command{.arguments = std::move(arguments)};
+  command.environment = {
+      {"HOME", home_.path().string()},
+      {"XDG_STATE_HOME", std::nullopt},
+      {"FLEETPUB_LEDGER", LedgerPath().string()},
+      {"FLEETPUB_VDA", std::nullopt},
+      {"FLEETPUB_PASSWORD", std::nullopt},
+      {"FLEETPUB_BROKER", broker_.empty() ? std::nullopt : std::optional(broker_)}};
+  return command;
+}
+
+Finished Operator::Fleetpub(std::vector<std::string> arguments) const {
+  return Run(Prepare(std::move(arguments)));
+}
+
+std::filesystem::path Operator::LedgerPath() const { return home_ / "ledger.db"; }
+
+Subscriber::Subscriber(const Mosquitto& broker, const std::string& filter, int qos) {
+  Command command{.arguments = {"stdbuf", "-oL", "mosquitto_sub", "-h", "127.0.0.1", "-p",
+                                std::to_string(broker.port()), "-t", filter, "-q",
+                                std::to_string(qos), "-F", "received %r %q %t %p", "-d"}};
+  process_ = std::make_unique<Process>(std::move(command));
+  if (!process_->AwaitOutput("SUBACK")) throw std::runtime_error("mosquitto_sub did not subscribe");
+}
+
+std::vector<Subscriber::Received> Subscriber::SoFar() const {
+  std::vector<Received> messages;
+  std::string output = process_->Output();
+  output.resize(output.rfind('\n') + 1);  // the last line may still be growing
+  for (const std::string& line : Lines(output)) {
+    if (!line.starts_with("received ")) continue;
+    Received message;
+    std::istringstream words(line.substr(9));
+    words >> message.retained >> message.qos >> message.topic;
+    std::getline(words >> std::ws, message.payload);
+    messages.push_back(std::move(message));
+  }
+  return messages;
+}
+
+std::vector<Subscriber::Received> Subscriber::Await(std::size_t count) const {
+  const auto deadline = std::chrono::steady_clock::now() + Process::kPatience;
+  std::vector<Received> messages = SoFar();
+  while (messages.size() < count && std::chrono::steady_clock::now() < deadline) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+    messages = SoFar();
+  }
+  return messages;
+}
+
+rapidjson::Document Json(std::string_view text) {
+  auto document = base::ParseJson(text);
+  EXPECT_TRUE(document.has_value()) << text;
+  return document ? std::move(*document) : rapidjson::Document();
+}
+
+std::vector<std::string> Lines(std::string_view text) {
+  std::vector<std::string> lines;
+  std::istringstream stream{std::string(text)};
+  for (std::string line; std::getline(stream, line);) lines.push_back(line);
+  return lines;
+}
+
+}  // namespace fleetpub::testing

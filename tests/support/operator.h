@@ -1,0 +1,76 @@
+// What an end-to-end test has at hand: the real binary with a home of its own, and a real broker.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "base/rapidjson.h"
+#include "support/mosquitto.h"
+#include "support/process.h"
+#include "support/temporary_folder.h"
+
+namespace fleetpub::testing {
+
+/// The binary under test: $FLEETPUB_BINARY, or the one that was built with the tests.
+[[nodiscard]] std::string Binary();
+
+/// Someone who calls fleetpub: a home folder, nothing else in the environment that it would heed.
+class Operator {
+ public:
+  /// The command for `fleetpub ARGUMENTS…`, to be changed or started in the background.
+  [[nodiscard]] Command Prepare(std::vector<std::string> arguments) const;
+  /// Runs it to its end.
+  [[nodiscard]] Finished Fleetpub(std::vector<std::string> arguments) const;
+
+  [[nodiscard]] const TemporaryFolder& home() const { return home_; }
+  /// Where the ledger is when nobody says otherwise.
+  [[nodiscard]] std::filesystem::path LedgerPath() const;
+  /// From now on every call uses this broker.
+  void UseBroker(std::string url) { broker_ = std::move(url); }
+
+ private:
+  TemporaryFolder home_;
+  std::string broker_;
+};
+
+/// Listens with mosquitto_sub, a client that we did not write.
+class Subscriber {
+ public:
+  /// Returns once the broker has acknowledged the subscription.
+  explicit Subscriber(const Mosquitto& broker, const std::string& filter = "#", int qos = 0);
+
+  /// A received message: `RETAINED QOS TOPIC PAYLOAD`, as mosquitto_sub saw it.
+  struct Received {
+    bool retained = false;
+    int qos = 0;
+    std::string topic;
+    std::string payload;
+  };
+  /// The first `count` messages; fewer when no more come in time.
+  [[nodiscard]] std::vector<Received> Await(std::size_t count) const;
+  [[nodiscard]] std::vector<Received> SoFar() const;
+
+ private:
+  std::unique_ptr<Process> process_;
+};
+
+/// Operator and broker together.
+class EndToEnd : public ::testing::Test {
+ protected:
+  EndToEnd() { operator_.UseBroker(broker_.Url()); }
+  [[nodiscard]] Finished Fleetpub(std::vector<std::string> arguments) const {
+    return operator_.Fleetpub(std::move(arguments));
+  }
+
+  Mosquitto broker_;
+  Operator operator_;
+};
+
+/// The text as JSON; the test fails when it is none.
+[[nodiscard]] rapidjson::Document Json(std::string_view text);
+[[nodiscard]] std::vector<std::string> Lines(std::string_view text);
+
+}  // namespace fleetpub::testing
