@@ -9,7 +9,7 @@
 
 namespace fleetpub::base {
 
-constexpr std::size_t kMaxFileBytes = 64U * 1024 * 1024;
+constexpr std::size_t kMaxFileBytes = std::size_t{64} * 1024 * 1024;
 
 /// The file's bytes; `-` is standard input. A missing file, a folder, one larger than `limit`:
 /// ErrorKind::kLedger with the name and the system's reason.

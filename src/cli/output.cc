@@ -36,18 +36,9 @@ std::string TypesOf(const Report& report) {
   return base::Join(types, ",");
 }
 
-Tone ToneOf(Verdict verdict) {
-  switch (verdict) {
-    case Verdict::kDryRun:
-      return Tone::kPlain;
-    case Verdict::kSent:
-    case Verdict::kPublished:
-      return Tone::kGood;
-    case Verdict::kInvalid:
-    case Verdict::kError:
-      return Tone::kBad;
-  }
-  return Tone::kPlain;
+Tone ToneOf(const Report& report) {
+  if (report.error) return Tone::kBad;
+  return report.verdict == Verdict::kDryRun ? Tone::kPlain : Tone::kGood;
 }
 
 }  // namespace
@@ -98,7 +89,7 @@ Status Output::Flush() {
 std::string ReportText(const Report& report, std::size_t target_width, const Output& output) {
   std::string line =
       fmt::format("{:<{}}  {}  {}", base::Printable(report.target), target_width, TypesOf(report),
-                  output.Toned(ToneOf(report.verdict), NameOf(report.verdict)));
+                  output.Toned(ToneOf(report), NameOf(report.verdict)));
   if (report.header_id) line += fmt::format("  headerId {}", *report.header_id);
   if (report.elapsed.count() > 0) line += "  " + base::FormatElapsed(report.elapsed);
   if (report.version_assumed) line += fmt::format("  {} (assumed)", report.version);

@@ -5,25 +5,13 @@
 #include <cstdint>
 #include <optional>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "base/result.h"
+#include "dispatch/verdict.h"
 #include "ledger/ledger.h"
 
 namespace fleetpub::dispatch {
-
-/// The closed list of outcomes. Their names stand in JSON, in the ledger and in the manual.
-enum class Verdict {
-  kDryRun,     ///< built and validated; nothing was sent
-  kSent,       ///< handed to the operating system at QoS 0: a hope
-  kPublished,  ///< acknowledged by the broker
-  kInvalid,    ///< breaks the specification; nothing was sent
-  kError,      ///< broker, ledger or file trouble; the message says whether anything was sent
-};
-
-/// `SENT`
-[[nodiscard]] std::string_view NameOf(Verdict verdict);
 
 struct Report {
   std::string target;

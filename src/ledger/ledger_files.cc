@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <cstdio>
 #include <cstdlib>
 #include <string>
 #include <string_view>
@@ -39,23 +40,11 @@ constexpr std::array<unsigned, 10> kNetworkFileSystems = {
 /// A new name is on the disk only when its folder is: after a power failure a ledger must not be
 /// gone.
 void SyncFolder(const fs::path& folder) {
-  const int fd = open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  const fs::path name = folder.empty() ? fs::path(".") : folder;
+  const int fd = open(name.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
   if (fd < 0) return;
   fsync(fd);
   close(fd);
-}
-
-Status MakeFolders(const fs::path& folder) {
-  if (folder.empty() || mkdir(folder.c_str(), 0700) == 0) {
-    SyncFolder(folder.parent_path());
-    return {};
-  }
-  if (errno == EEXIST) return {};
-  if (errno != ENOENT) return Fail(CannotOpen(folder, errno));
-  if (Status parent = MakeFolders(folder.parent_path()); !parent) return parent;
-  if (mkdir(folder.c_str(), 0700) != 0 && errno != EEXIST) return Fail(CannotOpen(folder, errno));
-  SyncFolder(folder.parent_path());
-  return {};
 }
 
 mode_t ModeFor(const fs::path& folder) {
@@ -79,30 +68,46 @@ std::string HomeFolder() {
 
 }  // namespace
 
-Result<bool> LedgerFileExists(const fs::path& path) {
+Result<bool> HasLedgerFile(const fs::path& path) {
   struct stat info {};
   if (stat(path.c_str(), &info) != 0) {
     if (errno == ENOENT) return false;
     return Fail(CannotOpen(path, errno));
   }
-  if (S_ISREG(info.st_mode)) return true;
+  if (S_ISREG(info.st_mode)) return info.st_size > 0;
   return Fail(ErrorKind::kLedger,
               fmt::format("the ledger {} is {}: name a file", path.string(),
                           S_ISDIR(info.st_mode) ? "a folder" : "no regular file"));
 }
 
-Status CreateLedgerFile(const fs::path& path) {
-  const fs::path folder = path.parent_path();
-  if (Status made = MakeFolders(folder); !made) return made;
-  const mode_t mode = ModeFor(folder);
-  const int fd = open(path.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, mode);
+Status MakeFolders(const fs::path& folder) {
+  if (folder.empty() || mkdir(folder.c_str(), 0700) == 0) {
+    SyncFolder(folder.parent_path());
+    return {};
+  }
+  if (errno == EEXIST) return {};
+  if (errno != ENOENT) return Fail(CannotOpen(folder, errno));
+  if (Status parent = MakeFolders(folder.parent_path()); !parent) return parent;
+  if (mkdir(folder.c_str(), 0700) != 0 && errno != EEXIST) return Fail(CannotOpen(folder, errno));
+  SyncFolder(folder.parent_path());
+  return {};
+}
+
+Status CreateEmptyFile(const fs::path& path) {
+  const mode_t mode = ModeFor(path.parent_path());
+  const int fd = open(path.c_str(), O_RDWR | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, mode);
   if (fd < 0) {
     if (errno == EEXIST) return {};
     return Fail(CannotOpen(path, errno));
   }
   fchmod(fd, mode);
   close(fd);
-  SyncFolder(folder.empty() ? "." : folder);
+  return {};
+}
+
+Status MoveFile(const fs::path& from, const fs::path& to) {
+  if (rename(from.c_str(), to.c_str()) != 0) return Fail(CannotOpen(to, errno));
+  SyncFolder(to.parent_path());
   return {};
 }
 

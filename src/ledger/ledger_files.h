@@ -9,14 +9,20 @@
 
 namespace fleetpub::ledger {
 
-/// True: a regular file is there. False: nothing is. Anything else: ErrorKind::kLedger.
-[[nodiscard]] Result<bool> LedgerFileExists(const std::filesystem::path& path);
+/// True: a regular file with something in it is there. False: nothing is, or an empty file.
+/// Anything else: ErrorKind::kLedger.
+[[nodiscard]] Result<bool> HasLedgerFile(const std::filesystem::path& path);
 
-/// Makes an empty file, and with 0700 the folders that it misses. The file is the user's own
-/// (0600), except in a folder that its group may write in: such a folder is shared by all
-/// operators, and so is the file (0660), whatever the umask. A file that appeared meanwhile is left
-/// as it is.
-[[nodiscard]] Status CreateLedgerFile(const std::filesystem::path& path);
+/// With 0700.
+[[nodiscard]] Status MakeFolders(const std::filesystem::path& folder);
+
+/// A new file, or the one that appeared meanwhile. It is the user's own (0600), except in a folder
+/// that its group may write in: such a folder is shared by all operators, and so is the file
+/// (0660), whatever the umask.
+[[nodiscard]] Status CreateEmptyFile(const std::filesystem::path& path);
+
+/// Durable when it returns. Takes the place of a file that is there.
+[[nodiscard]] Status MoveFile(const std::filesystem::path& from, const std::filesystem::path& to);
 
 /// The size, 0 when there is no such file.
 [[nodiscard]] std::uintmax_t SizeOf(const std::filesystem::path& path);

@@ -37,8 +37,7 @@
 //    power failure).
 //
 // 6. POSIX locks die when *any* descriptor of the file is closed in the process. Nothing here opens
-// the ledger file but
-//    SQLite, except to create it (O_EXCL: nobody can hold a lock on it yet).
+//    the ledger file but SQLite. A new one is made under another name and moved into place whole.
 #include "ledger/sqlite_ledger.h"
 
 #include <fmt/format.h>
@@ -132,32 +131,18 @@ Result<std::int64_t> SqliteLedger::Prune(WallTime older_than) {
   return PruneHistory(*database_, older_than);
 }
 
-/// Makes the tables unless somebody else has made them meanwhile.
-Status CreateAlone(Database& database, Journal journal, std::chrono::milliseconds timeout) {
-  const Result<std::unique_ptr<TopicLock>> alone =
-      LockCreation(database.path(), std::chrono::steady_clock::now() + timeout);
-  if (!alone) return Fail(alone.error());
-  const Result<FileState> state = Inspect(database);
-  if (!state) return Fail(state.error());
-  return *state == FileState::kNew ? CreateTables(database, journal) : Status();
-}
-
 Result<std::unique_ptr<Database>> OpenForWriting(const SqliteOptions& options) {
-  const Result<bool> exists = LedgerFileExists(options.path);
+  const Result<bool> exists = HasLedgerFile(options.path);
   if (!exists) return Fail(exists.error());
+  const Journal journal =
+      OnNetworkFileSystem(options.path) ? Journal::kRollback : Journal::kWriteAhead;
   if (!*exists) {
-    if (Status made = CreateLedgerFile(options.path); !made) return Fail(made.error());
+    Status created = CreateLedger(options.path, journal, options.busy_timeout);
+    if (!created) return Fail(created.error());
   }
   auto database = Database::Open(options.path, Access::kReadWrite, options.busy_timeout);
   if (!database) return database;
-  const Result<FileState> state = Inspect(**database);
-  if (!state) return Fail(state.error());
-  const Journal journal =
-      OnNetworkFileSystem(options.path) ? Journal::kRollback : Journal::kWriteAhead;
-  if (*state == FileState::kNew) {
-    Status created = CreateAlone(**database, journal, options.busy_timeout);
-    if (!created) return Fail(created.error());
-  }
+  if (Status ours = Inspect(**database); !ours) return Fail(ours.error());
   if (Status chosen = ChooseJournal(**database, journal); !chosen) return Fail(chosen.error());
   return database;
 }
@@ -178,19 +163,18 @@ Result<std::unique_ptr<Database>> OpenUnshared(const SqliteOptions& options, con
 
 /// Null: there is nothing to read yet.
 Result<std::unique_ptr<Database>> OpenForReading(const SqliteOptions& options) {
-  const Result<bool> exists = LedgerFileExists(options.path);
+  const Result<bool> exists = HasLedgerFile(options.path);
   if (!exists) return Fail(exists.error());
-  if (!*exists || SizeOf(options.path) == 0) return std::unique_ptr<Database>();
+  if (!*exists) return std::unique_ptr<Database>();
   auto database = Database::Open(options.path, Access::kReadOnly, options.busy_timeout);
   if (!database) return database;
-  Result<FileState> state = Inspect(**database);
-  if (!state && (*database)->LacksSharedMemory()) {
-    database = OpenUnshared(options, state.error());
+  Status ours = Inspect(**database);
+  if (!ours && (*database)->LacksSharedMemory()) {
+    database = OpenUnshared(options, ours.error());
     if (!database) return database;
-    state = Inspect(**database);
+    ours = Inspect(**database);
   }
-  if (!state) return Fail(std::move(state.error()));
-  if (*state == FileState::kNew) return std::unique_ptr<Database>();
+  if (!ours) return Fail(ours.error());
   return database;
 }
 

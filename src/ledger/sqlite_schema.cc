@@ -4,6 +4,10 @@
 
 #include <array>
 #include <string>
+#include <system_error>
+
+#include "ledger/ledger_files.h"
+#include "ledger/topic_locks.h"
 
 namespace fleetpub::ledger {
 namespace {
@@ -37,27 +41,6 @@ Result<std::int64_t> AskNumber(Database& database, const char* sql) {
   return *row ? statement.Integer(0) : 0;
 }
 
-}  // namespace
-
-Result<FileState> Inspect(Database& database) {
-  const Result<std::int64_t> application = AskNumber(database, "PRAGMA application_id");
-  if (!application) return Fail(application.error());
-  const Result<std::int64_t> version = AskNumber(database, "PRAGMA user_version");
-  if (!version) return Fail(version.error());
-  const std::string path = database.path().string();
-  if (*application == kApplicationId && *version == kVersion) return FileState::kLedger;
-  if (*application == kApplicationId && *version > kVersion) {
-    return Fail(ErrorKind::kLedger,
-                fmt::format("the ledger {} was written by a newer fleetpub: update this one", path),
-                fmt::format("version {} of the file, {} known", *version, kVersion));
-  }
-  const Result<std::int64_t> tables = AskNumber(database, "SELECT count(*) FROM sqlite_schema");
-  if (!tables) return Fail(tables.error());
-  if (*application == 0 && *version == 0 && *tables == 0) return FileState::kNew;
-  return Fail(ErrorKind::kLedger,
-              fmt::format("{} is a database of another program: name another ledger", path));
-}
-
 Status CreateTables(Database& database, Journal journal) {
   const char* choose =
       journal == Journal::kWriteAhead ? "PRAGMA journal_mode=WAL" : "PRAGMA journal_mode=PERSIST";
@@ -70,8 +53,58 @@ Status CreateTables(Database& database, Journal journal) {
     if (Status done = database.Execute(sql); !done) return done;
   }
   if (Status done = transaction.Commit(); !done) return done;
-  // Into the file itself: should the log ever be lost, the file still says what it is.
-  database.Checkpoint(AfterCheckpoint::kNothingFollows);
+  return database.Execute("PRAGMA wal_checkpoint(TRUNCATE)");
+}
+
+Status CreateDraft(const std::string& path, Journal journal, std::chrono::milliseconds timeout) {
+  if (Status made = CreateEmptyFile(path); !made) return made;
+  const auto database = Database::Open(path, Access::kReadWrite, timeout);
+  if (!database) return Fail(database.error());
+  return CreateTables(**database, journal);
+}
+
+void RemoveDatabase(const std::string& path) {
+  std::error_code ignored;
+  for (const char* end : {"", "-wal", "-shm", "-journal"}) {
+    std::filesystem::remove(path + end, ignored);
+  }
+}
+
+}  // namespace
+
+Status CreateLedger(const std::filesystem::path& path, Journal journal,
+                    std::chrono::milliseconds busy_timeout) {
+  if (Status made = MakeFolders(path.parent_path()); !made) return made;
+  std::error_code ignored;
+  const std::filesystem::path target = std::filesystem::weakly_canonical(path, ignored);
+  const auto alone = LockCreation(target, std::chrono::steady_clock::now() + busy_timeout);
+  if (!alone) return Fail(alone.error());
+  const Result<bool> made_meanwhile = HasLedgerFile(target);
+  if (!made_meanwhile) return Fail(made_meanwhile.error());
+  if (*made_meanwhile) return {};
+  const std::string draft = target.string() + ".new";
+  RemoveDatabase(draft);
+  Status made = CreateDraft(draft, journal, busy_timeout);
+  if (made) made = MoveFile(draft, target);
+  RemoveDatabase(draft);
+  return made;
+}
+
+Status Inspect(Database& database) {
+  const Result<std::int64_t> application = AskNumber(database, "PRAGMA application_id");
+  if (!application) return Fail(application.error());
+  const Result<std::int64_t> version = AskNumber(database, "PRAGMA user_version");
+  if (!version) return Fail(version.error());
+  const std::string path = database.path().string();
+  if (*application != kApplicationId) {
+    return Fail(ErrorKind::kLedger,
+                fmt::format("{} is a database of another program: name another ledger", path));
+  }
+  if (*version > kVersion) {
+    return Fail(ErrorKind::kLedger,
+                fmt::format("the ledger {} was written by a newer fleetpub: update this one", path),
+                fmt::format("version {} of the file, {} known", *version, kVersion));
+  }
   return {};
 }
 

@@ -16,6 +16,7 @@
 
 #include "base/time.h"
 #include "ledger/backoff.h"
+#include "ledger/ledger_files.h"
 #include "ledger/sqlite_error.h"
 
 namespace fleetpub::ledger {
@@ -73,9 +74,9 @@ Result<std::unique_ptr<FileLock>> OpenLockFile(const std::filesystem::path& ledg
   constexpr int kFlags = O_RDWR | O_CLOEXEC | O_NOFOLLOW;
   int fd = open(path.c_str(), kFlags);
   if (fd < 0 && errno == ENOENT) {
-    fd = open(path.c_str(), kFlags | O_CREAT | O_EXCL, 0600);
+    if (Status made = CreateEmptyFile(path); !made) return Fail(made.error());
+    fd = open(path.c_str(), kFlags);
     if (fd >= 0) TakeOverPermissions(fd, ledger);
-    if (fd < 0 && errno == EEXIST) fd = open(path.c_str(), kFlags);
   }
   if (fd < 0) return Fail(CannotOpen(path, errno));
   return std::make_unique<FileLock>(fd);

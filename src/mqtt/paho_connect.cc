@@ -211,7 +211,7 @@ int RunConnect(MQTTClient client, MQTTClient_connectOptions* options, PahoConnec
                std::optional<int>& server_keep_alive) {
   if (options->MQTTVersion != MQTTVERSION_5) return MQTTClient_connect(client, options);
   MQTTResponse response = MQTTClient_connect5(client, options, nullptr, nullptr);
-  const int code = response.reasonCode;
+  const int code = ReasonCode(response);
   if (code == MQTTCLIENT_SUCCESS) {
     ReadProperties(response.properties, connection);
     server_keep_alive = NumericProperty(response.properties, MQTTPROPERTY_CODE_SERVER_KEEP_ALIVE);

@@ -1,6 +1,7 @@
 // One attempt at one broker.
 #pragma once
 
+#include <cstring>
 #include <memory>
 #include <string>
 
@@ -18,6 +19,16 @@ struct PahoConnection {
   ServerInfo server;
   int receive_maximum = 65'535;  ///< MQTT 5 §3.2.2.3.3
 };
+
+/// The code in an MQTTResponse. Paho puts -1 into its enum of reason codes, which C++ may not even
+/// load as one.
+template <typename Response>
+[[nodiscard]] int ReasonCode(const Response& response) {
+  int code = 0;
+  static_assert(sizeof code == sizeof response.reasonCode);
+  std::memcpy(&code, &response.reasonCode, sizeof code);
+  return code;
+}
 
 /// Checks what can be known to be wrong before connecting. Errors: ErrorKind::kUsage.
 [[nodiscard]] Status CheckConnectOptions(const ConnectOptions& options);

@@ -222,7 +222,7 @@ int PahoSession::PahoPublish(const Message& message, int& token) {
     const MQTTResponse response =
         MQTTClient_publish5(connection_.client, message.topic.c_str(), size, message.payload.data(),
                             qos, 0, nullptr, &token);
-    return response.reasonCode;
+    return ReasonCode(response);
   }
   return MQTTClient_publish(connection_.client, message.topic.c_str(), size, message.payload.data(),
                             qos, 0, &token);
@@ -263,11 +263,12 @@ int PahoSession::PahoSubscribe(const std::vector<char*>& names, std::vector<int>
   }
   const MQTTResponse response = MQTTClient_subscribeMany5(connection_.client, count, names.data(),
                                                           codes.data(), nullptr, nullptr);
-  int result = response.reasonCode < 0 ? response.reasonCode : MQTTCLIENT_SUCCESS;
+  const int first = ReasonCode(response);
+  int result = first < 0 ? first : MQTTCLIENT_SUCCESS;
   if (result == MQTTCLIENT_SUCCESS && response.reasonCodeCount != count)
     result = MQTTCLIENT_FAILURE;
   for (std::size_t i = 0; result == MQTTCLIENT_SUCCESS && i < codes.size(); ++i) {
-    codes[i] = response.reasonCodes != nullptr ? response.reasonCodes[i] : response.reasonCode;
+    codes[i] = response.reasonCodes != nullptr ? response.reasonCodes[i] : first;
   }
   MQTTResponse_free(response);
   return result;

@@ -29,18 +29,6 @@ std::string NameOf(const fs::path& relative) {
   return version ? "vda5050/" + name : name;
 }
 
-// The official repository's files that are known not to be JSON, because of a trailing comma.
-std::string_view KnownBroken(std::string_view name) {
-  constexpr std::array<std::string_view, 4> kBroken = {"vda5050/2.0.0/state", "vda5050/3.0.0/order",
-                                                       "vda5050/3.0.0/visualization",
-                                                       "vda5050/3.0.0/factsheet"};
-  return std::find(kBroken.begin(), kBroken.end(), name) == kBroken.end()
-             ? ""
-             : "; as first published, order, visualization and factsheet of 3.0.0 and state of "
-               "2.0.0 are known not to be "
-               "valid JSON: take a later edition or the built-in one";
-}
-
 const Embedded* FindEmbedded(std::string_view name) {
   const auto all = EmbeddedSchemas();
   const auto it = std::find_if(all.begin(), all.end(),
@@ -94,13 +82,7 @@ Result<const Schema*> Registry::Find(std::string_view name) {
   const auto file = files_.find(document);
   const std::string shown = file == files_.end() ? document : file->second.string();
   auto schema = Schema::Compile(*text, shown, pointer);
-  if (!schema) {
-    Error error = std::move(schema.error());
-    if (error.message.find("not valid JSON") != std::string::npos) {
-      error.message += KnownBroken(document);
-    }
-    return Fail(std::move(error));
-  }
+  if (!schema) return Fail(std::move(schema.error()));
   return &compiled_.emplace(std::string(name), std::move(*schema)).first->second;
 }
 

@@ -1,9 +1,10 @@
 #include "base/time.h"
 
 #include <gmock/gmock.h>
-#include <stdlib.h>
 
 #include <ctime>
+
+#include "support/environment.h"
 
 namespace fleetpub::base {
 namespace {
@@ -128,10 +129,12 @@ TEST(ParseDateTime, ReadsWhatFormatTimestampWrites) {
 }
 
 TEST(FormatLocal, IsInTheMachinesTimeZone) {
-  setenv("TZ", "UTC-2", 1);  // POSIX counts westwards: two hours east of Greenwich
-  tzset();
-  EXPECT_EQ(FormatLocal(kEpoch + 1767323045678ms), "2026-01-02 05:04:05");
-  unsetenv("TZ");
+  {
+    // POSIX counts westwards: two hours east of Greenwich.
+    const testing::EnvironmentVariable zone("TZ", "UTC-2");
+    tzset();
+    EXPECT_EQ(FormatLocal(kEpoch + 1767323045678ms), "2026-01-02 05:04:05");
+  }
   tzset();
 }
 

@@ -32,7 +32,7 @@ Document ReadCases(std::string_view topic) {
 // In 1.1.0 the array has another name.
 std::string Renamed(std::string text, std::string_view version) {
   const std::size_t at = text.find("actions");
-  const bool alone = at != std::string::npos && at <= 1 && version == "1.1.0";
+  const bool alone = at <= 1 && version == "1.1.0";
   return alone ? text.replace(at, std::string_view("actions").size(), "instantActions") : text;
 }
 

@@ -72,11 +72,11 @@ TEST(Traps, RegularExpressionsTakeLinearTime) {
 }
 
 TEST(Traps, LongStringsAreOnlyStrings) {
-  const std::string text = "\"" + std::string(10'000'000, 'x') + "\"";
+  const std::string text = "\"" + Repeat("x", 10'000'000) + "\"";
   EXPECT_FALSE(IsValid(R"({"format":"date-time"})", text));
   EXPECT_TRUE(IsValid(R"({"minLength":10000000,"maxLength":10000000})", text));
   EXPECT_TRUE(IsValid(R"({"pattern":"x$"})", text));
-  EXPECT_EQ(Judge("true", "\"" + std::string(17U * 1024 * 1024, 'x') + "\"").at(0).path, "parser");
+  EXPECT_EQ(Judge("true", "\"" + Repeat("x", 17'000'000) + "\"").at(0).path, "parser");
 }
 
 TEST(Traps, ManyItemsAreComparedInReasonableTime) {

@@ -1,0 +1,28 @@
+// The closed list of what can become of a command. The names stand in JSON, in the ledger and in the manual.
+#pragma once
+
+#include <string_view>
+
+namespace fleetpub::dispatch {
+
+enum class Verdict {
+  kDryRun,     ///< built and validated; nothing was sent
+  kSent,       ///< handed to the operating system at QoS 0: a hope
+  kPublished,  ///< acknowledged by the broker
+  kAccepted,   ///< the target lists it and has not refused it
+  kFinished,   ///< the target says that it is done
+  kFailed,     ///< the target says that it failed
+  kRejected,   ///< the target refused it
+  kRetriable,  ///< neither done nor failed: it waits for retry, skipRetry or a person
+  kVanished,   ///< the target had listed it and no longer does, without an end
+  kOffline,    ///< the target lost its connection while we waited
+  kTimeout,    ///< the target did not say in time
+  kRefused,    ///< by us, before sending: unknown, offline, not supported
+  kInvalid,    ///< breaks the specification; nothing was sent
+  kError,      ///< broker, ledger or file trouble; the message says whether anything was sent
+};
+
+/// `SENT`
+[[nodiscard]] std::string_view NameOf(Verdict verdict);
+
+}  // namespace fleetpub::dispatch

@@ -1,0 +1,199 @@
+// The dependency arrows of docs/architecture.md, read from the #includes of src:
+//
+//   main → cli → robot → {vda5050, soar} → dispatch → {schema, ledger, mqtt} → base
+//
+// A folder may include itself and any folder to its right, never one to its left nor its sibling in
+// braces. Each third-party library has one folder that may see it.
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <sstream>
+
+namespace fleetpub {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+/// A source tree: path below src → content.
+using Tree = std::map<std::string, std::string>;
+
+struct Include {
+  std::string file;    ///< who includes
+  std::string header;  ///< what, without quotation marks or brackets
+  bool quoted;
+};
+
+const std::map<std::string, int>& Ranks() {
+  static const std::map<std::string, int> ranks = {
+      {"main.cc", 0},  {"cli", 1},    {"robot", 2},  {"vda5050", 3}, {"soar", 3},
+      {"dispatch", 4}, {"schema", 5}, {"ledger", 5}, {"mqtt", 5},    {"base", 6}};
+  return ranks;
+}
+
+struct Library {
+  std::string_view header;  ///< how its headers begin
+  std::string_view folder;  ///< the only one that may include it
+  bool in_headers = false;  ///< in headers too, as long as no other folder includes those
+};
+
+constexpr Library kLibraries[] = {
+    {"MQTT", "mqtt", true},       {"openssl/", "mqtt", true},
+    {"sqlite3", "ledger"},        {"SQLiteCpp/", "ledger"},
+    {"libpq", "ledger"},          {"valijson/", "schema"},
+    {"re2/", "schema"},           {"CLI/", "cli"},
+    {"rapidjson/", "base", true}, {"uuid/", "base"},
+    {"toml++/", "cli"},
+};
+
+// Of `base/json.h` it is `base`, of `main.cc` `main.cc`.
+std::string FolderOf(const std::string& path) { return path.substr(0, path.find('/')); }
+
+std::string ReadText(const std::filesystem::path& path) {
+  std::ostringstream text;
+  text << std::ifstream(path, std::ios::binary).rdbuf();
+  return text.str();
+}
+
+Tree ReadTree(const std::filesystem::path& root) {
+  Tree tree;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(root)) {
+    const auto extension = entry.path().extension();
+    if (extension != ".cc" && extension != ".h") continue;
+    tree[entry.path().lexically_relative(root).string()] = ReadText(entry.path());
+  }
+  return tree;
+}
+
+std::vector<Include> IncludesOf(const Tree& tree) {
+  std::vector<Include> includes;
+  for (const auto& [file, text] : tree) {
+    std::istringstream lines(text);
+    for (std::string line; std::getline(lines, line);) {
+      line.erase(std::remove_if(line.begin(), line.end(), [](char c) { return c == ' '; }),
+                 line.end());
+      if (!line.starts_with("#include")) continue;
+      const std::string header = line.substr(9, line.find_first_of("\">", 9) - 9);
+      includes.push_back({file, header, line[8] == '"'});
+    }
+  }
+  return includes;
+}
+
+std::string FaultOfArrow(const Include& include, const Tree& tree) {
+  const std::string from = FolderOf(include.file);
+  const std::string to = FolderOf(include.header);
+  if (!tree.contains(include.header)) return "is not a path below src";
+  if (!Ranks().contains(from) || !Ranks().contains(to)) return "concerns a folder without a place";
+  if (from == to || Ranks().at(from) < Ranks().at(to)) return "";
+  return Ranks().at(from) == Ranks().at(to) ? "points to a sibling" : "points upwards";
+}
+
+bool IsSeenOutside(const std::string& header, const std::vector<Include>& includes) {
+  return std::any_of(includes.begin(), includes.end(), [&](const Include& include) {
+    return include.header == header && FolderOf(include.file) != FolderOf(header);
+  });
+}
+
+std::string FaultOfLibrary(const Include& include, const std::vector<Include>& includes) {
+  for (const auto& [prefix, folder, in_headers] : kLibraries) {
+    if (!include.header.starts_with(prefix)) continue;
+    if (FolderOf(include.file) != folder) return fmt::format("belongs into {} alone", folder);
+    if (include.file.ends_with(".cc") || prefix == "rapidjson/") return "";
+    if (!in_headers) return "belongs into .cc files";
+    if (IsSeenOutside(include.file, includes)) return "is seen by other folders";
+  }
+  return "";
+}
+
+// `cli/a.cc includes b/c.h, which …`, one per include that may not be.
+std::vector<std::string> Faults(const Tree& tree) {
+  const std::vector<Include> includes = IncludesOf(tree);
+  std::vector<std::string> faults;
+  for (const Include& include : includes) {
+    const std::string fault =
+        include.quoted ? FaultOfArrow(include, tree) : FaultOfLibrary(include, includes);
+    if (fault.empty()) continue;
+    faults.push_back(fmt::format("{} includes {}, which {}", include.file, include.header, fault));
+  }
+  return faults;
+}
+
+const std::filesystem::path kRoot = FLEETPUB_SOURCE_DIR;
+
+TEST(Architecture, HasNoArrowUpwardsOrSideways) {
+  const Tree tree = ReadTree(kRoot / "src");
+  ASSERT_GT(tree.size(), 50U);
+  ASSERT_GT(IncludesOf(tree).size(), 300U);
+  EXPECT_THAT(Faults(tree), IsEmpty());
+}
+
+TEST(Architecture, HasAMainThatOnlyCallsTheCommandLine) {
+  const Tree tree = ReadTree(kRoot / "src");
+  for (const Include& include : IncludesOf({{"main.cc", tree.at("main.cc")}})) {
+    EXPECT_EQ(FolderOf(include.header), "cli");
+  }
+}
+
+TEST(Architecture, ConfiguresRapidJsonInOnePlace) {
+  for (const Include& include : IncludesOf(ReadTree(kRoot / "src"))) {
+    if (include.header != "rapidjson/document.h") continue;
+    EXPECT_EQ(include.file, "base/rapidjson.h");
+  }
+}
+
+TEST(Architecture, HasNoFileOfMoreThan600Lines) {
+  for (const char* folder : {"src", "tests"}) {
+    for (const auto& [file, text] : ReadTree(kRoot / folder)) {
+      EXPECT_LE(std::count(text.begin(), text.end(), '\n'), 600) << folder << "/" << file;
+    }
+  }
+}
+
+TEST(Architecture, HasAGuardInEveryHeader) {
+  for (const auto& [file, text] : ReadTree(kRoot / "src")) {
+    if (!file.ends_with(".h")) continue;
+    EXPECT_THAT(text, HasSubstr("#pragma once")) << file;
+  }
+}
+
+TEST(ArchitectureCheck, SeesAnArrowThatMayNotBe) {
+  const Tree tree = {
+      {"base/a.h", "#include \"dispatch/a.h\"\n"},
+      {"cli/a.cc", "#include \"base/a.h\"\n#include \"mqtt/a.h\"\n#include \"../base/a.h\"\n"},
+      {"dispatch/a.h", "# include \"ledger/a.h\"\n#include \"vda5050/a.h\"\n"},
+      {"ledger/a.h", ""},
+      {"mqtt/a.h", "#include \"ledger/a.h\"\n#include \"mqtt/a.h\"\n"},
+      {"vda5050/a.h", "// #include \"cli/a.cc\"\n"},
+  };
+  EXPECT_THAT(Faults(tree),
+              ElementsAre("base/a.h includes dispatch/a.h, which points upwards",
+                          "cli/a.cc includes ../base/a.h, which is not a path below src",
+                          "dispatch/a.h includes vda5050/a.h, which points upwards",
+                          "mqtt/a.h includes ledger/a.h, which points to a sibling"));
+}
+
+TEST(ArchitectureCheck, SeesALibraryThatMayNotBe) {
+  const Tree tree = {
+      {"cli/a.cc", "#include <CLI/CLI.hpp>\n#include <MQTTClient.h>\n#include \"mqtt/seen.h\"\n"},
+      {"cli/b.h", "#include <CLI/CLI.hpp>\n"},
+      {"dispatch/a.cc", "#include <rapidjson/document.h>\n#include <vector>\n"},
+      {"mqtt/private.h", "#include <MQTTClient.h>\n"},
+      {"mqtt/seen.h", "#include <MQTTClient.h>\n"},
+  };
+  EXPECT_THAT(Faults(tree),
+              ElementsAre("cli/a.cc includes MQTTClient.h, which belongs into mqtt alone",
+                          "cli/b.h includes CLI/CLI.hpp, which belongs into .cc files",
+                          "dispatch/a.cc includes rapidjson/document.h, which belongs "
+                          "into base alone",
+                          "mqtt/seen.h includes MQTTClient.h, which is seen by other "
+                          "folders"));
+}
+
+}  // namespace
+}  // namespace fleetpub
