@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <cmath>
 #include <ctime>
 
 #include "base/text.h"
@@ -152,7 +153,7 @@ Result<milliseconds> ParseDuration(std::string_view text, milliseconds unit) {
   if (suffix == "d") scale = 86400e3;
   constexpr double kTenYears = 10 * 365.25 * 86400e3;
   if (scale == 0 || value * scale > kTenYears) return bad();
-  return milliseconds(static_cast<std::int64_t>(value * scale + 0.5));
+  return milliseconds(std::llround(value * scale));
 }
 
 std::string FormatElapsed(nanoseconds elapsed) {
@@ -160,7 +161,7 @@ std::string FormatElapsed(nanoseconds elapsed) {
   if (ms < 9.95) return fmt::format("{:.1f} ms", ms);
   if (ms < 999.5) return fmt::format("{:.0f} ms", ms);
   if (ms < 59'950) return fmt::format("{:.1f} s", ms / 1e3);
-  const auto seconds = static_cast<long>(ms / 1e3 + 0.5);
+  const auto seconds = std::lround(ms / 1e3);
   return fmt::format("{} min {:02} s", seconds / 60, seconds % 60);
 }
 

@@ -2,26 +2,22 @@
 #include <CLI/CLI.hpp>
 #include <memory>
 
-#include "cli/sending.h"
+#include "cli/instant_sending.h"
 #include "cli/subcommand.h"
-#include "cli/vda_options.h"
 
 namespace fleetpub::cli {
 namespace {
 
 struct Options {
   std::string type;
-  InstantOptions instant;
-  SendingOptions sending;
+  InstantSendingOptions sending;
 };
 
 Result<ExitCode> RunAction(const Options& options, const Context& context) {
   if (options.type.empty()) {
     return Fail(ErrorKind::kUsage, "name the action and the robots: fleetpub action beep KIT/0001");
   }
-  const auto commands = BuildCommands(options.instant, options.type, {}, context.output);
-  if (!commands) return Fail(commands.error());
-  return SendCommands(*commands, options.sending, context);
+  return SendInstantAction(options.sending, options.type, {}, context);
 }
 
 }  // namespace
@@ -30,8 +26,7 @@ Run DeclareAction(CLI::App& app) {
   const auto options = std::make_shared<Options>();
   app.add_option("type", options->type, "The actionType, exactly as the robot knows it")
       ->type_name("TYPE");
-  DeclareInstantOptions(app, options->instant);
-  DeclareSendingOptions(app, options->sending);
+  DeclareInstantSendingOptions(app, options->sending);
   return [options](const Context& context) { return RunAction(*options, context); };
 }
 

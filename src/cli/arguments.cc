@@ -11,14 +11,19 @@
 namespace fleetpub::cli {
 namespace {
 
-// Whether this argument is an option whose value is the next argument.
-bool TakesNext(const CLI::App& app, const std::string& argument) {
-  if (argument.find('=') != std::string::npos) return false;
-  const bool is_long = argument.starts_with("--");
-  const std::string name = is_long ? argument : argument.substr(0, 2);
-  if (!is_long && argument.size() > 2) return false;  // -bURL
+bool TakesValue(const CLI::App& app, const std::string& name) {
   const CLI::Option* option = app.get_option_no_throw(name);
   return option != nullptr && option->get_items_expected_max() > 0;
+}
+
+// Whether this argument is an option whose value is the next argument: `--broker`, `-b`, `-vb`, but
+// not `-bURL`.
+bool TakesNext(const CLI::App& app, const std::string& argument) {
+  if (argument.starts_with("--")) return TakesValue(app, argument);
+  for (std::size_t i = 1; i < argument.size(); ++i) {
+    if (TakesValue(app, std::string("-") + argument[i])) return i + 1 == argument.size();
+  }
+  return false;
 }
 
 // The positions of words that are neither options nor their values.

@@ -1,27 +1,19 @@
 #include "cli/identity.h"
 
 #include <fmt/format.h>
-#include <pwd.h>
 #include <unistd.h>
 
 #include <array>
-#include <cstdio>
 #include <cstdlib>
-#include <memory>
 
+#include "base/account.h"
 #include "base/text.h"
 
 namespace fleetpub::cli {
 
 std::string UserName() {
   const uid_t user = getuid();
-  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> accounts(std::fopen("/etc/passwd", "re"),
-                                                                 std::fclose);
-  while (accounts != nullptr) {
-    const passwd* account = fgetpwent(accounts.get());
-    if (account == nullptr) break;
-    if (account->pw_uid == user) return account->pw_name;
-  }
+  if (const auto account = base::FindAccount(user)) return account->name;
   const char* claimed = std::getenv("LOGNAME");
   if (claimed == nullptr) return fmt::format("uid {}", user);
   return fmt::format("uid {} ({})", user, base::Printable(claimed));

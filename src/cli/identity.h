@@ -5,10 +5,8 @@
 
 namespace fleetpub::cli {
 
-/// The account's name in /etc/passwd by the real user id, which no environment variable can change.
-/// For an account of a directory service `uid 1234 (alice)`, where the name is only what LOGNAME
-/// claims. (getpwuid would ask every such service: that costs more than sending the command, and a
-/// static binary cannot.)
+/// The account's name by the real user id, which no environment variable can change. An account of
+/// a directory service appears as `uid 1234 (alice)`, where the name is only what LOGNAME claims.
 [[nodiscard]] std::string UserName();
 
 [[nodiscard]] std::string HostName();

@@ -7,9 +7,8 @@
 #include <memory>
 
 #include "base/text.h"
-#include "cli/sending.h"
+#include "cli/instant_sending.h"
 #include "cli/subcommand.h"
-#include "cli/vda_options.h"
 #include "vda5050/catalogue.h"
 
 namespace fleetpub::cli {
@@ -22,8 +21,7 @@ struct Options {
   std::vector<ParameterSpec> specs;
   std::map<std::string_view, std::string> texts;  ///< by parameter name, as typed
   std::map<std::string_view, CLI::Option*> given;
-  InstantOptions instant;
-  SendingOptions sending;
+  InstantSendingOptions sending;
 };
 
 const char* TypeName(vda5050::ParameterType type) {
@@ -59,10 +57,7 @@ Result<ExitCode> RunInstantAction(const Options& options, const Context& context
     if (!parameter) return Fail(std::move(parameter.error()));
     parameters.push_back(std::move(*parameter));
   }
-  const auto commands =
-      BuildCommands(options.instant, options.type, std::move(parameters), context.output);
-  if (!commands) return Fail(commands.error());
-  return SendCommands(*commands, options.sending, context);
+  return SendInstantAction(options.sending, options.type, std::move(parameters), context);
 }
 
 // The predefined name that the word spells (`initposition` → initPosition); a short name means the
@@ -81,8 +76,7 @@ Run DeclareInstantAction(CLI::App& app, std::string_view word) {
   options->type = TypeMeantBy(word);
   options->specs = vda5050::ParametersInAnyVersion(options->type);
   for (const ParameterSpec& spec : options->specs) DeclareParameter(app, spec, *options);
-  DeclareInstantOptions(app, options->instant);
-  DeclareSendingOptions(app, options->sending);
+  DeclareInstantSendingOptions(app, options->sending);
   return [options](const Context& context) { return RunInstantAction(*options, context); };
 }
 

@@ -107,6 +107,9 @@ ExitCode RunMain(std::vector<std::string> arguments) {
   } else if (!invocation->name.empty()) {
     run = DeclareInstantAction(app, invocation->name);
   }
+  if (!run && !invocation->arguments.empty() && invocation->arguments.front() == "--") {
+    return NoCommand();
+  }
   try {
     if (const auto parsed = Parse(app, *invocation); !parsed) {
       return Complain(parsed.error(), options.verbose);

@@ -79,6 +79,8 @@ std::string Output::Toned(Tone tone, std::string_view text) const {
   return fmt::format("\x1b[{}m{}\x1b[0m", code, text);
 }
 
+void Output::FlushNow() { std::fflush(stdout); }
+
 Status Output::Flush() {
   if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return {};
   return Fail(ErrorKind::kLedger, fmt::format("the results could not be written to standard "

@@ -46,6 +46,9 @@ class Output {
   void SomethingWasSent() { something_was_sent_ = true; }
   [[nodiscard]] bool something_was_sent() const { return something_was_sent_; }
 
+  /// Shows what is buffered to whoever watches, without looking for errors.
+  static void FlushNow();
+
   /// Writes out what is buffered. Nothing could be written (a full disk, a closed pipe): an error.
   [[nodiscard]] Status Flush();
 

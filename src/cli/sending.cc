@@ -9,6 +9,7 @@
 #include "base/text.h"
 #include "cli/interrupt.h"
 #include "cli/output.h"
+#include "dispatch/converse.h"
 #include "dispatch/send.h"
 #include "dispatch/validate.h"
 #include "mqtt/paho_transport.h"
@@ -23,8 +24,9 @@ using dispatch::Verdict;
 // Prints reports as they come and remembers the worst.
 class Reporter {
  public:
-  Reporter(const std::vector<Command>& commands, const Context& context) : context_(context) {
-    for (const Command& command : commands) width_ = std::max(width_, command.target.size());
+  Reporter(const Outgoing& outgoing, const Context& context) : context_(context) {
+    for (const Command& command : outgoing.commands) Fit(command.target);
+    for (const Report& report : outgoing.refused) Fit(report.target);
   }
 
   void Show(const Report& report) {
@@ -42,46 +44,12 @@ class Reporter {
   [[nodiscard]] ExitCode worst() const { return worst_; }
 
  private:
+  void Fit(const std::string& target) { width_ = std::max(width_, target.size()); }
+
   const Context& context_;
   std::size_t width_ = 0;
   ExitCode worst_ = ExitCode::kDone;
 };
-
-// When nothing at all was sent, a person reads one sentence, a script an object per target.
-Error NothingSent(const std::vector<Command>& commands, Verdict verdict, Error error,
-                  const Context& context) {
-  if (context.output.json()) {
-    for (const Command& command : commands) {
-      Report report = dispatch::ReportOn(command);
-      report.verdict = verdict;
-      report.error = error.kind;
-      report.message = error.message;
-      context.output.Line(ReportJson(report));
-    }
-  }
-  error.message = "nothing was sent: " + error.message;
-  return error;
-}
-
-// Errors: the message of the first invalid command, with its target.
-Status ValidateAll(const std::vector<Command>& commands, const Context& context) {
-  schema::Registry registry(context.options.schema_directory);
-  for (const Command& command : commands) {
-    const auto findings = dispatch::Validate(command, registry);
-    if (!findings) return Fail(findings.error());
-    for (const std::string& warning : command.warnings) {
-      context.output.Warn(fmt::format("{}: {}", command.target, warning));
-    }
-    for (const auto& warning : findings->warnings) {
-      context.output.Warn(fmt::format("{}: {}", command.target, warning.message));
-    }
-    if (!findings->errors.empty()) {
-      return Fail(ErrorKind::kInvalid,
-                  fmt::format("{}: {}", command.target, dispatch::Describe(*findings)));
-    }
-  }
-  return {};
-}
 
 Result<std::uint32_t> NextId(const Command& command, ledger::Ledger& ledger,
                              std::map<std::string, std::uint32_t>& next_ids) {
@@ -129,36 +97,122 @@ Result<mqtt::Qos> QosOf(const std::string& text) {
               fmt::format("--qos takes 0, 1 or 2, not '{}'", base::Printable(text)));
 }
 
-Result<ExitCode> SendOverMqtt(const std::vector<Command>& commands,
-                              const mqtt::ConnectOptions& connect, mqtt::Qos qos,
-                              const Context& context) {
-  InterruptGuard interrupt(commands.size());
-  const auto ledger = OpenLedger(context, ledger::OpenMode::kCreate);
-  if (!ledger) return Fail(ledger.error());
-  const auto transport = mqtt::ConnectPaho(connect);
-  if (!transport) return Fail(transport.error());
-  context.output.Note(fmt::format("connected to {}", (*transport)->server().broker.ToString()));
-
-  Reporter reporter(commands, context);
-  dispatch::SendOptions options;
-  options.qos = qos;
-  options.acknowledge_timeout = connect.connect_timeout;
-  const auto ended = dispatch::Send(
-      commands, **transport, **ledger, options,
-      [&](const Report& report) { reporter.Show(report); },
-      [&] {
-        interrupt.CountSent();
-        context.output.SomethingWasSent();
-      });
-  (*transport)->Disconnect();
-  if (!ended) {
-    context.output.Warn(
-        fmt::format("sent, but the outcome is not in the ledger: {}", ended.error().message));
+// Over the open connection; with `wait`, until every robot's word.
+class Sender {
+ public:
+  Sender(Outgoing& outgoing, const mqtt::ConnectOptions& connect, mqtt::Qos qos,
+         const Context& context)
+      : outgoing_(outgoing),
+        connect_(connect),
+        context_(context),
+        reporter_(outgoing, context),
+        interrupt_(outgoing.commands.size()) {
+    options_.qos = qos;
+    options_.acknowledge_timeout = connect.connect_timeout;
   }
-  return reporter.worst();
-}
+
+  // Errors: nothing was sent.
+  Result<ExitCode> Run() {
+    for (const Report& report : outgoing_.refused) reporter_.Show(report);
+    if (outgoing_.commands.empty()) return reporter_.worst();
+    auto ledger = OpenLedger(context_, ledger::OpenMode::kCreate);
+    if (!ledger) return Fail(ledger.error());
+    if (auto ok = Connect(); !ok) return Fail(ok.error());
+    Status trouble;
+    const auto ran = outgoing_.wait ? Converse(**ledger, trouble) : Send(**ledger, trouble);
+    outgoing_.transport->Disconnect();
+    if (!ran) return Fail(ran.error());
+    if (!trouble) {
+      context_.output.Warn(
+          fmt::format("sent, but the outcome is not in the ledger: {}", trouble.error().message));
+    }
+    return reporter_.worst();
+  }
+
+ private:
+  Status Connect() {
+    if (outgoing_.transport != nullptr) return {};
+    auto transport = mqtt::ConnectPaho(connect_);
+    if (!transport) return Fail(transport.error());
+    outgoing_.transport = std::move(*transport);
+    context_.output.Note(
+        fmt::format("connected to {}", outgoing_.transport->server().broker.ToString()));
+    return {};
+  }
+
+  Status Send(ledger::Ledger& ledger, Status& trouble) {
+    trouble =
+        dispatch::Send(outgoing_.commands, *outgoing_.transport, ledger, options_, sink_, sent_);
+    return {};
+  }
+
+  Status Converse(ledger::Ledger& ledger, Status& trouble) {
+    const dispatch::ConnectHook connect = [this](mqtt::Deadline deadline) {
+      context_.output.Warn("the connection to the broker was lost: connecting again");
+      mqtt::ConnectOptions again = connect_;
+      const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(
+          deadline - std::chrono::steady_clock::now());
+      again.connect_timeout = std::min(again.connect_timeout, left);
+      return mqtt::ConnectPaho(again);
+    };
+    return dispatch::Converse(outgoing_.commands, outgoing_.transport, connect, ledger, options_,
+                              *outgoing_.wait, sink_, sent_, trouble);
+  }
+
+  Outgoing& outgoing_;
+  const mqtt::ConnectOptions& connect_;
+  const Context& context_;
+  Reporter reporter_;
+  InterruptGuard interrupt_;
+  dispatch::SendOptions options_;
+  dispatch::ReportSink sink_ = [this](const Report& report) {
+    reporter_.Show(report);
+    context_.output.FlushNow();
+  };
+  dispatch::SentHook sent_ = [this] {
+    interrupt_.CountSent();
+    context_.output.SomethingWasSent();
+  };
+};
 
 }  // namespace
+
+// When nothing at all was sent, a person reads one sentence, a script an object per target.
+Error NothingSent(const std::vector<Command>& commands, Verdict verdict, Error error,
+                  const Context& context) {
+  if (context.output.json()) {
+    for (const Command& command : commands) {
+      Report report = dispatch::ReportOn(command);
+      report.verdict = verdict;
+      report.error = error.kind;
+      report.message = error.message;
+      context.output.Line(ReportJson(report));
+    }
+  }
+  error.message = "nothing was sent: " + error.message;
+  return error;
+}
+
+Result<std::vector<std::string>> ValidateAll(const std::vector<Command>& commands,
+                                             const Context& context) {
+  schema::Registry registry(context.options.schema_directory);
+  std::vector<std::string> warnings;
+  for (const Command& command : commands) {
+    const auto findings = dispatch::Validate(command, registry);
+    if (!findings) return Fail(findings.error());
+    if (!findings->errors.empty()) {
+      return Fail(ErrorKind::kInvalid,
+                  fmt::format("{}: {}", command.target, dispatch::Describe(*findings)));
+    }
+    for (const std::string& warning : command.warnings) {
+      warnings.push_back(fmt::format("{}: {}", command.target, warning));
+    }
+    for (const auto& warning : findings->warnings) {
+      warnings.push_back(fmt::format("{}: {}", command.target, warning.message));
+    }
+  }
+  return warnings;
+}
 
 void DeclareSendingOptions(CLI::App& app, SendingOptions& options) {
   constexpr const char* kSending = "Sending";
@@ -172,17 +226,22 @@ void DeclareSendingOptions(CLI::App& app, SendingOptions& options) {
       ->group(kSending);
 }
 
-Result<ExitCode> SendCommands(const std::vector<Command>& commands, const SendingOptions& options,
+Result<ExitCode> SendCommands(Outgoing outgoing, const SendingOptions& options,
                               const Context& context) {
   const auto qos = QosOf(options.qos);
   if (!qos) return Fail(qos.error());
-  if (auto valid = ValidateAll(commands, context); !valid) {
-    return Fail(NothingSent(commands, Verdict::kInvalid, valid.error(), context));
+  const std::vector<Command>& commands = outgoing.commands;
+  if (!outgoing.validated) {
+    const auto warnings = ValidateAll(commands, context);
+    if (!warnings) {
+      return Fail(NothingSent(commands, Verdict::kInvalid, warnings.error(), context));
+    }
+    for (const std::string& warning : *warnings) context.output.Warn(warning);
   }
   if (options.dry_run) return DryRun(commands, context);
   const auto connect = ConnectOptionsOf(context);
   if (!connect) return Fail(connect.error());
-  auto code = SendOverMqtt(commands, *connect, *qos, context);
+  auto code = Sender(outgoing, *connect, *qos, context).Run();
   if (!code) return Fail(NothingSent(commands, Verdict::kError, code.error(), context));
   return code;
 }

@@ -2,6 +2,8 @@
 // report it.
 #pragma once
 
+#include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -9,6 +11,8 @@
 #include "cli/exit_code.h"
 #include "cli/global_options.h"
 #include "dispatch/command.h"
+#include "dispatch/follow.h"
+#include "dispatch/report.h"
 
 namespace CLI {
 class App;
@@ -23,8 +27,26 @@ struct SendingOptions {
 
 void DeclareSendingOptions(CLI::App& app, SendingOptions& options);
 
+/// What is to be sent, and how.
+struct Outgoing {
+  std::vector<dispatch::Command> commands;
+  bool validated = false;
+  std::vector<dispatch::Report> refused;       ///< by the preflight: reported, not sent
+  std::optional<dispatch::WaitOptions> wait;   ///< for the commands' confirmations
+  std::unique_ptr<mqtt::Transport> transport;  ///< when one is open already
+};
+
+/// Checks every command and returns what is to be warned of. Errors: kInvalid, naming the first
+/// target that is concerned.
+[[nodiscard]] Result<std::vector<std::string>> ValidateAll(
+    const std::vector<dispatch::Command>& commands, const Context& context);
+
 /// Sends all of the commands, or none when one of them is invalid. Prints a result for each.
-[[nodiscard]] Result<ExitCode> SendCommands(const std::vector<dispatch::Command>& commands,
-                                            const SendingOptions& options, const Context& context);
+[[nodiscard]] Result<ExitCode> SendCommands(Outgoing outgoing, const SendingOptions& options,
+                                            const Context& context);
+
+/// When nothing at all was sent, a person reads one sentence, a script an object per target.
+[[nodiscard]] Error NothingSent(const std::vector<dispatch::Command>& commands,
+                                dispatch::Verdict verdict, Error error, const Context& context);
 
 }  // namespace fleetpub::cli

@@ -41,6 +41,7 @@ struct Subcommand {
 [[nodiscard]] Run DeclarePing(CLI::App& app);
 [[nodiscard]] Run DeclareSchemaList(CLI::App& app);
 [[nodiscard]] Run DeclareSchemaShow(CLI::App& app);
+[[nodiscard]] Run DeclareSimulate(CLI::App& app);
 [[nodiscard]] Run DeclareValidate(CLI::App& app);
 
 /// A command that is a predefined instant action. `word` is what the person called it.

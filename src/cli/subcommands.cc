@@ -36,6 +36,11 @@ constexpr auto kSubcommands = std::to_array<Subcommand>({
     {"schema list", kChecking, "", "the schemas that there are", "schema list", DeclareSchemaList},
     {"schema show", kChecking, "NAME", "print a schema", "schema show vda5050/3.0.0/instantActions",
      DeclareSchemaShow},
+    {"simulate", kChecking, "TARGET...", "virtual robots that answer, with faults on demand",
+     "simulate KIT/0001\n"
+     "simulate KIT/0001 --count 100 --vda 2.1 --state-interval 5s\n"
+     "simulate KIT/0001 --delay 3s --fail startCharging --reject pause",
+     DeclareSimulate},
     {"ping", kChecking, "", "can the broker be reached with these settings, and what does it grant",
      "ping\n"
      "ping -b mqtt://broker.example:1883 -u operator --password-file pw",

@@ -8,7 +8,6 @@
 #include <limits>
 
 #include "base/text.h"
-#include "base/uuid.h"
 #include "vda5050/catalogue.h"
 
 namespace fleetpub::cli {
@@ -16,18 +15,6 @@ namespace {
 
 constexpr const char* kAction = "Action";
 constexpr const char* kVda = "VDA 5050";
-
-Result<std::optional<std::uint32_t>> HeaderIdOf(const std::string& text) {
-  if (text.empty()) return std::optional<std::uint32_t>();
-  std::uint32_t id = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), id);
-  if (error != std::errc() || end != text.data() + text.size()) {
-    return Fail(ErrorKind::kUsage,
-                fmt::format("--header-id takes a whole number from 0 to {}, not '{}'",
-                            std::numeric_limits<std::uint32_t>::max(), base::Printable(text)));
-  }
-  return std::optional(id);
-}
 
 Result<std::string> BlockingTypeOf(const std::string& text) {
   for (const std::string_view type : {"NONE", "SOFT", "HARD"}) {
@@ -66,7 +53,8 @@ void DeclareVdaOptions(CLI::App& app, VdaOptions& o) {
   const auto add = [&](const char* names, std::string& value, const char* type, const char* help) {
     return app.add_option(names, value, help)->type_name(type)->group(kVda);
   };
-  add("--vda", o.version, "V", "Version to speak: 1.1.0, 2.0.0, 2.1.0, 3.0.0 [3.0.0, assumed]")
+  add("--vda", o.version, "V",
+      "Version to speak: 1.1.0, 2.0.0, 2.1.0, 3.0.0, or auto: the robot's own [3.0.0, assumed]")
       ->envname("FLEETPUB_VDA");
   add("--interface", o.interface_name, "NAME",
       "First topic level [uagv up to 2.x, vda5050 from 3.0]")
@@ -103,7 +91,7 @@ void DeclareInstantOptions(CLI::App& app, InstantOptions& o) {
 Result<vda5050::Dialect> DialectOf(const VdaOptions& o) {
   vda5050::Dialect dialect;
   dialect.assumed = o.version.empty();
-  if (!dialect.assumed) {
+  if (!dialect.assumed && !o.IsAutomatic()) {
     const auto version = vda5050::ParseVersion(o.version);
     if (!version) return Fail(version.error());
     dialect.version = *version;
@@ -144,32 +132,31 @@ Result<std::vector<vda5050::RobotAddress>> RobotsOf(const std::vector<std::strin
   return robots;
 }
 
-Result<std::vector<dispatch::Command>> BuildCommands(const InstantOptions& o, std::string_view type,
-                                                     std::vector<vda5050::Parameter> parameters,
-                                                     Output& output) {
-  const auto robots = RobotsOf(o.targets, output);
-  if (!robots) return Fail(robots.error());
-  const auto dialect = DialectOf(o.vda);
-  if (!dialect) return Fail(dialect.error());
-  const auto header_id = HeaderIdOf(o.header_id);
-  if (!header_id) return Fail(header_id.error());
+Result<vda5050::InstantAction> ActionOf(const InstantOptions& o, std::string_view type,
+                                        std::vector<vda5050::Parameter> parameters,
+                                        std::size_t targets) {
   const auto blocking_type = BlockingTypeOf(o.blocking_type);
   if (!blocking_type) return Fail(blocking_type.error());
   if (auto ok = AddAssignments(o.assignments, parameters); !ok) return Fail(ok.error());
   if (auto ok = CheckUtf8("--id", o.id.value_or("")); !ok) return Fail(ok.error());
   if (auto ok = CheckUtf8("--descriptor", o.descriptor); !ok) return Fail(ok.error());
-  if (o.id && robots->size() > 1) {
+  if (o.id && targets > 1) {
     return Fail(ErrorKind::kUsage, "--id names one action: give one target with it");
   }
-  std::vector<dispatch::Command> commands;
-  for (const vda5050::RobotAddress& robot : *robots) {
-    const vda5050::InstantAction action{std::string(type), o.id ? *o.id : base::RandomUuid(),
-                                        o.descriptor, *blocking_type, parameters};
-    auto command = vda5050::BuildInstantActions(robot, *dialect, {&action, 1}, *header_id);
-    if (!command) return Fail(std::move(command.error()));
-    commands.push_back(std::move(*command));
+  return vda5050::InstantAction{std::string(type), o.id.value_or(""), o.descriptor, *blocking_type,
+                                std::move(parameters)};
+}
+
+Result<std::optional<std::uint32_t>> HeaderIdOf(const std::string& text) {
+  if (text.empty()) return std::optional<std::uint32_t>();
+  std::uint32_t id = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), id);
+  if (error != std::errc() || end != text.data() + text.size()) {
+    return Fail(ErrorKind::kUsage,
+                fmt::format("--header-id takes a whole number from 0 to {}, not '{}'",
+                            std::numeric_limits<std::uint32_t>::max(), base::Printable(text)));
   }
-  return commands;
+  return std::optional(id);
 }
 
 }  // namespace fleetpub::cli

@@ -2,6 +2,7 @@
 // look.
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
@@ -17,13 +18,15 @@ class App;
 namespace fleetpub::cli {
 
 struct VdaOptions {
-  std::string version;  ///< empty: 3.0.0, assumed
+  std::string version;  ///< empty: 3.0.0, assumed; `auto`: as each robot's own messages say
   std::string interface_name;
   std::string topic_template;
   std::string actions_key;
   std::string header_version;
   std::string header_manufacturer;
   std::string header_serial;
+
+  [[nodiscard]] bool IsAutomatic() const { return version == "auto"; }
 };
 
 /// What one instant action may be given on the command line, besides its parameters.
@@ -46,9 +49,14 @@ void DeclareInstantOptions(CLI::App& app, InstantOptions& options);
 [[nodiscard]] Result<std::vector<vda5050::RobotAddress>> RobotsOf(
     const std::vector<std::string>& targets, Output& output);
 
-/// A command per robot: the same action, each with an id of its own. Errors: usage and parameters.
-[[nodiscard]] Result<std::vector<dispatch::Command>> BuildCommands(
-    const InstantOptions& options, std::string_view type,
-    std::vector<vda5050::Parameter> parameters, Output& output);
+/// The action that the options describe, without an id when none was given. `targets` is how many
+/// robots get it.
+[[nodiscard]] Result<vda5050::InstantAction> ActionOf(const InstantOptions& options,
+                                                      std::string_view type,
+                                                      std::vector<vda5050::Parameter> parameters,
+                                                      std::size_t targets);
+
+/// `--header-id`; nothing when it was not given.
+[[nodiscard]] Result<std::optional<std::uint32_t>> HeaderIdOf(const std::string& text);
 
 }  // namespace fleetpub::cli

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
@@ -11,6 +12,7 @@
 
 #include "base/rapidjson.h"
 #include "base/time.h"
+#include "dispatch/confirmation.h"
 #include "ledger/ledger.h"
 #include "schema/schema.h"
 
@@ -48,8 +50,9 @@ struct Command {
   std::pair<std::string, std::string> renamed_member;
   std::vector<ledger::ActionRef> actions;
   PayloadTemplate payload;
-  std::optional<std::uint32_t> header_id;  ///< asked for outright
-  std::vector<std::string> warnings;       ///< what the builder noticed
+  std::optional<std::uint32_t> header_id;      ///< asked for outright
+  std::vector<std::string> warnings;           ///< what the builder noticed
+  std::shared_ptr<Confirmation> confirmation;  ///< how its end is recognised; null: nobody waits
 };
 
 }  // namespace fleetpub::dispatch

@@ -1,4 +1,5 @@
-// How a command's target tells what became of it. Each protocol has its own; dispatch only carries the messages.
+// How a command's target tells what became of it. Each protocol has its own; dispatch only carries
+// the messages.
 #pragma once
 
 #include <cstdint>
@@ -25,7 +26,8 @@ struct Progress {
   bool seen = false;   ///< the target has shown that it knows the command
   bool ended = false;  ///< `verdict` is final
   Verdict verdict = Verdict::kTimeout;
-  /// In a person's words: the target's result, description, hint; what it last said when it did not end. One line.
+  /// In a person's words: the target's result, description, hint; what it last said when it did not
+  /// end. One line.
   std::string message = {};
 };
 
@@ -40,14 +42,15 @@ class Confirmation {
   /// The exact topics to be subscribed, with the SUBACK awaited, before the command is published.
   [[nodiscard]] virtual std::vector<std::string> Topics() const = 0;
 
-  /// The command was published with this header id (again, when it is repeated). Messages that were received before are
-  /// no answer, but what they said may explain a later one.
+  /// The command was published with this header id (again, when it is repeated). Messages that were
+  /// received before are no answer, but what they said may explain a later one.
   virtual void Published(std::uint32_t header_id) = 0;
 
   /// A message, before or after publishing. Lenient: whatever cannot be read is passed over.
   virtual void Receive(const Incoming& message) = 0;
 
-  /// After each Receive. Without an end the caller decides when time is up; `message` then is what to tell.
+  /// After each Receive. Without an end the caller decides when time is up; `message` then is what
+  /// to tell.
   [[nodiscard]] virtual const Progress& progress() const = 0;
 };
 

@@ -25,7 +25,8 @@ struct Report {
   std::string message;  ///< why, when it is not a success; one line
   /// Which kind of trouble, when there was some.
   std::optional<ErrorKind> error;
-  std::string payload;  ///< as sent, or as it would be
+  std::string payload;          ///< as sent, or as it would be
+  std::int64_t ledger_row = 0;  ///< where the audit trail has it; 0: nowhere
   std::chrono::nanoseconds elapsed{0};
 };
 

@@ -46,19 +46,8 @@ class Batch {
     return {};
   }
 
-  // Errors: the outcomes are not in the ledger.
-  Status RecordOutcomes() {
-    std::vector<ledger::Outcome> outcomes;
-    for (std::size_t i = 0; i < reservations_.size(); ++i) {
-      outcomes.push_back(
-          {reservations_[i].row, std::string(NameOf(reports_[i].verdict)), reports_[i].message});
-    }
-    return ledger_.RecordOutcomes(outcomes);
-  }
-
-  // The first trouble with the connection: nothing more can be sent over it.
-  [[nodiscard]] const std::optional<Error>& broken() const { return broken_; }
-  [[nodiscard]] const std::vector<Report>& reports() const { return reports_; }
+  // Afterwards: a report per command, and the first trouble with the connection.
+  [[nodiscard]] BatchResult Take() { return {std::move(reports_), std::move(broken_)}; }
 
  private:
   Result<std::unique_ptr<ledger::TopicLock>> Lock() {
@@ -76,6 +65,7 @@ class Batch {
     reservations_ = std::move(*reservations);
     for (std::size_t i = 0; i < reports_.size(); ++i) {
       if (drafts_[i].counted) reports_[i].header_id = reservations_[i].header_id;
+      reports_[i].ledger_row = reservations_[i].row;
       reports_[i].payload = ledger::PayloadOf(drafts_[i], reservations_[i].header_id);
     }
     return {};
@@ -162,15 +152,6 @@ class Batch {
   std::optional<Error> broken_;
 };
 
-void ReportNotSent(std::span<const Command> commands, const Error& error, const ReportSink& sink) {
-  for (const Command& command : commands) {
-    Report report = ReportOn(command);
-    report.error = error.kind;
-    report.message = "not sent: " + error.message;
-    sink(report);
-  }
-}
-
 }  // namespace
 
 Report ReportOn(const Command& command) {
@@ -182,21 +163,49 @@ Report ReportOn(const Command& command) {
           .actions = command.actions};
 }
 
+void ReportNotSent(std::span<const Command> commands, const Error& error, const ReportSink& sink) {
+  for (const Command& command : commands) {
+    Report report = ReportOn(command);
+    report.error = error.kind;
+    report.message = "not sent: " + error.message;
+    sink(report);
+  }
+}
+
+Status RecordOutcomes(std::span<const Report> reports, ledger::Ledger& ledger) {
+  std::vector<ledger::Outcome> outcomes;
+  outcomes.reserve(reports.size());
+  for (const Report& report : reports) {
+    outcomes.push_back({report.ledger_row, std::string(NameOf(report.verdict)), report.message});
+  }
+  return ledger.RecordOutcomes(outcomes);
+}
+
+Result<BatchResult> SendBatch(std::span<const Command> commands, mqtt::Transport& transport,
+                              ledger::Ledger& ledger, const SendOptions& options,
+                              const SentHook& sent) {
+  Batch batch(commands, transport, ledger, options);
+  if (auto ran = batch.Run(sent); !ran) return Fail(std::move(ran.error()));
+  return batch.Take();
+}
+
 Status Send(std::span<const Command> commands, mqtt::Transport& transport, ledger::Ledger& ledger,
             const SendOptions& options, const ReportSink& report, const SentHook& sent) {
   Status trouble;
   while (!commands.empty()) {
     const std::size_t count = std::min(options.batch, commands.size());
-    Batch batch(commands.first(count), transport, ledger, options);
-    if (auto ran = batch.Run(sent); !ran) {
-      ReportNotSent(commands, ran.error(), report);
+    const auto batch = SendBatch(commands.first(count), transport, ledger, options, sent);
+    if (!batch) {
+      ReportNotSent(commands, batch.error(), report);
       return trouble;
     }
     commands = commands.subspan(count);
-    if (auto recorded = batch.RecordOutcomes(); !recorded && trouble) trouble = recorded;
-    for (const Report& done : batch.reports()) report(done);
-    if (batch.broken()) {
-      ReportNotSent(commands, *batch.broken(), report);
+    if (auto recorded = RecordOutcomes(batch->reports, ledger); !recorded && trouble) {
+      trouble = recorded;
+    }
+    for (const Report& done : batch->reports) report(done);
+    if (batch->broken) {
+      ReportNotSent(commands, *batch->broken, report);
       return trouble;
     }
   }

@@ -9,7 +9,9 @@
 
 #include <chrono>
 #include <functional>
+#include <optional>
 #include <span>
+#include <vector>
 
 #include "base/time.h"
 #include "dispatch/command.h"
@@ -31,19 +33,38 @@ struct SendOptions {
   std::function<base::WallTime()> now = base::WallTime::clock::now;
 };
 
-/// Called with each report as it becomes known, in the order of the commands.
+/// Called with each report as it becomes known.
 using ReportSink = std::function<void(const Report&)>;
 /// Called with each message that has left, before its outcome is known: what an interrupted command
 /// must tell.
 using SentHook = std::function<void()>;
 
-/// Sends valid commands over an open connection. Every command gets a report. When a batch cannot
-/// be reserved or the connection is lost, its reports and those of the following say so; nothing is
-/// sent twice. Returns the trouble after sending that changes no verdict (an outcome that could not
-/// be recorded), if any.
+/// What became of a batch: a report per command, in order.
+struct BatchResult {
+  std::vector<Report> reports;
+  /// The connection is of no further use.
+  std::optional<Error> broken;
+};
+
+/// One batch through the bracket. Its outcomes are not recorded yet. Errors: nothing of it was
+/// sent.
+[[nodiscard]] Result<BatchResult> SendBatch(std::span<const Command> commands,
+                                            mqtt::Transport& transport, ledger::Ledger& ledger,
+                                            const SendOptions& options, const SentHook& sent);
+
+/// Sends valid commands over an open connection. Every command gets a report, in order. When a
+/// batch cannot be reserved or the connection is lost, its reports and those of the following say
+/// so; nothing is sent twice. Returns the trouble after sending that changes no verdict (an outcome
+/// that could not be recorded), if any.
 [[nodiscard]] Status Send(std::span<const Command> commands, mqtt::Transport& transport,
                           ledger::Ledger& ledger, const SendOptions& options,
                           const ReportSink& report, const SentHook& sent = {});
+
+/// Puts the reports' verdicts into the audit trail.
+[[nodiscard]] Status RecordOutcomes(std::span<const Report> reports, ledger::Ledger& ledger);
+
+/// Tells that nothing was sent to these, and why.
+void ReportNotSent(std::span<const Command> commands, const Error& error, const ReportSink& sink);
 
 /// A report with everything that the command already tells.
 [[nodiscard]] Report ReportOn(const Command& command);

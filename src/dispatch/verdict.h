@@ -1,7 +1,11 @@
-// The closed list of what can become of a command. The names stand in JSON, in the ledger and in the manual.
+// The closed list of what can become of a command. The names stand in JSON, in the ledger and in
+// the manual.
 #pragma once
 
+#include <optional>
 #include <string_view>
+
+#include "base/result.h"
 
 namespace fleetpub::dispatch {
 
@@ -24,5 +28,9 @@ enum class Verdict {
 
 /// `SENT`
 [[nodiscard]] std::string_view NameOf(Verdict verdict);
+
+/// The kind of trouble that a target's word means; nothing when it is none. (kInvalid, kRefused and
+/// kError are ours: they carry the kind of their cause.)
+[[nodiscard]] std::optional<ErrorKind> TroubleOf(Verdict verdict);
 
 }  // namespace fleetpub::dispatch

@@ -3,11 +3,9 @@
 // Invariants, on every topic and over processes, crashes (`kill -9` at any moment), reboots and
 // parallel use:
 //   1. a header id is never given twice and never runs backwards (it wraps at 2^32);
-//   2. Reserve returns only when ids and rows are durable: nothing is sent that is not recorded
-//   first;
+//   2. Reserve returns only when ids and rows are durable: nothing is sent that is not recorded;
 //   3. whoever holds a topic's lock is the only one who reserves and writes on that topic, so that
-//   messages
-//      leave in the order of their ids.
+//      messages leave in the order of their ids.
 // Gaps are allowed (a receiver reads them as a lost message); repeats are not.
 //
 // Threads: a Ledger belongs to one thread. Processes share the store, not the object.

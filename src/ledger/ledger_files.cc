@@ -2,7 +2,6 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
-#include <pwd.h>
 #include <sys/stat.h>
 #include <sys/vfs.h>
 #include <unistd.h>
@@ -15,6 +14,7 @@
 #include <string>
 #include <string_view>
 
+#include "base/account.h"
 #include "ledger/sqlite_error.h"
 #include "ledger/sqlite_ledger.h"
 
@@ -62,8 +62,8 @@ std::string FromEnvironment(const char* name) {
 std::string HomeFolder() {
   std::string home = FromEnvironment("HOME");
   if (!home.empty()) return home;
-  const passwd* user = getpwuid(geteuid());
-  return user == nullptr ? std::string() : user->pw_dir;
+  const auto account = base::FindAccount(geteuid());
+  return account ? account->home : std::string();
 }
 
 }  // namespace
@@ -119,9 +119,11 @@ std::uintmax_t SizeOf(const fs::path& path) {
 
 bool OnNetworkFileSystem(const fs::path& path) {
   struct statfs info {};
-  if (statfs(path.c_str(), &info) != 0) {
-    const fs::path folder = path.parent_path();
-    if (statfs(folder.empty() ? "." : folder.c_str(), &info) != 0) return false;
+  std::error_code ignored;
+  fs::path place = fs::absolute(path, ignored);
+  while (statfs(place.c_str(), &info) != 0) {  // what is not there yet will be where its folder is
+    if (place == place.parent_path()) return false;
+    place = place.parent_path();
   }
   const auto type = static_cast<unsigned>(info.f_type);
   return std::find(kNetworkFileSystems.begin(), kNetworkFileSystems.end(), type) !=

@@ -3,38 +3,34 @@
 // What must hold (ledger.h), and what makes it hold:
 //
 // 1. No id twice, none backwards. Reserve reads a topic's last id and writes the next in one
-// transaction that takes the
-//    write lock first (BEGIN IMMEDIATE): two processes cannot read the same last id. This rests on
-//    SQLite alone, not on the topics' locks; without those, only the order on the wire would be
-//    lost.
+//    transaction that takes the write lock first (BEGIN IMMEDIATE): two processes cannot read the
+//    same last id. This rests on SQLite alone, not on the topics' locks; without those, only the
+//    order on the wire would be lost.
 //
 // 2. Nothing is sent that is not recorded. Reserve returns after its commit has reached the disk
-// (synchronous=FULL).
-//    Killed before, the transaction never was: no id is used. Killed after, the row says RECORDED
-//    and there is a gap.
+//    (synchronous=FULL). Killed before, the transaction never was: no id is used. Killed after, the
+//    row says RECORDED and there is a gap.
 //
 // 3. An outcome may be lost, the file never damaged. RecordOutcomes commits without waiting for the
-// disk
-//    (synchronous=NORMAL). In a write-ahead log that is safe: frames are chained by checksums and
-//    synced before they reach the database file, so that after a power failure the log ends early
-//    but never wrong, and never before a frame that a Reserve synced. In rollback mode it would not
-//    be safe; there, outcomes are synced too.
+//    disk (synchronous=NORMAL). In a write-ahead log that is safe: frames are chained by checksums
+//    and synced before they reach the database file, so that after a power failure the log ends
+//    early but never wrong, and never before a frame that a Reserve synced. In rollback mode it
+//    would not be safe; there, outcomes are synced too.
 //
-// 4. A command waits once for the disk. Rollback journals wait four times per transaction: 1.6 ms
-// per command on the
-//    reference machine against 0.45 ms (docs/benchmarks.md). The log's usual price is its end: the
-//    last to close copies it into the file. That is switched off, and done when the log has grown
-//    (kLogFrames), after the message is out.
-//      Reserve ──commit──▶ log grows ──RecordOutcomes──▶ Checkpoint, then its commit begins the log
-//      anew
-//    The order matters: a log that is copied but not begun anew is forgotten to be copied when all
-//    have closed it, and would grow without end. Who commits nothing after the copy cuts the log to
-//    nothing instead.
+// 4. A command waits for the disk only to reserve. With a rollback journal it would wait five times
+//    in each of its two transactions and take three times as long (docs/benchmarks.md). The log's
+//    usual price is its end: the last to close it copies it into the file. That is switched off,
+//    and done when the log has grown (kLogFrames) and the message is out:
+//
+//      Reserve ──commit──▶ log grows ──RecordOutcomes──▶ Checkpoint ──commit──▶ log begins anew
+//
+//    The order matters: that a log was copied is known only as long as somebody has it open. One
+//    that is copied, not begun anew and closed would grow without end. Who commits nothing after
+//    the copy therefore cuts the log to nothing.
 //
 // 5. Between hosts the log would not do: it needs shared memory. On network file systems the file
-// keeps a rollback
-//    journal (PERSIST: the journal's end is synced, so that no finished one comes back after a
-//    power failure).
+//    keeps a rollback journal (PERSIST: the journal's end is synced, so that no finished one comes
+//    back after a power failure).
 //
 // 6. POSIX locks die when *any* descriptor of the file is closed in the process. Nothing here opens
 //    the ledger file but SQLite. A new one is made under another name and moved into place whole.

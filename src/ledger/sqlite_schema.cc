@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <array>
+#include <initializer_list>
 #include <string>
 #include <system_error>
 
@@ -63,11 +64,9 @@ Status CreateDraft(const std::string& path, Journal journal, std::chrono::millis
   return CreateTables(**database, journal);
 }
 
-void RemoveDatabase(const std::string& path) {
+void RemoveFiles(const std::string& path, std::initializer_list<const char*> ends) {
   std::error_code ignored;
-  for (const char* end : {"", "-wal", "-shm", "-journal"}) {
-    std::filesystem::remove(path + end, ignored);
-  }
+  for (const char* end : ends) std::filesystem::remove(path + end, ignored);
 }
 
 }  // namespace
@@ -83,10 +82,11 @@ Status CreateLedger(const std::filesystem::path& path, Journal journal,
   if (!made_meanwhile) return Fail(made_meanwhile.error());
   if (*made_meanwhile) return {};
   const std::string draft = target.string() + ".new";
-  RemoveDatabase(draft);
+  RemoveFiles(draft, {"", "-wal", "-shm", "-journal"});  // of one who was killed here
   Status made = CreateDraft(draft, journal, busy_timeout);
-  if (made) made = MoveFile(draft, target);
-  RemoveDatabase(draft);
+  RemoveFiles(draft, {"-wal", "-shm", "-journal"});
+  if (made) return MoveFile(draft, target);
+  RemoveFiles(draft, {""});
   return made;
 }
 

@@ -1,11 +1,9 @@
-// Locks that keep the messages of a topic in the order of their ids, between processes and between
-// threads.
+// Locks that keep the messages of a topic in the order of their ids, between processes and threads.
 //
 // SQLite's own lock ends with COMMIT; the message is written after that. So each topic has one byte
-// in a second file,
-// `<ledger>.locks`, at an offset hashed from its name, and who sends holds a lock on that byte
-// (fcntl(2), open file description locks). The file stays empty. The system releases the lock when
-// its holder dies, however it dies.
+// in a second file, `<ledger>.locks`, at an offset hashed from its name, and who sends holds a lock
+// on that byte (fcntl(2), open file description locks). The file stays empty. The system releases
+// the lock when its holder dies, however it dies.
 #pragma once
 
 #include <filesystem>

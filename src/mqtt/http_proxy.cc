@@ -13,7 +13,7 @@
 namespace fleetpub::mqtt {
 namespace {
 
-constexpr std::size_t kMaximumAnswer = 16 * 1024;
+constexpr std::size_t kMaximumAnswer = 16'384;
 constexpr std::uint16_t kDefaultPort = 3128;  // squid's, and curl's would be 1080, which is SOCKS
 
 tl::unexpected<Error> BadProxy() {

@@ -63,6 +63,7 @@ class Arguments {
       paho_.binarypwd.len = static_cast<int>(options.password->size());
     }
     if (broker.UsesTls()) SetTls(options.tls, watch);
+    if (options.will) SetWill(*options.will);
   }
 
   MQTTClient_connectOptions* get() { return &paho_; }
@@ -70,6 +71,16 @@ class Arguments {
  private:
   static const char* OrNull(const std::string& text) {
     return text.empty() ? nullptr : text.c_str();
+  }
+
+  // Points into the will, which is the caller's.
+  void SetWill(const Will& will) {
+    will_.topicName = will.topic.c_str();
+    will_.payload.data = will.payload.data();
+    will_.payload.len = static_cast<int>(will.payload.size());
+    will_.qos = static_cast<int>(will.qos);
+    will_.retained = will.retain ? 1 : 0;
+    paho_.will = &will_;
   }
 
   void SetTls(const TlsOptions& tls, ConnectWatch& watch) {
@@ -99,6 +110,7 @@ class Arguments {
   std::string username_;
   std::string trust_store_;
   std::string alpn_;  // length-prefixed
+  MQTTClient_willOptions will_ = MQTTClient_willOptions_initializer;
   MQTTClient_SSLOptions ssl_ = MQTTClient_SSLOptions_initializer;
   MQTTClient_connectOptions paho_ = MQTTClient_connectOptions_initializer;
 };
@@ -303,6 +315,11 @@ Status CheckConnectOptions(const ConnectOptions& options) {
           "this build cannot use a proxy (FLEETPUB_FAST_CONNECT is off): leave out --proxy");
     }
     if (auto proxy = ParseHttpProxy(options.proxy); !proxy) return Fail(std::move(proxy.error()));
+  }
+  if (options.will && (options.will->topic.empty() || !IsMqttString(options.will->topic) ||
+                       options.will->payload.size() > 65'535)) {
+    return Usage(
+        "the last will has no MQTT topic, or more than the 65,535 bytes that MQTT carries");
   }
   const TlsOptions& tls = options.tls;
   if (tls.cert_file.empty() && !tls.key_file.empty()) {

@@ -48,7 +48,7 @@ milliseconds SliceFor(std::chrono::seconds keep_alive) {
 // Reads until the broker has closed.
 void Drain(int descriptor) {
   const Deadline deadline = steady_clock::now() + kWriteTime;
-  std::array<char, 16 * 1024> scrap;
+  std::array<char, 16'384> scrap;
   while (steady_clock::now() < deadline) {
     if (WaitFor(descriptor, POLLIN, deadline) == 0) return;
     const ssize_t got = recv(descriptor, scrap.data(), scrap.size(), MSG_DONTWAIT);
@@ -201,12 +201,12 @@ Status PahoSession::AwaitWritable(Deadline deadline) {
   return {};
 }
 
-Result<int> PahoSession::Publish(const Message& message, Deadline deadline) {
+Result<int> PahoSession::Publish(const Message& message, Retain retain, Deadline deadline) {
   if (lost_) return Fail(*lost_);
   const std::lock_guard lock(PahoMutex());
   const PahoCall call(connection_.descriptor, deadline);
   int token = 0;
-  const int code = PahoPublish(message, token);
+  const int code = PahoPublish(message, retain, token);
   // At QoS 1 and 2 Paho says "success" of a message that it keeps for the next session: there will
   // be none.
   if (code != MQTTCLIENT_SUCCESS || !Connected()) return Lose(call, code, kClosed);
@@ -215,17 +215,17 @@ Result<int> PahoSession::Publish(const Message& message, Deadline deadline) {
   return token;
 }
 
-int PahoSession::PahoPublish(const Message& message, int& token) {
+int PahoSession::PahoPublish(const Message& message, Retain retain, int& token) {
   const int size = static_cast<int>(message.payload.size());
   const int qos = static_cast<int>(message.qos);
   if (connection_.server.version == ProtocolVersion::k5) {
     const MQTTResponse response =
         MQTTClient_publish5(connection_.client, message.topic.c_str(), size, message.payload.data(),
-                            qos, 0, nullptr, &token);
+                            qos, static_cast<int>(retain), nullptr, &token);
     return ReasonCode(response);
   }
   return MQTTClient_publish(connection_.client, message.topic.c_str(), size, message.payload.data(),
-                            qos, 0, &token);
+                            qos, static_cast<int>(retain), &token);
 }
 
 Status PahoSession::Subscribe(std::span<const std::string> filters, Qos qos, Deadline deadline) {

@@ -18,6 +18,9 @@ namespace fleetpub::mqtt {
 
 class PahoCall;
 
+/// Whether the broker keeps a message for later subscribers.
+enum class Retain : int { kNo = 0, kYes = 1 };
+
 /// Belongs to one thread at a time. Nothing here waits longer than it is told.
 class PahoSession {
  public:
@@ -48,7 +51,7 @@ class PahoSession {
   [[nodiscard]] Status AwaitWritable(Deadline deadline);
   /// The token, 0 at QoS 0. The caller has seen to room and writability: Paho would wait for them
   /// without an end.
-  [[nodiscard]] Result<int> Publish(const Message& message, Deadline deadline);
+  [[nodiscard]] Result<int> Publish(const Message& message, Retain retain, Deadline deadline);
   /// One SUBSCRIBE packet and its SUBACK.
   [[nodiscard]] Status Subscribe(std::span<const std::string> filters, Qos qos, Deadline deadline);
   void Disconnect();
@@ -60,7 +63,7 @@ class PahoSession {
   void Acknowledge(int token, int reason);
   void Keep(char* topic, int topic_length, void* message);
   tl::unexpected<Error> Lose(const PahoCall& call, int code, std::string_view cause);
-  int PahoPublish(const Message& message, int& token);
+  int PahoPublish(const Message& message, Retain retain, int& token);
   int PahoSubscribe(const std::vector<char*>& names, std::vector<int>& codes);
 
   PahoConnection connection_;

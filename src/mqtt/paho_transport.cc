@@ -28,7 +28,7 @@ bool IsMqttString(const std::string& text) {
          text.find('\0') == std::string::npos;
 }
 
-class PahoTransport final : public Transport {
+class PahoTransport final : public RobotTransport {
  public:
   PahoTransport(std::unique_ptr<TraceListener> trace, PahoConnection connection,
                 const ConnectOptions& options)
@@ -57,12 +57,11 @@ class PahoTransport final : public Transport {
   }
 
   [[nodiscard]] Result<int> Publish(const Message& message, Deadline deadline) override {
-    if (auto status = Check(message); !status) return Fail(std::move(status.error()));
-    if (auto status = AwaitRoom(message.qos, deadline); !status)
-      return Fail(std::move(status.error()));
-    if (auto status = session_.AwaitWritable(deadline); !status)
-      return Fail(std::move(status.error()));
-    return session_.Publish(message, deadline);
+    return Publish(message, Retain::kNo, deadline);
+  }
+
+  [[nodiscard]] Result<int> PublishRetained(const Message& message, Deadline deadline) override {
+    return Publish(message, Retain::kYes, deadline);
   }
 
   [[nodiscard]] Result<std::vector<Acknowledgement>> AwaitAcknowledgements(
@@ -93,6 +92,15 @@ class PahoTransport final : public Transport {
   }
 
  private:
+  [[nodiscard]] Result<int> Publish(const Message& message, Retain retain, Deadline deadline) {
+    if (auto status = Check(message); !status) return Fail(std::move(status.error()));
+    if (auto status = AwaitRoom(message.qos, deadline); !status)
+      return Fail(std::move(status.error()));
+    if (auto status = session_.AwaitWritable(deadline); !status)
+      return Fail(std::move(status.error()));
+    return session_.Publish(message, retain, deadline);
+  }
+
   [[nodiscard]] Status Check(const Message& message) const {
     if (!IsMqttString(message.topic) || message.topic.find_first_of("+#") != std::string::npos) {
       return Fail(ErrorKind::kUsage,
@@ -138,9 +146,7 @@ class PahoTransport final : public Transport {
   int window_;
 };
 
-}  // namespace
-
-Result<std::unique_ptr<Transport>> ConnectPaho(const ConnectOptions& options) {
+Result<std::unique_ptr<PahoTransport>> Connect(const ConnectOptions& options) {
   if (auto status = CheckConnectOptions(options); !status) return Fail(std::move(status.error()));
   std::unique_ptr<TraceListener> trace;
   if (options.trace) trace = std::make_unique<TraceListener>(options.trace);
@@ -157,6 +163,16 @@ Result<std::unique_ptr<Transport>> ConnectPaho(const ConnectOptions& options) {
     if (!error.detail.empty()) details.push_back(std::move(error.detail));
   }
   return Fail(ErrorKind::kBroker, base::Join(messages, "; "), base::Join(details, "; "));
+}
+
+}  // namespace
+
+Result<std::unique_ptr<Transport>> ConnectPaho(const ConnectOptions& options) {
+  return Connect(options);
+}
+
+Result<std::unique_ptr<RobotTransport>> ConnectPahoAsRobot(const ConnectOptions& options) {
+  return Connect(options);
 }
 
 }  // namespace fleetpub::mqtt

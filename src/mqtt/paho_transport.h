@@ -11,4 +11,8 @@ namespace fleetpub::mqtt {
 /// Connects to the first broker that accepts. When none does, the error tells what each one said.
 [[nodiscard]] Result<std::unique_ptr<Transport>> ConnectPaho(const ConnectOptions& options);
 
+/// The same for a virtual robot.
+[[nodiscard]] Result<std::unique_ptr<RobotTransport>> ConnectPahoAsRobot(
+    const ConnectOptions& options);
+
 }  // namespace fleetpub::mqtt

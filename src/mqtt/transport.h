@@ -36,6 +36,15 @@ struct Message {
   bool retained = false;
 };
 
+/// What the broker publishes in our name when the connection ends without DISCONNECT (MQTT 3.1.1
+/// §3.1.2.5). For a virtual robot's `connection` topic; a command is never anyone's last will.
+struct Will {
+  std::string topic;
+  std::string payload;
+  Qos qos = Qos::kAtMostOnce;
+  bool retain = false;
+};
+
 struct TlsOptions {
   std::string ca_file;  ///< PEM; empty with an empty ca_path: the system's trust store
   std::string ca_path;
@@ -62,6 +71,7 @@ struct ConnectOptions {
   std::string proxy;
   /// How many QoS 1 and 2 messages may await their acknowledgement at once.
   int window = 200;
+  std::optional<Will> will;
   /// Receives a line for each protocol step, without secrets. May be empty.
   std::function<void(std::string_view)> trace;
 };
@@ -122,6 +132,16 @@ class Transport {
 
   /// Takes leave with DISCONNECT, after which only the destructor may be called.
   virtual void Disconnect() = 0;
+};
+
+/// The connection of a virtual robot, whose own topics `connection` and `factsheet` are retained
+/// (VDA 5050 §6.1 and chapters on these topics). Commands go through a Transport, which has no way
+/// to send anything retained.
+class RobotTransport : public Transport {
+ public:
+  /// As Publish, and the broker keeps the message for later subscribers. For a robot's own topics
+  /// only.
+  [[nodiscard]] virtual Result<int> PublishRetained(const Message& message, Deadline deadline) = 0;
 };
 
 }  // namespace fleetpub::mqtt

@@ -34,6 +34,7 @@ Command CommandFor(const std::string& target) {
 
 std::vector<Command> CommandsFor(int count) {
   std::vector<Command> commands;
+  commands.reserve(static_cast<std::size_t>(count));
   for (int i = 0; i < count; ++i) commands.push_back(CommandFor(std::to_string(i)));
   return commands;
 }

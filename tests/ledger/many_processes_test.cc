@@ -81,7 +81,8 @@ class ManyProcesses : public ::testing::Test {
     EXPECT_EQ((*database)->Ask("PRAGMA integrity_check"), "ok");
   }
 
-  testing::TemporaryFolder folder_;
+  std::unique_ptr<testing::TemporaryFolder> owned_ = FastFolder();
+  testing::TemporaryFolder& folder_ = *owned_;
   fs::path path_ = folder_ / "ledger.db";
 };
 

@@ -9,10 +9,15 @@
 #include <string>
 #include <utility>
 
+#include "mqtt/paho_sockets.h"
 #include "mqtt/paho_transport.h"
 #include "mqtt/transport.h"
 
 namespace fleetpub::mqtt {
+
+/// For what a build without FLEETPUB_FAST_CONNECT does not promise: exact deadlines and causes.
+#define FLEETPUB_NEEDS_FAST_CONNECT() \
+  if (!PahoCall::Supported()) GTEST_SKIP() << "FLEETPUB_FAST_CONNECT is off"
 
 inline Deadline In(std::chrono::milliseconds time) {
   return std::chrono::steady_clock::now() + time;

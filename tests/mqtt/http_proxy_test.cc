@@ -60,6 +60,7 @@ TEST(HttpProxy, RefusesABadUrlWithoutRepeatingIt) {
 }
 
 TEST(HttpProxy, LeadsToTheBroker) {
+  FLEETPUB_NEEDS_FAST_CONNECT();
   const Mosquitto broker;
   std::string request;
   const BrokenBroker proxy(Tunnel(broker.port(), request));
@@ -73,6 +74,7 @@ TEST(HttpProxy, LeadsToTheBroker) {
 }
 
 TEST(HttpProxy, SaysWhatTheProxySays) {
+  FLEETPUB_NEEDS_FAST_CONNECT();
   const std::pair<std::string, std::string> cases[] = {
       {"HTTP/1.1 407 Proxy Authentication Required\r\n\r\n", "user name and password"},
       {"HTTP/1.1 503 Service Unavailable\r\n\r\n", "HTTP status 503"},
@@ -89,6 +91,7 @@ TEST(HttpProxy, SaysWhatTheProxySays) {
 }
 
 TEST(HttpProxy, IsNotWaitedForForever) {
+  FLEETPUB_NEEDS_FAST_CONNECT();
   const BrokenBroker proxy(BrokenBroker::Silent());
   ConnectOptions options = To("mqtt://broker.invalid:1883");
   options.proxy = "http://127.0.0.1:" + std::to_string(proxy.port());

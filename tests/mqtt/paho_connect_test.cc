@@ -28,6 +28,7 @@ using ::testing::StartsWith;
 std::string ClosedPort() { return fmt::format("mqtt://127.0.0.1:{}", FreePort()); }
 
 TEST(ConnectPaho, SaysThatNobodyListens) {
+  FLEETPUB_NEEDS_FAST_CONNECT();
   const std::string url = ClosedPort();
   const Error error = Refusal(To(url));
   EXPECT_EQ(error.kind, ErrorKind::kBroker);
@@ -50,6 +51,7 @@ TEST(ConnectPaho, TriesTheBrokersInTheirOrder) {
 }
 
 TEST(ConnectPaho, TellsWhatEveryBrokerSaid) {
+  FLEETPUB_NEEDS_FAST_CONNECT();
   const std::string first = ClosedPort();
   const BrokenBroker second(BrokenBroker::Answers({BrokenBroker::Connack(3)}));
   ConnectOptions options = To(first);
@@ -94,6 +96,7 @@ TEST(ConnectPaho, PutsEveryReasonCodeInWords) {
 }
 
 TEST(ConnectPaho, GivesUpAtItsTimeout) {
+  FLEETPUB_NEEDS_FAST_CONNECT();
   const BrokenBroker broker(BrokenBroker::Silent());
   for (const std::string scheme : {"mqtt", "mqtts", "ws", "wss"}) {
     ConnectOptions options = To(broker.Url(scheme));
@@ -119,6 +122,7 @@ TEST(ConnectPaho, SaysThatThePeerHungUp) {
 }
 
 TEST(ConnectPaho, SaysThatSomethingElseAnswers) {
+  FLEETPUB_NEEDS_FAST_CONNECT();
   const std::pair<std::string, std::string> cases[] = {
       {"SSH-2.0-OpenSSH_9.2\r\n", "no MQTT broker"},
       {"HTTP/1.1 400 Bad Request\r\n\r\n", "ws://"},
@@ -140,6 +144,7 @@ TEST(ConnectPaho, SaysThatThereIsNoTls) {
 }
 
 TEST(ConnectPaho, StopsAtGarbageInsteadOfAConnack) {
+  FLEETPUB_NEEDS_FAST_CONNECT();
   for (const std::string& garbage : {std::string("\x20\xFF\xFF\xFF\xFF\xFF", 6),
                                      std::string("\x20\x00", 2), std::string("\x20\x01\x00", 3)}) {
     const BrokenBroker broker(BrokenBroker::AnswersAndCloses({garbage}));

@@ -118,6 +118,7 @@ TEST_P(PahoTransport, SubscribesToManyFilters) {
   const Mosquitto broker;
   const auto robot = Connected(Options(broker));
   std::vector<std::string> filters;
+  filters.reserve(250);
   for (int i = 0; i < 250; ++i) filters.push_back("t/" + std::to_string(i));
   ASSERT_TRUE(robot->Subscribe(filters, Qos::kAtLeastOnce, Soon()));
   const auto master = Connected(Options(broker));
@@ -161,6 +162,7 @@ TEST_P(PahoTransport, NoticesThatTheBrokerDiedWhileReceiving) {
 }
 
 TEST_P(PahoTransport, NoticesThatTheBrokerDiedBeforePublishing) {
+  FLEETPUB_NEEDS_FAST_CONNECT();
   for (const Qos qos : kEveryQos) {
     Mosquitto broker;
     const auto master = Connected(Options(broker));
@@ -191,6 +193,7 @@ TEST_P(PahoTransport, TellsAfterQos0WhetherTheConnectionStillStands) {
 }
 
 TEST_P(PahoTransport, GivesUpOnABrokerThatTakesNoMore) {
+  FLEETPUB_NEEDS_FAST_CONNECT();
   Mosquitto broker;
   const auto master = Connected(Options(broker));
   broker.process().Signal(SIGSTOP);
@@ -203,6 +206,7 @@ TEST_P(PahoTransport, GivesUpOnABrokerThatTakesNoMore) {
 }
 
 TEST_P(PahoTransport, GivesUpOnASubscriptionThatIsNotAnswered) {
+  FLEETPUB_NEEDS_FAST_CONNECT();
   Mosquitto broker;
   const auto robot = Connected(Options(broker));
   broker.process().Signal(SIGSTOP);
@@ -231,6 +235,7 @@ TEST_P(PahoTransport, WaitsForRoomInTheWindow) {
 }
 
 TEST_P(PahoTransport, TakesLeaveOnlyWhenAsked) {
+  FLEETPUB_NEEDS_FAST_CONNECT();
   Mosquitto broker;
   ConnectOptions options = Options(broker);
   options.client_id = "polite";
@@ -243,6 +248,7 @@ TEST_P(PahoTransport, TakesLeaveOnlyWhenAsked) {
 }
 
 TEST_P(PahoTransport, LosesNothingThatWasSentBeforeLeaving) {
+  FLEETPUB_NEEDS_FAST_CONNECT();
   const Mosquitto broker;
   const auto robot = Connected(Options(broker));
   MustSubscribe(*robot, "last");
@@ -334,6 +340,7 @@ TEST(PahoTransport5, NamesTheRefusedSubscription) {
 }
 
 TEST(PahoTransport311, PingsWhileItWaitsAndNoticesADeadPeer) {
+  FLEETPUB_NEEDS_FAST_CONNECT();
   Mosquitto broker;
   ConnectOptions options = To(broker.Url());
   options.keep_alive = std::chrono::seconds(1);

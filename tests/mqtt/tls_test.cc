@@ -143,6 +143,7 @@ TEST(WebSocket, CarriesTrafficOverTls) {
 }
 
 TEST(WebSocket, SendsNoPasswordToAServerThatRefuses) {
+  FLEETPUB_NEEDS_FAST_CONNECT();
   std::string heard;
   {
     const BrokenBroker server([&heard](int socket) {

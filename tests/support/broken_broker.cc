@@ -21,7 +21,7 @@ void ReadToTheEnd(int socket) {
 }  // namespace
 
 std::string ReadSome(int socket) {
-  std::array<char, 64 * 1024> block;
+  std::array<char, 65'536> block;
   const ssize_t got = recv(socket, block.data(), block.size(), 0);
   return got <= 0 ? std::string() : std::string(block.data(), static_cast<std::size_t>(got));
 }

@@ -28,7 +28,7 @@ std::string Filled(std::string line, const std::string& folder) {
 }  // namespace
 
 Mosquitto::Mosquitto(std::vector<std::string> lines,
-                     std::vector<std::pair<std::string, std::string>> files)
+                     const std::vector<std::pair<std::string, std::string>>& files)
     : lines_(std::move(lines)) {
   for (const auto& [name, content] : files) folder_.Write(name, content);
   for (int attempt = 0; attempt < kAttempts; ++attempt) {

@@ -21,7 +21,7 @@ class Mosquitto {
   /// With these lines of configuration for its one listener. `{}` in them is its folder, for which
   /// see Write().
   explicit Mosquitto(std::vector<std::string> lines,
-                     std::vector<std::pair<std::string, std::string>> files = {});
+                     const std::vector<std::pair<std::string, std::string>>& files = {});
 
   [[nodiscard]] std::uint16_t port() const { return port_; }
   /// `mqtt://127.0.0.1:port`, or another scheme.

@@ -33,7 +33,7 @@ int Memory(const char* name) { return Checked(memfd_create(name, MFD_CLOEXEC), "
 
 std::string Content(int descriptor) {
   std::string text;
-  std::array<char, 64 * 1024> block;
+  std::array<char, 65'536> block;
   while (true) {
     const ssize_t got =
         pread(descriptor, block.data(), block.size(), static_cast<off_t>(text.size()));
@@ -53,6 +53,7 @@ void WriteAll(int descriptor, std::string_view text) {
 
 std::vector<char*> Pointers(std::vector<std::string>& texts) {
   std::vector<char*> pointers;
+  pointers.reserve(texts.size() + 1);
   for (std::string& text : texts) pointers.push_back(text.data());
   pointers.push_back(nullptr);
   return pointers;
@@ -62,8 +63,9 @@ std::vector<std::string> Environment(const Command& command) {
   std::vector<std::string> entries;
   for (char** entry = environ; *entry != nullptr; ++entry) entries.emplace_back(*entry);
   for (const auto& [name, value] : command.environment) {
-    std::erase_if(entries, [&](const std::string& entry) { return entry.starts_with(name + "="); });
-    if (value) entries.push_back(name + "=" + *value);
+    const std::string start = name + "=";
+    std::erase_if(entries, [&start](const std::string& entry) { return entry.starts_with(start); });
+    if (value) entries.push_back(start + *value);
   }
   return entries;
 }

@@ -1,0 +1,242 @@
+#include "cli/instant_sending.h"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <map>
+
+#include "base/text.h"
+#include "dispatch/collect.h"
+#include "mqtt/paho_transport.h"
+#include "vda5050/confirmation.h"
+#include "vda5050/discovery.h"
+#include "vda5050/preflight.h"
+
+namespace fleetpub::cli {
+namespace {
+
+using dispatch::Command;
+using vda5050::Dialect;
+using vda5050::InstantAction;
+using vda5050::KnownRobot;
+using vda5050::RobotAddress;
+
+// In the order in which a broker hands them out: when the connection message is there, so is the
+// factsheet.
+constexpr std::array<std::string_view, 2> kRetainedTopics = {"factsheet", "connection"};
+
+// One robot on the way to its command.
+struct Addressee {
+  RobotAddress robot;
+  Dialect dialect;
+  KnownRobot known;
+  InstantAction action;
+};
+
+class InstantSender {
+ public:
+  InstantSender(const InstantSendingOptions& options, const Waiting& waiting,
+                const Context& context)
+      : options_(options), waiting_(waiting), context_(context) {}
+
+  Result<ExitCode> Run(std::string_view type, std::vector<vda5050::Parameter> parameters) {
+    if (auto ok = Prepare(type, std::move(parameters)); !ok) return Fail(ok.error());
+    const bool automatic = options_.instant.vda.IsAutomatic();
+    if (!automatic) {  // what is invalid anyway costs no connection
+      if (auto ok = Build(); !ok) return Fail(ok.error());
+    }
+    const bool look = automatic || (waiting_.check && !options_.sending.dry_run);
+    if (look) {
+      if (auto ok = LookAround(); !ok) {
+        return Fail(
+            NothingSent(outgoing_.commands, dispatch::Verdict::kError, ok.error(), context_));
+      }
+      outgoing_.commands.clear();
+      outgoing_.validated = false;
+      if (waiting_.check || automatic) Check();
+      if (auto ok = Build(); !ok) return Fail(ok.error());
+    }
+    if (waiting_.wait_for) {
+      if (auto ok = AddConfirmations(); !ok) return Fail(ok.error());
+      outgoing_.wait = waiting_.wait;
+    }
+    for (const std::string& warning : warnings_) context_.output.Warn(warning);
+    return SendCommands(std::move(outgoing_), options_.sending, context_);
+  }
+
+ private:
+  Status Prepare(std::string_view type, std::vector<vda5050::Parameter> parameters) {
+    const auto robots = RobotsOf(options_.instant.targets, context_.output);
+    if (!robots) return Fail(robots.error());
+    const auto dialect = DialectOf(options_.instant.vda);
+    if (!dialect) return Fail(dialect.error());
+    const auto action = ActionOf(options_.instant, type, std::move(parameters), robots->size());
+    if (!action) return Fail(action.error());
+    const auto header_id = HeaderIdOf(options_.instant.header_id);
+    if (!header_id) return Fail(header_id.error());
+    header_id_ = *header_id;
+    for (const RobotAddress& robot : *robots) {
+      addressees_.push_back({robot, *dialect, {}, *action});
+      if (!options_.instant.id) {
+        addressees_.back().action.id = vda5050::SuitableActionId(nullptr);
+      }
+    }
+    return {};
+  }
+
+  Status Build() {
+    for (const Addressee& addressee : addressees_) {
+      auto command = vda5050::BuildInstantActions(addressee.robot, addressee.dialect,
+                                                  {&addressee.action, 1}, header_id_);
+      if (!command) return Fail(std::move(command.error()));
+      outgoing_.commands.push_back(std::move(*command));
+    }
+    auto warnings = ValidateAll(outgoing_.commands, context_);
+    if (!warnings) {
+      return Fail(
+          NothingSent(outgoing_.commands, dispatch::Verdict::kInvalid, warnings.error(), context_));
+    }
+    warnings_ = std::move(*warnings);
+    outgoing_.validated = true;
+    return {};
+  }
+
+  // Collects what the robots have said of themselves.
+  Status LookAround() {
+    const auto connect = ConnectOptionsOf(context_);
+    if (!connect) return Fail(connect.error());
+    auto transport = mqtt::ConnectPaho(*connect);
+    if (!transport) return Fail(transport.error());
+    outgoing_.transport = std::move(*transport);
+    std::vector<std::string> filters;
+    for (const Addressee& addressee : addressees_) {
+      const auto own = vda5050::DiscoveryFilters(
+          addressee.dialect.topics, {addressee.robot.manufacturer, addressee.robot.serial_number},
+          kRetainedTopics);
+      if (!own) return Fail(own.error());
+      filters.insert(filters.end(), own->begin(), own->end());
+    }
+    const std::size_t wanted = addressees_.size();
+    const auto messages = dispatch::Collect(
+        *outgoing_.transport, filters, waiting_.discover,
+        [wanted](const std::vector<mqtt::Message>& got) {
+          return static_cast<std::size_t>(std::count_if(got.begin(), got.end(), [](const auto& m) {
+                   return m.topic.ends_with("/connection");
+                 })) >= wanted;
+        });
+    if (!messages) return Fail(messages.error());
+    for (Addressee& addressee : addressees_) Learn(*messages, addressee);
+    return {};
+  }
+
+  // What the messages tell of this robot; with `--vda auto` it is from now on spoken to as they
+  // say.
+  void Learn(const std::vector<mqtt::Message>& messages, Addressee& addressee) const {
+    std::vector<vda5050::Discovered> found;
+    for (const mqtt::Message& message : messages) {
+      auto discovered = vda5050::DialectFrom(addressee.dialect, message.topic, message.payload);
+      if (!discovered || discovered->robot != addressee.robot) continue;
+      if (discovered->topic_name == "factsheet") {
+        addressee.known.factsheet = vda5050::ReadFactsheet(message.payload);
+      }
+      found.push_back(std::move(*discovered));
+    }
+    const auto best = vda5050::OnePerRobot(std::move(found));
+    if (best.empty()) return;
+    if (best.front().topic_name == "connection") {
+      addressee.known.connection = best.front().message;
+      addressee.known.connection_topic = best.front().topic;
+    }
+    if (options_.instant.vda.IsAutomatic() && best.front().dialect) {
+      addressee.dialect = *best.front().dialect;
+    }
+    if (!options_.instant.id && addressee.known.factsheet) {
+      addressee.action.id = vda5050::SuitableActionId(&*addressee.known.factsheet);
+    }
+  }
+
+  // Sorts out the robots that cannot be expected to obey.
+  void Check() {
+    std::vector<Addressee> left;
+    for (Addressee& addressee : addressees_) {
+      InstantAction named = addressee.action;
+      named.type = vda5050::NameIn(addressee.dialect.version, named.type);
+      vda5050::PreflightFindings findings =
+          vda5050::CheckRobot(addressee.robot, addressee.dialect, {&named, 1}, addressee.known);
+      if (!waiting_.check) findings.refusals = UnlessKnown(addressee);
+      for (const std::string& warning : findings.warnings) {
+        context_.output.Warn(warning);
+      }
+      if (findings.refusals.empty()) {
+        addressee.dialect.assumed = false;
+        left.push_back(std::move(addressee));
+      } else {
+        Refuse(addressee, named.type, base::Join(findings.refusals, "; "));
+      }
+    }
+    addressees_ = std::move(left);
+  }
+
+  // Without a check, `--vda auto` still cannot speak to a robot that nobody has heard of.
+  static std::vector<std::string> UnlessKnown(const Addressee& addressee) {
+    if (addressee.known.connection || addressee.known.factsheet) return {};
+    return {
+        "no message of this robot is known to the broker, so its version cannot be told: name "
+        "it with --vda"};
+  }
+
+  void Refuse(const Addressee& addressee, std::string_view type, const std::string& reason) {
+    dispatch::Report report;
+    report.target = addressee.robot.ToString();
+    report.protocol = "vda5050";
+    report.version = vda5050::FactsOf(addressee.dialect.version).name;
+    report.version_assumed = addressee.dialect.assumed;
+    report.topic = vda5050::TopicFor(addressee.dialect.topics, addressee.dialect.version,
+                                     addressee.robot, "instantActions")
+                       .value_or("");
+    report.actions = {{std::string(type), addressee.action.id}};
+    report.verdict = dispatch::Verdict::kRefused;
+    report.error = ErrorKind::kPreflight;
+    report.message = "not sent: " + reason;
+    outgoing_.refused.push_back(std::move(report));
+  }
+
+  Status AddConfirmations() {
+    for (std::size_t i = 0; i < outgoing_.commands.size(); ++i) {
+      Command& command = outgoing_.commands[i];
+      const ledger::ActionRef& action = command.actions.front();
+      auto confirmation = vda5050::ConfirmInstantAction(
+          addressees_[i].robot, addressees_[i].dialect, action.type, action.id, *waiting_.wait_for);
+      if (!confirmation) return Fail(std::move(confirmation.error()));
+      command.confirmation = std::move(*confirmation);
+    }
+    return {};
+  }
+
+  const InstantSendingOptions& options_;
+  const Waiting& waiting_;
+  const Context& context_;
+  std::optional<std::uint32_t> header_id_;
+  std::vector<Addressee> addressees_;
+  std::vector<std::string> warnings_;
+  Outgoing outgoing_;
+};
+
+}  // namespace
+
+void DeclareInstantSendingOptions(CLI::App& app, InstantSendingOptions& options) {
+  DeclareInstantOptions(app, options.instant);
+  DeclareSendingOptions(app, options.sending);
+  DeclareWaitingOptions(app, options.waiting);
+}
+
+Result<ExitCode> SendInstantAction(const InstantSendingOptions& options, std::string_view type,
+                                   std::vector<vda5050::Parameter> parameters,
+                                   const Context& context) {
+  const auto waiting = WaitingOf(options.waiting);
+  if (!waiting) return Fail(waiting.error());
+  return InstantSender(options, *waiting, context).Run(type, std::move(parameters));
+}
+
+}  // namespace fleetpub::cli

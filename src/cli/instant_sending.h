@@ -1,0 +1,35 @@
+// Sends one instant action to robots: learns how each is spoken to where that is asked, checks it,
+// sends, waits.
+#pragma once
+
+#include <string_view>
+#include <vector>
+
+#include "base/result.h"
+#include "cli/exit_code.h"
+#include "cli/sending.h"
+#include "cli/vda_options.h"
+#include "cli/wait_options.h"
+#include "vda5050/parameter.h"
+
+namespace CLI {
+class App;
+}
+
+namespace fleetpub::cli {
+
+/// Everything that a command for instant actions takes besides its parameters.
+struct InstantSendingOptions {
+  InstantOptions instant;
+  SendingOptions sending;
+  WaitingOptions waiting;
+};
+
+void DeclareInstantSendingOptions(CLI::App& app, InstantSendingOptions& options);
+
+[[nodiscard]] Result<ExitCode> SendInstantAction(const InstantSendingOptions& options,
+                                                 std::string_view type,
+                                                 std::vector<vda5050::Parameter> parameters,
+                                                 const Context& context);
+
+}  // namespace fleetpub::cli

@@ -1,0 +1,78 @@
+#include "cli/wait_options.h"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+
+#include "base/text.h"
+#include "base/time.h"
+
+namespace fleetpub::cli {
+namespace {
+
+Result<std::optional<vda5050::WaitFor>> WaitForOf(const WaitingOptions& options) {
+  using Result = fleetpub::Result<std::optional<vda5050::WaitFor>>;
+  if (options.wait_for.empty()) {
+    return options.wait ? Result(vda5050::WaitFor::kFinished) : Result(std::nullopt);
+  }
+  if (base::EqualsIgnoringCase(options.wait_for, "finished")) return vda5050::WaitFor::kFinished;
+  if (base::EqualsIgnoringCase(options.wait_for, "accepted")) return vda5050::WaitFor::kAccepted;
+  return Fail(ErrorKind::kUsage, fmt::format("--wait-for takes accepted or finished, not '{}'",
+                                             base::Printable(options.wait_for)));
+}
+
+}  // namespace
+
+void DeclareWaitingOptions(CLI::App& app, WaitingOptions& options) {
+  constexpr const char* kWaiting = "Waiting";
+  app.add_flag("-w,--wait", options.wait, "Wait until the robot says that it is done")
+      ->group(kWaiting);
+  app.add_option("--wait-for", options.wait_for,
+                 "accepted: the robot lists the action; finished: it is done")
+      ->type_name("END")
+      ->group(kWaiting);
+  app.add_option("-W,--timeout", options.timeout,
+                 "How long to wait in total [35s to be seen, then 10m]")
+      ->type_name("TIME")
+      ->group(kWaiting);
+  app.add_option("--resend", options.resend,
+                 "Send again up to N times what no robot has seen, with the same actionId [0]")
+      ->type_name("N")
+      ->check(CLI::Range(0, 100))
+      ->group(kWaiting);
+  app.add_flag("--check", options.check,
+               "Look first whether the robot is online and supports the action [with --wait]")
+      ->group(kWaiting);
+  app.add_flag("--no-check", options.no_check, "Send without looking")->group(kWaiting);
+  app.add_option("--discover", options.discover,
+                 "Silence in ms after which a retained message is not there [300]")
+      ->type_name("MS")
+      ->group(kWaiting);
+}
+
+Result<Waiting> WaitingOf(const WaitingOptions& options) {
+  Waiting waiting;
+  const auto wait_for = WaitForOf(options);
+  if (!wait_for) return Fail(wait_for.error());
+  waiting.wait_for = *wait_for;
+  if (!waiting.wait_for && (!options.timeout.empty() || options.resend > 0)) {
+    return Fail(ErrorKind::kUsage, "--timeout and --resend belong to waiting: add --wait");
+  }
+  if (!options.timeout.empty()) {
+    const auto total = base::ParseDuration(options.timeout);
+    if (!total) return Fail(total.error());
+    waiting.wait.total = *total;
+  }
+  waiting.wait.resend = options.resend;
+  if (options.check && options.no_check) {
+    return Fail(ErrorKind::kUsage, "--check and --no-check exclude each other");
+  }
+  waiting.check = options.check || (waiting.wait_for && !options.no_check);
+  const auto quiet = base::ParseDuration(options.discover, std::chrono::milliseconds(1));
+  if (!quiet) return Fail(quiet.error());
+  waiting.discover.quiet = *quiet;
+  waiting.discover.most = std::max(waiting.discover.most, *quiet);
+  return waiting;
+}
+
+}  // namespace fleetpub::cli

@@ -1,0 +1,51 @@
+// A received message, read and judged as a careful robot does.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "base/rapidjson.h"
+#include "robot/effects.h"
+#include "robot/settings.h"
+#include "schema/schema.h"
+
+namespace fleetpub::robot {
+
+struct ReceivedAction {
+  Call call;
+  std::string descriptor;
+  std::string fault;  ///< why it cannot be carried out; "" when it can
+};
+
+struct Inspection {
+  rapidjson::Document message;
+  std::string header_id;  ///< as text; "" when it cannot be read
+  /// Why the whole message is refused; "" when it is not.
+  std::string fault;
+  /// Of an instantActions message, as far as they can be read.
+  std::vector<ReceivedAction> actions;
+};
+
+/// Belongs to one thread.
+class Inspector {
+ public:
+  /// Both outlive it.
+  Inspector(const Settings& settings, schema::Registry& registry)
+      : settings_(settings), registry_(registry) {}
+
+  /// By schema and by the rules of the text.
+  [[nodiscard]] Inspection InspectInstantActions(std::string_view payload);
+  /// By the schema, where there is one for orders.
+  [[nodiscard]] Inspection InspectOrder(std::string_view payload);
+
+ private:
+  [[nodiscard]] Inspection Open(std::string_view payload, std::string_view topic);
+
+  const Settings& settings_;
+  schema::Registry& registry_;
+};
+
+}  // namespace fleetpub::robot

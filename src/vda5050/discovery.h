@@ -1,0 +1,74 @@
+// Which robots there are, and how each is spoken to: found in the messages that they left retained
+// (`--vda auto`, patterns, preflight). The topic's levels give address, interface and major
+// version, the header's `version` the release.
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "base/result.h"
+#include "vda5050/instant_actions.h"
+#include "vda5050/robot_address.h"
+#include "vda5050/robot_messages.h"
+
+namespace fleetpub::vda5050 {
+
+/// Of whom messages are wanted; what is not given is everybody.
+struct RobotFilter {
+  std::optional<std::string> manufacturer;
+  std::optional<std::string> serial_number;
+};
+
+/// One MQTT filter per topic name (`connection`, `factsheet`, `state`): `+/+/KIT/0001/connection`.
+/// {interface} becomes `+` unless the scheme states one, {major} always. Errors: ErrorKind::kUsage
+/// (template, or a name that cannot be a topic level).
+[[nodiscard]] Result<std::vector<std::string>> DiscoveryFilters(
+    const TopicScheme& scheme, const RobotFilter& filter,
+    std::span<const std::string_view> topic_names);
+
+/// The levels of a topic that the scheme's template would make.
+struct TopicLevels {
+  RobotAddress robot;
+  std::string interface_name;  ///< "" when the template has none
+  std::string major;           ///< "" when the template has none
+  std::string topic_name;      ///< `connection`
+};
+
+/// Reads a topic back. Nothing when the template cannot have made it.
+[[nodiscard]] std::optional<TopicLevels> ReadTopic(const TopicScheme& scheme,
+                                                   std::string_view topic);
+
+/// A robot's message that says who and how it is.
+struct Discovered {
+  RobotAddress robot;
+  std::string topic;       ///< in full
+  std::string topic_name;  ///< `connection`
+  /// How to speak to it, with its own interface, topic level and, where they are peculiar, its own
+  /// header texts. Nothing when it speaks a version that we do not.
+  std::optional<Dialect> dialect;
+  /// Read as a connection message: `connection_state` is empty for other topics.
+  ConnectionMessage message;
+};
+
+/// What a message of any topic tells about its sender. Nothing for an empty payload (a retained
+/// message that was deleted), one that is no JSON object and a topic of another shape. `base` is
+/// the dialect as the user configured it: what it states outright (interface, header texts, actions
+/// key) is kept, its version is not looked at.
+[[nodiscard]] std::optional<Discovered> DialectFrom(const Dialect& base, std::string_view topic,
+                                                    std::string_view payload);
+
+/// One entry per robot, in order of address, when several topics or versions were found for one:
+/// a connection message before others, ONLINE before HIBERNATING before the rest, then the newest
+/// timestamp, then the newest version.
+[[nodiscard]] std::vector<Discovered> OnePerRobot(std::vector<Discovered> found);
+
+/// The release that a header's version means: `2.1.0`, `2.1`, `v2.1`, ` V2 `. A release that we do
+/// not know is the newest one of its major version (`2.2.0`: 2.1.0); an unreadable text falls back
+/// to the topic's major level (`v2`). Nothing when no release of that major version is known.
+[[nodiscard]] std::optional<Version> VersionSpoken(std::string_view header_version,
+                                                   std::string_view major_level);
+
+}  // namespace fleetpub::vda5050

@@ -1,0 +1,34 @@
+// Whose an error in a robot's state is. Robots name the action that an error is about under several
+// keys, some by the message's header id alone, some not at all.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "vda5050/robot_messages.h"
+
+namespace fleetpub::vda5050 {
+
+enum class Attribution {
+  kOther,     ///< about something else
+  kAction,    ///< a reference's value is our actionId
+  kHeaderId,  ///< names our header id and instantActions: probably ours, ids of two senders can
+              ///< meet
+  kUnnamed,   ///< names nobody
+};
+
+/// Never by the type alone: NO_ORDER_TO_CANCEL of an earlier attempt stays until the next order.
+/// A short actionId (`1`) is no match under a key that names another thing (`headerId`).
+[[nodiscard]] Attribution AttributionOf(const RobotError& error, std::string_view action_id,
+                                        std::span<const std::uint32_t> header_ids);
+
+/// The same for the same error in a later state.
+[[nodiscard]] std::size_t FingerprintOf(const RobotError& error);
+
+/// `noOrderToCancel: there is no order; hint: send one`, printable and short.
+[[nodiscard]] std::string Told(const RobotError& error);
+
+}  // namespace fleetpub::vda5050

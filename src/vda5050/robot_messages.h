@@ -1,0 +1,146 @@
+// What robots say on their topics state, connection and factsheet, in the names of every version,
+// read leniently. A message that breaks its schema is read as far as it can be: a missing
+// member or one of a wrong type is "not said", unknown members, statuses and modes are no obstacle,
+// a number or a truth value is taken where a text is due. No reader fails; only a payload that is
+// no JSON object within base::JsonLimits is nothing at all.
+//
+// Everything is copied out of the message: the payload need not outlive the result. Texts are the
+// robot's own and untrusted: whoever shows one passes it through base::Printable.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "base/rapidjson.h"
+
+namespace fleetpub::vda5050 {
+
+/// What every message begins with.
+struct MessageHeader {
+  std::optional<std::uint32_t> header_id;
+  std::string timestamp;  ///< as written
+  std::string version;    ///< as written: `2.0.0`, but `v2` too
+  std::string manufacturer;
+  std::string serial_number;
+};
+
+/// An entry of `actionStates` or `instantActionStates`.
+struct ActionState {
+  std::string id;
+  std::string type;    ///< often left out by robots
+  std::string status;  ///< upper case: 1.1's schema has `finished`
+  std::string result;  ///< `resultDescription`, from 3.0 `actionResult`
+};
+
+struct ErrorReference {
+  std::string key;
+  std::string value;
+};
+
+/// An entry of `errors`.
+struct RobotError {
+  std::string type;
+  std::string level;        ///< upper case
+  std::string description;  ///< or its English (else first) translation when only those are given
+  std::string hint;         ///< likewise
+  std::vector<ErrorReference> references;
+};
+
+/// `agvPosition`, from 3.0 `mobileRobotPosition`.
+struct RobotPosition {
+  std::optional<double> x;
+  std::optional<double> y;
+  std::optional<double> theta;
+  std::string map_id;
+  std::optional<bool> localized;  ///< `positionInitialized`, from 3.0 `localized`
+};
+
+struct RobotState {
+  MessageHeader header;
+  std::vector<ActionState> action_states;
+  std::vector<ActionState> instant_action_states;  ///< from 3.0
+  bool has_action_states = false;                  ///< the array is there, be it empty
+  bool has_instant_action_states = false;
+  std::vector<RobotError> errors;
+  std::string operating_mode;  ///< normalised, see NormalisedMode; empty: not said
+  std::optional<bool> paused;
+  std::optional<bool> driving;
+  std::optional<double> battery_charge;  ///< per cent
+  std::optional<bool> charging;
+  std::string order_id;
+  std::optional<std::uint32_t> order_update_id;
+  std::string last_node_id;
+  std::optional<RobotPosition> position;
+};
+
+struct ConnectionMessage {
+  MessageHeader header;
+  std::string connection_state;  ///< normalised, see NormalisedConnectionState; empty: not said
+};
+
+/// An action's parameter as the factsheet describes it.
+struct FactsheetParameter {
+  std::string key;
+  std::string value_type;             ///< `valueDataType`, upper case
+  std::optional<bool> is_optional{};  ///< often left out
+};
+
+struct FactsheetAction {
+  std::string type;
+  std::vector<std::string> scopes;  ///< upper case; empty: not said
+  std::vector<FactsheetParameter> parameters;
+  bool has_parameters = false;              ///< the array is there, be it empty
+  std::vector<std::string> blocking_types;  ///< upper case; empty: not said
+};
+
+/// `protocolLimits` as far as they concern what we send. 0: no limit.
+struct FactsheetLimits {
+  std::size_t message_length = 0;
+  std::size_t topic_serial_length = 0;
+  std::size_t topic_element_length = 0;
+  std::size_t id_length = 0;
+  bool id_numerical_only = false;
+  std::size_t instant_actions = 0;    ///< per message
+  std::size_t action_parameters = 0;  ///< per action
+};
+
+struct Factsheet {
+  MessageHeader header;
+  std::vector<FactsheetAction> actions;  ///< empty: not said
+  FactsheetLimits limits;
+};
+
+[[nodiscard]] std::optional<RobotState> ReadState(std::string_view payload);
+[[nodiscard]] RobotState ReadState(const rapidjson::Value& message);
+[[nodiscard]] std::optional<ConnectionMessage> ReadConnection(std::string_view payload);
+[[nodiscard]] ConnectionMessage ReadConnection(const rapidjson::Value& message);
+[[nodiscard]] std::optional<Factsheet> ReadFactsheet(std::string_view payload);
+[[nodiscard]] Factsheet ReadFactsheet(const rapidjson::Value& message);
+[[nodiscard]] MessageHeader ReadHeader(const rapidjson::Value& message);
+
+/// The action's entry, in whichever array it stands, or null. Some robots list a repeated action
+/// twice: then the entry that has come furthest. The pointer lives as long as `state`.
+[[nodiscard]] const ActionState* FindActionState(const RobotState& state, std::string_view id);
+
+/// FINISHED or FAILED. An unknown status is none.
+[[nodiscard]] bool IsTerminal(std::string_view status);
+
+/// The factsheet's entry for the action, or null.
+[[nodiscard]] const FactsheetAction* FindAction(const Factsheet& factsheet, std::string_view type);
+
+/// `ONLINE`, `OFFLINE`, `HIBERNATING`, `CONNECTION_BROKEN` as 3.0 spells them, for any letter case
+/// and for `CONNECTIONBROKEN`; another text in upper case.
+[[nodiscard]] std::string NormalisedConnectionState(std::string_view text);
+
+/// `AUTOMATIC`, `SEMIAUTOMATIC`, `TEACH_IN` … as 3.0 spells them, for any letter case and for
+/// `SEMI-AUTOMATIC`, `TEACHIN`, `TEACHING`; another text in upper case.
+[[nodiscard]] std::string NormalisedMode(std::string_view text);
+
+/// What a robot said, for a sentence: printable and at most `longest` bytes, cut with `…`.
+[[nodiscard]] std::string Shown(std::string_view text, std::size_t longest = 200);
+
+}  // namespace fleetpub::vda5050

@@ -1,0 +1,640 @@
+#include "vda5050/confirmation.h"
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+
+namespace fleetpub::vda5050 {
+namespace {
+
+using dispatch::Verdict;
+using ::testing::AllOf;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+constexpr std::string_view kId = "3f2c8a2e-7b51-4c4e-9d0a-5a4f0f6d1c22";
+constexpr std::string_view kOther = "00000000-7b51-4c4e-9d0a-5a4f0f6d1c22";
+constexpr bool kRetained = true;
+constexpr std::uint32_t kHeaderId = 18;
+const RobotAddress kRobot{"KIT", "0001"};
+
+// `{"actionId":…,"actionStatus":…}`
+std::string Entry(std::string_view id, std::string_view status, std::string_view more = "") {
+  return fmt::format(R"({{"actionId":"{}","actionStatus":"{}"{}}})", id, status, more);
+}
+
+std::string Error(std::string_view type, std::string_view key, std::string_view value,
+                  std::string_view more = "") {
+  return fmt::format(R"({{"errorType":"{}","errorLevel":"WARNING","errorReferences":)"
+                     R"([{{"referenceKey":"{}","referenceValue":"{}"}}]{}}})",
+                     type, key, value, more);
+}
+
+// A conversation with one robot, told in verbs.
+class Confirmation : public ::testing::Test {
+ protected:
+  void Follow(std::string type, WaitFor wait_for = WaitFor::kFinished,
+              Version version = Version::k300, std::string_view id = kId) {
+    const Dialect dialect{.version = version};
+    prefix_ = version == Version::k300 ? "vda5050/v3/KIT/0001/" : "uagv/v2/KIT/0001/";
+    auto made = ConfirmInstantAction(kRobot, dialect, std::move(type), std::string(id), wait_for);
+    if (!made) throw std::runtime_error(made.error().message);
+    confirmation_ = std::move(*made);
+  }
+  void Publish(std::uint32_t header_id = kHeaderId) { confirmation_->Published(header_id); }
+  void FollowAndPublish(std::string type, WaitFor wait_for = WaitFor::kFinished) {
+    Follow(std::move(type), wait_for);
+    Publish();
+  }
+
+  void Hear(std::string_view topic, std::string_view payload, bool retained = false) {
+    confirmation_->Receive(
+        {.topic = prefix_ + std::string(topic), .payload = payload, .retained = retained});
+  }
+  void HearState(std::string_view members, bool retained = false) {
+    Hear("state", fmt::format("{{{}}}", members), retained);
+  }
+  /// A state of 3.0 with these instantActionStates and errors.
+  void HearActions(std::string_view entries, std::string_view errors = "", bool retained = false) {
+    HearState(fmt::format(R"("instantActionStates":[{}],"actionStates":[],"errors":[{}])", entries,
+                          errors),
+              retained);
+  }
+  void HearErrors(std::string_view errors, bool retained = false) {
+    HearActions("", errors, retained);
+  }
+  void HearConnection(std::string_view state, bool retained = false) {
+    Hear("connection", fmt::format(R"({{"connectionState":"{}"}})", state), retained);
+  }
+
+  [[nodiscard]] const dispatch::Progress& Now() const { return confirmation_->progress(); }
+  [[nodiscard]] bool HasEnded() const { return Now().ended; }
+  [[nodiscard]] std::string Ending() const {
+    return Now().ended ? std::string(dispatch::NameOf(Now().verdict)) : "WAITING";
+  }
+  [[nodiscard]] std::string Told() const { return Now().message; }
+
+  std::string prefix_;
+  std::unique_ptr<dispatch::Confirmation> confirmation_;
+};
+
+// ── topics ──
+
+TEST_F(Confirmation, ListensToStateAndConnection) {
+  Follow("startPause");
+  EXPECT_THAT(confirmation_->Topics(),
+              ElementsAre("vda5050/v3/KIT/0001/state", "vda5050/v3/KIT/0001/connection"));
+}
+
+TEST_F(Confirmation, ListensToTheFactsheetWhenItIsAskedFor) {
+  Follow("factsheetRequest", WaitFor::kFinished, Version::k210);
+  EXPECT_THAT(confirmation_->Topics(),
+              ElementsAre("uagv/v2/KIT/0001/state", "uagv/v2/KIT/0001/connection",
+                          "uagv/v2/KIT/0001/factsheet"));
+}
+
+TEST_F(Confirmation, CannotBeForATopicThatCannotBe) {
+  const auto made =
+      ConfirmInstantAction(kRobot, {.topics = {.interface_name = "#"}}, "startPause", "a1");
+  ASSERT_FALSE(made);
+  EXPECT_EQ(made.error().kind, ErrorKind::kUsage);
+}
+
+TEST_F(Confirmation, PassesOverOtherTopicsAndRubbish) {
+  FollowAndPublish("startPause");
+  const std::string finished =
+      fmt::format(R"({{"instantActionStates":[{}]}})", Entry(kId, "FINISHED"));
+  confirmation_->Receive({.topic = "vda5050/v3/KIT/0002/state", .payload = finished});
+  Hear("order", finished);
+  for (const std::string_view rubbish : {"", "x", "[]", "{"}) {
+    Hear("state", rubbish);
+    Hear("connection", rubbish);
+  }
+  EXPECT_FALSE(HasEnded());
+  EXPECT_THAT(Told(), HasSubstr("sent no state"));
+}
+
+// ── FINISHED ──
+
+TEST_F(Confirmation, EndsWithFinished) {
+  FollowAndPublish("startPause");
+  HearActions(Entry(kId, "FINISHED"));
+  EXPECT_EQ(Ending(), "FINISHED");
+  EXPECT_TRUE(Now().seen);
+  EXPECT_EQ(Told(), "");
+}
+
+TEST_F(Confirmation, FindsTheActionInEitherArrayOfEveryVersion) {
+  for (const Version version : kVersions) {
+    for (const std::string array : {"actionStates", "instantActionStates"}) {
+      Follow("cancelOrder", WaitFor::kFinished, version);
+      if (version == Version::k110) prefix_ = "uagv/v1/KIT/0001/";
+      Publish();
+      HearState(
+          fmt::format(R"("{}":[{},{}])", array, Entry(kOther, "FAILED"), Entry(kId, "finished")));
+      EXPECT_EQ(Ending(), "FINISHED") << FactsOf(version).name << " " << array;
+    }
+  }
+}
+
+TEST_F(Confirmation, WaitsThroughEveryOtherStatus) {
+  FollowAndPublish("startPause");
+  for (const std::string_view status :
+       {"WAITING", "INITIALIZING", "RUNNING", "PAUSED", "running", "DREAMING", ""}) {
+    HearActions(Entry(kId, status));
+    EXPECT_EQ(Ending(), "WAITING") << status;
+    EXPECT_TRUE(Now().seen);
+  }
+  HearActions(Entry(kId, "FINISHED"));
+  EXPECT_EQ(Ending(), "FINISHED");
+}
+
+TEST_F(Confirmation, TellsTheResultOfAFinishedAction) {
+  Follow("logReport", WaitFor::kFinished, Version::k210);
+  Publish();
+  HearState(fmt::format(R"("actionStates":[{}])",
+                        Entry(kId, "FINISHED", R"(,"resultDescription":"log-7.zip")")));
+  EXPECT_EQ(Told(), "log-7.zip");
+  FollowAndPublish("logReport");
+  HearActions(Entry(kId, "FINISHED", R"(,"actionResult":"log-8.zip")"));
+  EXPECT_EQ(Told(), "log-8.zip");
+}
+
+TEST_F(Confirmation, ShowsNothingThatMovesACursorAndNoNovels) {
+  FollowAndPublish("logReport");
+  HearActions(Entry(kId, "FINISHED",
+                    fmt::format(R"(,"actionResult":"\u001b[2J\n{}")", std::string(5000, 'x'))));
+  EXPECT_THAT(Told(), HasSubstr("\\x1b[2J\\n"));
+  EXPECT_LT(Told().size(), 300U);
+}
+
+TEST_F(Confirmation, KeepsItsVerdict) {
+  FollowAndPublish("startPause");
+  HearActions(Entry(kId, "FINISHED"));
+  HearActions(Entry(kId, "FAILED"));
+  HearConnection("OFFLINE");
+  EXPECT_EQ(Ending(), "FINISHED");
+}
+
+TEST_F(Confirmation, ConfirmsByAStateThatBreaksItsSchema) {
+  FollowAndPublish("startPause");
+  HearState(fmt::format(R"("headerId":-5,"errors":7,"operatingMode":[],"actionStates":[null,{}])",
+                        Entry(kId, "FINISHED", R"(,"extra":{})")));
+  EXPECT_EQ(Ending(), "FINISHED");
+}
+
+TEST_F(Confirmation, TakesStatesWhoseHeaderIdFallsBack) {
+  FollowAndPublish("startPause");
+  HearState(R"("headerId":500,"timestamp":"2026-01-02T03:04:05.678Z")");
+  HearState(
+      fmt::format(R"("headerId":0,"timestamp":"2026-01-02T03:04:06.678Z","actionStates":[{}])",
+                  Entry(kId, "FINISHED")));
+  EXPECT_EQ(Ending(), "FINISHED");
+}
+
+// ── what confirms nothing ──
+
+TEST_F(Confirmation, IsNotConfirmedByRetainedMessages) {
+  for (const std::string type : {"shutdown", "stopHibernation", "factsheetRequest"}) {
+    FollowAndPublish(type);
+    HearActions(Entry(kId, "FINISHED"), "", kRetained);
+    HearErrors(Error("E", "actionId", kId), kRetained);
+    HearConnection("OFFLINE", kRetained);
+    HearConnection("ONLINE", kRetained);
+    Hear("factsheet", R"({"version":"3.0.0"})", kRetained);
+    EXPECT_EQ(Ending(), "WAITING") << type;
+    EXPECT_FALSE(Now().seen);
+  }
+}
+
+TEST_F(Confirmation, IsNotConfirmedByWhatWasReceivedBeforePublishing) {
+  for (const std::string type : {"shutdown", "stopHibernation", "factsheetRequest"}) {
+    Follow(type);
+    HearActions(Entry(kId, "FINISHED"));
+    HearErrors(Error("E", "actionId", kId));
+    HearConnection("OFFLINE");
+    HearConnection("ONLINE");
+    Hear("factsheet", R"({"version":"3.0.0"})");
+    EXPECT_EQ(Ending(), "WAITING") << type;
+    Publish();
+    EXPECT_EQ(Ending(), "WAITING") << type;
+    EXPECT_FALSE(Now().seen);
+  }
+}
+
+TEST_F(Confirmation, IsNotConfirmedByAnEarlierActionOfTheSameId) {
+  Follow("startPause", WaitFor::kFinished, Version::k300, "pause-1");
+  HearActions(Entry("pause-1", "FINISHED"));
+  Publish();
+  HearActions(Entry("pause-1", "FINISHED"));
+  EXPECT_EQ(Ending(), "WAITING");
+  EXPECT_THAT(Told(), HasSubstr("had listed this actionId as FINISHED before"));
+  HearActions(Entry("pause-1", "RUNNING"));
+  HearActions(Entry("pause-1", "FINISHED"));
+  EXPECT_EQ(Ending(), "FINISHED");
+}
+
+// ── FAILED, RETRIABLE ──
+
+TEST_F(Confirmation, EndsWithFailedAndTheRobotsWords) {
+  FollowAndPublish("startPause");
+  HearActions(Entry(kId, "FAILED", R"(,"actionResult":"brake stuck")"));
+  EXPECT_EQ(Ending(), "FAILED");
+  EXPECT_EQ(Told(), "brake stuck");
+}
+
+TEST_F(Confirmation, SaysWhenTheRobotGaveNoReason) {
+  FollowAndPublish("startPause");
+  HearActions(Entry(kId, "FAILED"));
+  EXPECT_EQ(Told(), "the robot gave no reason");
+}
+
+TEST_F(Confirmation, TellsWhyThereWasNothingToCancel) {
+  FollowAndPublish("cancelOrder");
+  HearActions(Entry(kId, "FAILED"),
+              Error("NO_ORDER_TO_CANCEL", "actionId", kId,
+                    R"(,"errorDescription":"no active order","errorHint":"nothing to do")"));
+  EXPECT_EQ(Ending(), "FAILED");
+  EXPECT_EQ(Told(), "NO_ORDER_TO_CANCEL: no active order; hint: nothing to do");
+}
+
+TEST_F(Confirmation, RemembersTheErrorOfAnEarlierState) {
+  // ros_amr_interop shows an error in exactly one state.
+  FollowAndPublish("startPause");
+  HearActions(Entry(kId, "RUNNING"), Error("actionFailed", "action_id", kId));
+  HearActions(Entry(kId, "FAILED"));
+  EXPECT_EQ(Ending(), "FAILED");
+  EXPECT_EQ(Told(), "actionFailed");
+}
+
+TEST_F(Confirmation, LeavesOutOthersErrors) {
+  FollowAndPublish("cancelOrder");
+  HearActions(Entry(kId, "FAILED"), Error("NO_ORDER_TO_CANCEL", "actionId", kOther));
+  EXPECT_EQ(Told(), "the robot gave no reason");
+}
+
+TEST_F(Confirmation, EndsWithRetriableAndSaysWhatToDo) {
+  FollowAndPublish("startCharging");
+  HearActions(Entry(kId, "RETRIABLE", R"(,"actionResult":"no contact")"));
+  EXPECT_EQ(Ending(), "RETRIABLE");
+  EXPECT_THAT(Told(), AllOf(HasSubstr(fmt::format("retry --actionId {}", kId)),
+                            HasSubstr("skipRetry"), HasSubstr("no contact")));
+}
+
+// ── rejection ──
+
+TEST_F(Confirmation, EndsWithRejectedByAnErrorAlone) {
+  // vda-5050-lib and libVDA5050++ list no action that they refuse.
+  for (const std::string key : {"actionId", "action.actionId", "action_id", "thing"}) {
+    FollowAndPublish("beep");
+    HearErrors(Error("instantActionError", key, kId, R"(,"errorDescription":"no such action")"));
+    EXPECT_EQ(Ending(), "REJECTED") << key;
+    EXPECT_TRUE(Now().seen);
+    EXPECT_EQ(Told(), "instantActionError: no such action");
+  }
+}
+
+TEST_F(Confirmation, IsRejectedByAnErrorThatStandsInOneStateOnly) {
+  FollowAndPublish("beep");
+  HearErrors("");
+  HearErrors(Error("actionNotFound", "action_id", kId));
+  HearErrors("");
+  EXPECT_EQ(Ending(), "REJECTED");
+}
+
+TEST_F(Confirmation, IsNotRejectedByAnErrorWhileTheRobotListsTheAction) {
+  // libVDA5050++ answers a QoS 1 duplicate with an error for an action that is running.
+  FollowAndPublish("startPause");
+  HearActions(Entry(kId, "RUNNING"), Error("orderError", "action.actionId", kId));
+  EXPECT_EQ(Ending(), "WAITING");
+  EXPECT_THAT(Told(), HasSubstr("orderError"));
+  HearActions(Entry(kId, "FINISHED"), Error("orderError", "action.actionId", kId));
+  EXPECT_EQ(Ending(), "FINISHED");
+}
+
+TEST_F(Confirmation, IsNeverRejectedByATypeAlone) {
+  FollowAndPublish("cancelOrder");
+  HearErrors(Error("NO_ORDER_TO_CANCEL", "actionId", kOther) + "," +
+             R"({"errorType":"INVALID_INSTANT_ACTION"})");
+  EXPECT_EQ(Ending(), "WAITING");
+  EXPECT_FALSE(Now().seen);
+}
+
+TEST_F(Confirmation, IsNotRejectedByAnOldErrorOfTheSameId) {
+  Follow("beep", WaitFor::kFinished, Version::k300, "beep-1");
+  HearErrors(Error("E", "actionId", "beep-1"));
+  Publish();
+  HearErrors(Error("E", "actionId", "beep-1"));
+  EXPECT_EQ(Ending(), "WAITING");
+}
+
+std::string AboutMessage(std::uint32_t header_id) {
+  return fmt::format(
+      R"({{"errorType":"validationError","errorReferences":[)"
+      R"({{"referenceKey":"topic","referenceValue":"instantActions"}},)"
+      R"({{"referenceKey":"headerId","referenceValue":"{}"}}],"errorDescription":"version"}})",
+      header_id);
+}
+
+TEST_F(Confirmation, IsProbablyRejectedByANewErrorWithItsHeaderId) {
+  // vda-5050-lib, when it dislikes the header.
+  FollowAndPublish("startPause");
+  HearErrors(AboutMessage(kHeaderId));
+  EXPECT_EQ(Ending(), "REJECTED");
+  EXPECT_EQ(Told(), "probably ours, by its header id: validationError: version");
+}
+
+TEST_F(Confirmation, IsNotRejectedByAnErrorWithAnothersHeaderId) {
+  FollowAndPublish("startPause");
+  HearErrors(AboutMessage(kHeaderId - 1));
+  HearErrors(Error("orderError", "headerId", fmt::to_string(kHeaderId)));
+  EXPECT_EQ(Ending(), "WAITING");
+}
+
+TEST_F(Confirmation, IsNotRejectedByAnErrorThatHadItsHeaderIdBefore) {
+  for (const bool retained : {false, true}) {
+    Follow("startPause");
+    HearErrors(AboutMessage(kHeaderId), retained);
+    Publish();
+    HearErrors(AboutMessage(kHeaderId));
+    EXPECT_EQ(Ending(), "WAITING");
+    HearActions(Entry(kId, "FINISHED"), AboutMessage(kHeaderId));
+    EXPECT_EQ(Ending(), "FINISHED");
+  }
+}
+
+TEST_F(Confirmation, KnowsTheHeaderIdsOfEveryRepetition) {
+  FollowAndPublish("startPause");
+  Publish(kHeaderId + 1);
+  HearErrors(AboutMessage(kHeaderId));
+  EXPECT_EQ(Ending(), "REJECTED");
+}
+
+TEST_F(Confirmation, IsNotRejectedByItsHeaderIdWhileTheRobotListsTheAction) {
+  FollowAndPublish("startPause");
+  HearActions(Entry(kId, "RUNNING"), AboutMessage(kHeaderId));
+  EXPECT_EQ(Ending(), "WAITING");
+}
+
+TEST_F(Confirmation, TellsNewErrorsWithoutAnIdAsPossiblyRelated) {
+  Follow("startPause");
+  HearErrors(R"({"errorType":"lowBattery"})");
+  Publish();
+  HearErrors(R"({"errorType":"lowBattery"},{"errorType":"ActionTypeMismatch"})");
+  HearErrors("");
+  EXPECT_EQ(Ending(), "WAITING");
+  EXPECT_THAT(Told(), AllOf(HasSubstr("possibly related: ActionTypeMismatch"),
+                            Not(HasSubstr("lowBattery"))));
+}
+
+// ── vanished ──
+
+TEST_F(Confirmation, EndsWithVanishedWhenItIsNoLongerListed) {
+  FollowAndPublish("cancelOrder");
+  HearActions(Entry(kId, "RUNNING"));
+  HearActions(Entry(kOther, "RUNNING"));
+  EXPECT_EQ(Ending(), "VANISHED");
+  EXPECT_THAT(Told(), HasSubstr("no longer lists it, which last was RUNNING"));
+}
+
+TEST_F(Confirmation, DoesNotVanishBeforeItWasListed) {
+  FollowAndPublish("cancelOrder");
+  HearActions("");
+  HearActions("");
+  EXPECT_EQ(Ending(), "WAITING");
+  EXPECT_FALSE(Now().seen);
+}
+
+TEST_F(Confirmation, DoesNotVanishByAStateWithoutTheArray) {
+  FollowAndPublish("cancelOrder");
+  HearActions(Entry(kId, "RUNNING"));
+  HearState(R"("actionStates":[])");
+  HearState(R"("instantActionStates":null)");
+  EXPECT_EQ(Ending(), "WAITING");
+}
+
+TEST_F(Confirmation, DoesNotVanishByAnOlderState) {
+  const auto state = [&](int header_id, int second, const std::string& entries) {
+    HearState(fmt::format(
+        R"("headerId":{},"timestamp":"2026-01-02T03:04:{:02}.678Z","actionStates":[{}])", header_id,
+        second, entries));
+  };
+  FollowAndPublish("cancelOrder");
+  state(7, 10, Entry(kId, "RUNNING"));
+  state(6, 9, "");  // delivered again
+  EXPECT_EQ(Ending(), "WAITING");
+  state(0, 11, "");  // restarted
+  EXPECT_EQ(Ending(), "VANISHED");
+}
+
+TEST_F(Confirmation, VanishesAfterANewConnectionWhateverTheClockSays) {
+  FollowAndPublish("cancelOrder");
+  HearState(
+      fmt::format(R"("headerId":7,"timestamp":"2026-01-02T03:04:05.678Z","actionStates":[{}])",
+                  Entry(kId, "RUNNING")));
+  HearConnection("ONLINE");
+  HearState(R"("headerId":0,"timestamp":"1970-01-01T00:00:05.678Z","actionStates":[])");
+  EXPECT_EQ(Ending(), "VANISHED");
+}
+
+TEST_F(Confirmation, IsRejectedRatherThanVanishedWhenAnErrorSaysSo) {
+  FollowAndPublish("beep");
+  HearActions(Entry(kId, "WAITING"));
+  HearErrors(Error("unknownActionType", "actionId", kId));
+  EXPECT_EQ(Ending(), "REJECTED");
+}
+
+// ── connection ──
+
+TEST_F(Confirmation, EndsWithOfflineWhenTheRobotGoes) {
+  for (const std::string state : {"OFFLINE", "CONNECTION_BROKEN", "CONNECTIONBROKEN", "offline"}) {
+    FollowAndPublish("cancelOrder");
+    HearActions(Entry(kId, "RUNNING"));
+    HearConnection(state);
+    EXPECT_EQ(Ending(), "OFFLINE") << state;
+    EXPECT_THAT(Told(), HasSubstr("the action last was RUNNING"));
+  }
+}
+
+TEST_F(Confirmation, EndsWithOfflineWhenTheRobotGoesToSleep) {
+  FollowAndPublish("cancelOrder");
+  HearConnection("HIBERNATING");
+  EXPECT_EQ(Ending(), "OFFLINE");
+  EXPECT_EQ(Told(), "the robot became HIBERNATING while we waited; it has sent no state since");
+}
+
+TEST_F(Confirmation, TellsThatARetainedMessageSaysOffline) {
+  FollowAndPublish("startPause");
+  HearConnection("OFFLINE", kRetained);
+  EXPECT_EQ(Ending(), "WAITING");
+  EXPECT_THAT(Told(), HasSubstr("it is OFFLINE"));
+}
+
+struct ConnectionCase {
+  std::string type;
+  std::string state;
+  std::string ending;
+};
+
+TEST_F(Confirmation, EndsAsTheActionDoesWhenTheConnectionChanges) {
+  const ConnectionCase cases[] = {
+      {"shutdown", "OFFLINE", "FINISHED"},
+      {"shutdown", "CONNECTION_BROKEN", "OFFLINE"},  // its last will: no coordinated shutdown
+      {"shutdown", "ONLINE", "WAITING"},
+      {"startHibernation", "HIBERNATING", "FINISHED"},
+      {"startHibernation", "OFFLINE", "OFFLINE"},
+      {"startHibernation", "CONNECTION_BROKEN", "OFFLINE"},
+      {"stopHibernation", "ONLINE", "FINISHED"},
+      {"stopHibernation", "OFFLINE", "WAITING"},
+      {"stopHibernation", "CONNECTION_BROKEN", "WAITING"},
+      {"stopHibernation", "HIBERNATING", "WAITING"},
+      {"updateCertificate", "OFFLINE", "WAITING"},
+      {"updateCertificate", "CONNECTION_BROKEN", "WAITING"},
+      {"updateCertificate", "ONLINE", "WAITING"},
+      {"startPause", "ONLINE", "WAITING"},
+  };
+  for (const auto& [type, state, ending] : cases) {
+    FollowAndPublish(type);
+    HearConnection(state);
+    EXPECT_EQ(Ending(), ending) << type << " " << state;
+  }
+}
+
+TEST_F(Confirmation, LetsTheRobotReconnectForANewCertificate) {
+  FollowAndPublish("updateCertificate");
+  HearActions(Entry(kId, "RUNNING"));
+  HearConnection("CONNECTION_BROKEN");
+  EXPECT_THAT(Told(), HasSubstr("it is CONNECTION_BROKEN"));
+  HearConnection("ONLINE");
+  HearActions(Entry(kId, "FINISHED"));
+  EXPECT_EQ(Ending(), "FINISHED");
+}
+
+TEST_F(Confirmation, EndsHibernationAndShutdownByFinishedToo) {
+  for (const std::string type : {"shutdown", "startHibernation", "stopHibernation"}) {
+    FollowAndPublish(type);
+    HearActions(Entry(kId, "FINISHED"));
+    EXPECT_EQ(Ending(), "FINISHED") << type;
+    FollowAndPublish(type);
+    HearActions(Entry(kId, "FAILED"));
+    EXPECT_EQ(Ending(), "FAILED") << type;
+  }
+}
+
+// ── endings of their own ──
+
+TEST_F(Confirmation, TakesTheStateThatListsAStateRequestForItsAnswer) {
+  FollowAndPublish("stateRequest");
+  HearActions(Entry(kId, "RUNNING"));
+  EXPECT_EQ(Ending(), "FINISHED");
+  FollowAndPublish("stateRequest");
+  HearActions(Entry(kOther, "FINISHED"));
+  EXPECT_EQ(Ending(), "WAITING");
+}
+
+TEST_F(Confirmation, EndsAFactsheetRequestByALiveFactsheet) {
+  FollowAndPublish("factsheetRequest");
+  Hear("factsheet", R"({"version":"3.0.0"})", kRetained);
+  EXPECT_EQ(Ending(), "WAITING");
+  Hear("factsheet", "rubbish");
+  EXPECT_EQ(Ending(), "WAITING");
+  Hear("factsheet", R"({"version":"3.0.0"})");
+  EXPECT_EQ(Ending(), "FINISHED");
+  EXPECT_TRUE(Now().seen);
+}
+
+TEST_F(Confirmation, EndsAFactsheetRequestByFinishedToo) {
+  FollowAndPublish("factsheetRequest");
+  HearActions(Entry(kId, "FINISHED"));
+  EXPECT_EQ(Ending(), "FINISHED");
+}
+
+TEST_F(Confirmation, DoesNotCareForFactsheetsOtherwise) {
+  FollowAndPublish("startPause");
+  Hear("factsheet", R"({"version":"3.0.0"})");
+  EXPECT_EQ(Ending(), "WAITING");
+}
+
+TEST_F(Confirmation, EndsClearInstantActionsWhenItsOwnEntryIsCleared) {
+  FollowAndPublish("clearInstantActions");
+  HearActions(Entry(kId, "RUNNING"));
+  EXPECT_EQ(Ending(), "WAITING");
+  HearActions("");
+  EXPECT_EQ(Ending(), "FINISHED");
+}
+
+TEST_F(Confirmation, EndsClearInstantActionsWhenTheEndedOnesAreGone) {
+  Follow("clearInstantActions");
+  HearActions(Entry(kOther, "FINISHED") + "," + Entry("b", "RUNNING"));
+  Publish();
+  HearActions(Entry(kOther, "FINISHED") + "," + Entry("b", "RUNNING"));
+  EXPECT_EQ(Ending(), "WAITING");
+  HearActions(Entry("b", "RUNNING"));
+  EXPECT_EQ(Ending(), "FINISHED");
+}
+
+TEST_F(Confirmation, DoesNotTakeAnEmptyListForACleared) {
+  Follow("clearInstantActions");
+  HearActions(Entry(kOther, "FINISHED"), "", kRetained);  // who knows how old
+  Publish();
+  HearActions("");
+  HearState(R"("actionStates":[])");
+  EXPECT_EQ(Ending(), "WAITING");
+}
+
+// ── accepted ──
+
+TEST_F(Confirmation, EndsWithAcceptedWhenTheRobotListsIt) {
+  for (const std::string_view status :
+       {"WAITING", "INITIALIZING", "RUNNING", "PAUSED", "RETRIABLE", "FINISHED", "DREAMING"}) {
+    FollowAndPublish("cancelOrder", WaitFor::kAccepted);
+    HearActions("");
+    EXPECT_EQ(Ending(), "WAITING");
+    HearActions(Entry(kId, status));
+    EXPECT_EQ(Ending(), "ACCEPTED") << status;
+    EXPECT_EQ(Told(), fmt::format("the robot lists it as {}", status));
+  }
+}
+
+TEST_F(Confirmation, IsNotAcceptedWhenItFailedOrWasRejected) {
+  FollowAndPublish("cancelOrder", WaitFor::kAccepted);
+  HearActions(Entry(kId, "FAILED"));
+  EXPECT_EQ(Ending(), "FAILED");
+  FollowAndPublish("cancelOrder", WaitFor::kAccepted);
+  HearErrors(Error("E", "actionId", kId));
+  EXPECT_EQ(Ending(), "REJECTED");
+}
+
+// ── what to tell when time is up ──
+
+TEST_F(Confirmation, TellsWhetherItWasSeenAndWhatTheRobotLastSaid) {
+  FollowAndPublish("startPause");
+  EXPECT_EQ(Told(), "it has sent no state since");
+  HearState(R"("timestamp":"2026-01-02T03:04:05.678Z","operatingMode":"AUTOMATIC")");
+  EXPECT_EQ(Told(), "it has not listed the action; its last state is of 2026-01-02T03:04:05.678Z");
+  HearState(fmt::format(
+      R"("timestamp":"2026-01-02T03:04:06.678Z","actionStates":[{}],"operatingMode":"AUTOMATIC")",
+      Entry(kId, "RUNNING", R"(,"resultDescription":"lowering")")));
+  EXPECT_EQ(Told(),
+            "the action last was RUNNING; lowering; its last state is of "
+            "2026-01-02T03:04:06.678Z");
+}
+
+TEST_F(Confirmation, TellsAChangeOfMode) {
+  Follow("startPause");
+  HearState(R"("operatingMode":"AUTOMATIC")", kRetained);
+  Publish();
+  HearState(R"("operatingMode":"MANUAL")");
+  EXPECT_THAT(Told(), HasSubstr("the robot went from AUTOMATIC to MANUAL"));
+  HearActions(Entry(kId, "FAILED"));
+  EXPECT_EQ(Told(), "the robot went from AUTOMATIC to MANUAL");
+}
+
+TEST_F(Confirmation, TellsAModeInWhichARobotObeysNobody) {
+  FollowAndPublish("startPause");
+  HearState(R"("operatingMode":"service")");
+  EXPECT_THAT(Told(), HasSubstr("the robot is in SERVICE"));
+}
+
+}  // namespace
+}  // namespace fleetpub::vda5050
