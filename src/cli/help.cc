@@ -130,7 +130,7 @@ std::string Indented(std::string_view examples) {
 
 constexpr std::string_view kWhatItIs =
     "fleetpub sends the commands of a fleet's master control to mobile robots\n"
-    "(VDA 5050 over MQTT): built, stamped, validated, recorded, published.\n"
+    "(VDA 5050 over MQTT): built, validated, stamped, recorded, published, confirmed.\n"
     "It is no safety function and no emergency stop.\n";
 
 }  // namespace
@@ -141,7 +141,7 @@ std::string ShortHelp() {
       "Usage: fleetpub COMMAND [TARGET...] [OPTIONS]\n\n"
       "  fleetpub ping -b mqtt://localhost:1883   can the broker be reached?\n"
       "  fleetpub pause KIT/0001 --dry-run        the message that would be sent\n"
-      "  fleetpub pause KIT/0001                  send it (manufacturer/serialNumber)\n"
+      "  fleetpub pause KIT/0001 --wait           send it, and wait for the robot's word\n"
       "  fleetpub history                         what was sent\n\n"
       "fleetpub --help lists all commands, fleetpub COMMAND --help explains one.\n",
       kWhatItIs);
@@ -159,8 +159,9 @@ std::string GeneralHelp(const CLI::App& app) {
       "  fleetpub initPosition KIT/0001 --x 1.5 --y -2 --theta 0.5 --mapId hall-1\n"
       "      --lastNodeId n1\n"
       "  fleetpub cancelOrder KIT/0001 --vda 2.1 --dry-run -o json\n\n"
-      "Exit codes: 0 done, 2 usage, 3 invalid message, 4 broker, 8 ledger or file,\n"
-      "1 unexpected, 130 interrupted. fleetpub COMMAND --help explains a command.\n",
+      "Exit codes: 0 done, 2 usage, 3 invalid message, 4 broker, 5 the robot refused or\n"
+      "failed, 6 not confirmed, 7 refused by the check, 8 ledger or file, 1 unexpected,\n"
+      "130 interrupted. fleetpub COMMAND --help explains a command.\n",
       kWhatItIs, ActionLines(), CommandLines(HelpGroup::kRobots), CommandLines(HelpGroup::kLooking),
       CommandLines(HelpGroup::kChecking),
       OptionLines(app, [](const std::string& group) { return IsGlobalGroup(group); }));

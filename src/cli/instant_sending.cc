@@ -32,6 +32,7 @@ struct Addressee {
   Dialect dialect;
   KnownRobot known;
   InstantAction action;
+  bool unspeakable = false;  ///< it speaks a version that we do not
 };
 
 class InstantSender {
@@ -117,17 +118,23 @@ class InstantSender {
       if (!own) return Fail(own.error());
       filters.insert(filters.end(), own->begin(), own->end());
     }
-    const std::size_t wanted = addressees_.size();
     const auto messages = dispatch::Collect(
         *outgoing_.transport, filters, waiting_.discover,
-        [wanted](const std::vector<mqtt::Message>& got) {
-          return static_cast<std::size_t>(std::count_if(got.begin(), got.end(), [](const auto& m) {
-                   return m.topic.ends_with("/connection");
-                 })) >= wanted;
-        });
+        [this](const std::vector<mqtt::Message>& got) { return AllAreOnline(got); });
     if (!messages) return Fail(messages.error());
     for (Addressee& addressee : addressees_) Learn(*messages, addressee);
     return {};
+  }
+
+  // A robot may have left messages under another version long ago: only ONLINE ends the search at
+  // once.
+  [[nodiscard]] bool AllAreOnline(const std::vector<mqtt::Message>& messages) const {
+    const auto online = std::count_if(messages.begin(), messages.end(), [](const auto& message) {
+      if (!message.topic.ends_with("/connection")) return false;
+      const auto connection = vda5050::ReadConnection(message.payload);
+      return connection && connection->connection_state == "ONLINE";
+    });
+    return static_cast<std::size_t>(online) >= addressees_.size();
   }
 
   // What the messages tell of this robot; with `--vda auto` it is from now on spoken to as they
@@ -148,6 +155,7 @@ class InstantSender {
       addressee.known.connection = best.front().message;
       addressee.known.connection_topic = best.front().topic;
     }
+    addressee.unspeakable = !best.front().dialect;
     if (options_.instant.vda.IsAutomatic() && best.front().dialect) {
       addressee.dialect = *best.front().dialect;
     }
@@ -160,33 +168,40 @@ class InstantSender {
   void Check() {
     std::vector<Addressee> left;
     for (Addressee& addressee : addressees_) {
-      InstantAction named = addressee.action;
-      named.type = vda5050::NameIn(addressee.dialect.version, named.type);
-      vda5050::PreflightFindings findings =
-          vda5050::CheckRobot(addressee.robot, addressee.dialect, {&named, 1}, addressee.known);
-      if (!waiting_.check) findings.refusals = UnlessKnown(addressee);
-      for (const std::string& warning : findings.warnings) {
-        context_.output.Warn(warning);
-      }
+      const vda5050::PreflightFindings findings = FindingsOn(addressee);
+      for (const std::string& warning : findings.warnings) context_.output.Warn(warning);
       if (findings.refusals.empty()) {
         addressee.dialect.assumed = false;
         left.push_back(std::move(addressee));
       } else {
-        Refuse(addressee, named.type, base::Join(findings.refusals, "; "));
+        Refuse(addressee, findings.refusals.front());
       }
     }
     addressees_ = std::move(left);
   }
 
-  // Without a check, `--vda auto` still cannot speak to a robot that nobody has heard of.
-  static std::vector<std::string> UnlessKnown(const Addressee& addressee) {
-    if (addressee.known.connection || addressee.known.factsheet) return {};
-    return {
-        "no message of this robot is known to the broker, so its version cannot be told: name "
-        "it with --vda"};
+  [[nodiscard]] vda5050::PreflightFindings FindingsOn(const Addressee& addressee) const {
+    if (options_.instant.vda.IsAutomatic() && addressee.unspeakable) {
+      return {{"it speaks a version of VDA 5050 that fleetpub does not: try one with --vda"}, {}};
+    }
+    if (!waiting_.check) {  // `--vda auto` alone: only the version must be known
+      if (addressee.known.connection || addressee.known.factsheet) return {};
+      return {{"no message of this robot is known to the broker, so its version cannot be told: "
+               "name it with --vda"},
+              {}};
+    }
+    InstantAction named = addressee.action;
+    named.type = vda5050::NameIn(addressee.dialect.version, named.type);
+    const auto command =
+        vda5050::BuildInstantActions(addressee.robot, addressee.dialect, {&named, 1}, header_id_);
+    const std::size_t bytes =
+        command ? command->payload.Render(0, base::WallTime::clock::now()).size() : 0;
+    return vda5050::CheckRobot(addressee.robot, addressee.dialect, {&named, 1}, addressee.known,
+                               bytes);
   }
 
-  void Refuse(const Addressee& addressee, std::string_view type, const std::string& reason) {
+  void Refuse(const Addressee& addressee, const std::string& reason) {
+    const std::string_view type = vda5050::NameIn(addressee.dialect.version, addressee.action.type);
     dispatch::Report report;
     report.target = addressee.robot.ToString();
     report.protocol = "vda5050";

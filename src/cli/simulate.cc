@@ -177,10 +177,11 @@ Result<std::vector<RobotAddress>> Robots(const Options& o, Output& output) {
 
 volatile std::sig_atomic_t g_stopped = 0;
 
-// From now on Ctrl-C and `kill` are the orderly end.
+// From now on Ctrl-C and `kill` are the orderly end; a second one ends at once.
 void StopOnSignals() {
   struct sigaction action {};
   action.sa_handler = [](int) { g_stopped = 1; };
+  action.sa_flags = static_cast<int>(SA_RESETHAND);
   sigaction(SIGINT, &action, nullptr);
   sigaction(SIGTERM, &action, nullptr);
 }
@@ -221,10 +222,10 @@ Result<ExitCode> RunSimulate(const Options& o, const Context& context) {
   run.stopped = [] { return g_stopped != 0; };
   run.on_lost = [&](const Error& error) { output.Warn(error.message + "; trying again"); };
   run.on_ready = [&] {
+    StopOnSignals();
     fmt::print(stderr, "fleetpub: {} robot{} online at {}, version {}\n", robots->size(),
                robots->size() == 1 ? "" : "s", run.connect.brokers.front().ToString(), version);
   };
-  StopOnSignals();
   if (auto ended = robot::Run(**fleet, run); !ended) return Fail(std::move(ended.error()));
   return ExitCode::kDone;
 }

@@ -35,6 +35,8 @@ struct Subcommand {
 /// One per file of this folder.
 [[nodiscard]] Run DeclareAction(CLI::App& app);
 [[nodiscard]] Run DeclareActions(CLI::App& app);
+[[nodiscard]] Run DeclareAwait(CLI::App& app);
+[[nodiscard]] Run DeclareFleet(CLI::App& app);
 [[nodiscard]] Run DeclareHistory(CLI::App& app);
 [[nodiscard]] Run DeclareHistoryPrune(CLI::App& app);
 [[nodiscard]] Run DeclareHistoryShow(CLI::App& app);
@@ -43,6 +45,7 @@ struct Subcommand {
 [[nodiscard]] Run DeclareSchemaShow(CLI::App& app);
 [[nodiscard]] Run DeclareSimulate(CLI::App& app);
 [[nodiscard]] Run DeclareValidate(CLI::App& app);
+[[nodiscard]] Run DeclareWatch(CLI::App& app);
 
 /// A command that is a predefined instant action. `word` is what the person called it.
 [[nodiscard]] Run DeclareInstantAction(CLI::App& app, std::string_view word);

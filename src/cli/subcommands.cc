@@ -13,6 +13,17 @@ constexpr auto kSubcommands = std::to_array<Subcommand>({
      "action beep KIT/0001 -P duration:=3 -P mode=loud\n"
      "action customScan KIT/0001 KIT/0002 -P area:=@area.json --vda 2.1",
      DeclareAction},
+    {"fleet", kLooking, "[PATTERN]", "the robots known to the broker, and how they are",
+     "fleet\n"
+     "fleet 'KIT/*' -o json",
+     DeclareFleet},
+    {"watch", kLooking, "[PATTERN]", "the same, live", "watch\nwatch 'KIT/*' --for 1m -o json",
+     DeclareWatch},
+    {"await", kLooking, "TARGET TOPIC CONDITION...", "wait until a robot's message says so",
+     "await KIT/0001 state paused=true\n"
+     "await KIT/0001 state 'battery>=80' charging=false -W 2h\n"
+     "await KIT/0001 connection connectionState=ONLINE",
+     DeclareAwait},
     {"actions", kLooking, "", "the catalogue of predefined actions, with their parameters",
      "actions\n"
      "actions --vda 2.1 -o json",

@@ -2,20 +2,16 @@
 // record ─▶ report.
 #pragma once
 
-#include <functional>
 #include <memory>
 #include <span>
 
 #include "base/result.h"
 #include "dispatch/command.h"
+#include "dispatch/connect_hook.h"
 #include "dispatch/follow.h"
 #include "dispatch/send.h"
 
 namespace fleetpub::dispatch {
-
-/// Opens another connection to the same broker when the first one is lost. By the deadline.
-using ConnectHook =
-    std::function<Result<std::unique_ptr<mqtt::Transport>>(mqtt::Deadline deadline)>;
 
 /// Sends valid commands, each with a Confirmation, and waits for their ends. Reports come as they
 /// are known.

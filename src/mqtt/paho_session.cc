@@ -10,6 +10,7 @@
 #include <atomic>
 #include <cerrno>
 #include <mutex>
+#include <utility>
 
 #include "base/text.h"
 #include "mqtt/paho_errors.h"
@@ -117,7 +118,10 @@ void PahoSession::Disconnect() {
 bool PahoSession::Connected() const { return MQTTClient_isConnected(connection_.client) != 0; }
 
 void PahoSession::Acknowledge(int token, int reason) {
-  if (in_flight_.erase(token) == 0) return;
+  if (in_flight_.erase(token) == 0) {
+    early_.emplace_back(token, reason);
+    return;
+  }
   Acknowledgement& acknowledgement = acknowledgements.emplace_back();
   acknowledgement.token = token;
   acknowledgement.reason_code = reason;
@@ -205,6 +209,7 @@ Result<int> PahoSession::Publish(const Message& message, Retain retain, Deadline
   if (lost_) return Fail(*lost_);
   const std::lock_guard lock(PahoMutex());
   const PahoCall call(connection_.descriptor, deadline);
+  early_.clear();
   int token = 0;
   const int code = PahoPublish(message, retain, token);
   // At QoS 1 and 2 Paho says "success" of a message that it keeps for the next session: there will
@@ -212,6 +217,9 @@ Result<int> PahoSession::Publish(const Message& message, Retain retain, Deadline
   if (code != MQTTCLIENT_SUCCESS || !Connected()) return Lose(call, code, kClosed);
   if (message.qos == Qos::kAtMostOnce) return 0;
   in_flight_.insert(token);
+  for (const auto& [early, reason] : std::exchange(early_, {})) {
+    if (early == token) Acknowledge(early, reason);
+  }
   return token;
 }
 

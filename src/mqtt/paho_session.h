@@ -8,6 +8,7 @@
 #include <string>
 #include <string_view>
 #include <unordered_set>
+#include <utility>
 #include <vector>
 
 #include "base/result.h"
@@ -69,6 +70,8 @@ class PahoSession {
   PahoConnection connection_;
   std::chrono::milliseconds slice_;  // the longest that Paho may be left alone
   std::unordered_set<int> in_flight_;
+  // Acknowledgements that came before MQTTClient_publish() had returned the token.
+  std::vector<std::pair<int, int>> early_;
   std::optional<Error> lost_;
   int probes_ = 0;      // steps that look for a packet although nothing seems to be there
   bool stuck_ = false;  // the last step could have read, but did not get a whole packet

@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "base/text.h"
-#include "base/time.h"
 #include "vda5050/ending.h"
 #include "vda5050/robot_errors.h"
 #include "vda5050/robot_messages.h"
@@ -19,7 +18,9 @@ namespace {
 
 using dispatch::Verdict;
 
-// While it waits for an answer, a robot with one of these gives none.
+constexpr std::size_t kLongestMessage = 500;
+
+// A robot with one of these answers nobody.
 bool IsAway(std::string_view connection_state) {
   return connection_state == "OFFLINE" || connection_state == "CONNECTION_BROKEN" ||
          connection_state == "HIBERNATING";
@@ -37,21 +38,6 @@ void AddNew(std::vector<std::string>& texts, std::string text) {
   if (!known && texts.size() < kEnough) texts.push_back(std::move(text));
 }
 
-// When a state was made, as far as it says.
-struct Moment {
-  std::optional<std::uint32_t> header_id;
-  std::optional<base::WallTime> time;
-
-  explicit Moment(const MessageHeader& header)
-      : header_id(header.header_id), time(base::ParseDateTime(header.timestamp)) {}
-
-  // A falling header id alone is a robot that was restarted, a falling time alone its clock.
-  [[nodiscard]] bool IsBefore(const Moment& other) const {
-    return header_id && other.header_id && *header_id <= *other.header_id && time && other.time &&
-           *time < *other.time;
-  }
-};
-
 class InstantActionConfirmation final : public dispatch::Confirmation {
  public:
   struct RobotTopics {
@@ -60,7 +46,7 @@ class InstantActionConfirmation final : public dispatch::Confirmation {
     std::string factsheet;  ///< empty: not needed
   };
 
-  InstantActionConfirmation(RobotTopics topics, const std::string& type, std::string id,
+  InstantActionConfirmation(RobotTopics topics, std::string_view type, std::string id,
                             WaitFor wait_for)
       : topics_(std::move(topics)),
         id_(std::move(id)),
@@ -98,11 +84,11 @@ class InstantActionConfirmation final : public dispatch::Confirmation {
   [[nodiscard]] bool EndedOnesAreGone(const RobotState& state) const;
   [[nodiscard]] bool WasPublished() const { return !header_ids_.empty(); }
 
-  void End(Verdict verdict, std::string message);
+  void End(Verdict verdict, const std::string& message);
   void TellPending();
   [[nodiscard]] std::string FailureText(std::string_view result) const;
   [[nodiscard]] std::string ModeNote() const;
-  [[nodiscard]] std::string LastSaid() const;
+  [[nodiscard]] std::string LastSaid(std::string_view robot) const;
 
   RobotTopics topics_;
   std::string id_;
@@ -124,7 +110,7 @@ class InstantActionConfirmation final : public dispatch::Confirmation {
   std::string status_;
   std::string result_;
   bool listed_as_instant_ = false;
-  std::optional<Moment> listed_at_;
+  std::optional<MessageHeader> listed_at_;    // by the state that listed it last
   std::vector<std::string> own_errors_;       // told, of those that name our actionId
   std::vector<std::string> probable_errors_;  // our header id
   std::vector<std::string> unnamed_errors_;
@@ -211,7 +197,7 @@ void InstantActionConfirmation::OnListed(const ActionState& entry, const RobotSt
   const auto& instant = state.instant_action_states;
   listed_as_instant_ = std::any_of(instant.begin(), instant.end(),
                                    [&](const ActionState& other) { return other.id == id_; });
-  listed_at_ = Moment(state.header);
+  listed_at_ = state.header;
   if (status_ == "FAILED") return End(Verdict::kFailed, FailureText(result_));
   if (wait_for_ == WaitFor::kAccepted) {
     return End(Verdict::kAccepted, fmt::format("the robot lists it as {}", Shown(status_)));
@@ -223,7 +209,7 @@ void InstantActionConfirmation::OnListed(const ActionState& entry, const RobotSt
         "{0}, or help at the robot",
         Shown(id_));
     Append(message, FailureText(result_));
-    End(Verdict::kRetriable, std::move(message));
+    End(Verdict::kRetriable, message);
   }
 }
 
@@ -238,7 +224,7 @@ void InstantActionConfirmation::OnAbsent(const RobotState& state) {
     std::string message =
         fmt::format("the robot no longer lists it, which last was {}", Shown(status_));
     Append(message, FailureText(result_));
-    return End(Verdict::kVanished, std::move(message));
+    return End(Verdict::kVanished, message);
   }
   if (EndedOnesAreGone(state)) {
     progress_.seen = true;
@@ -250,7 +236,7 @@ void InstantActionConfirmation::OnAbsent(const RobotState& state) {
 // Only after it was listed, and only by a state that has the array and was not made before: the
 // network may deliver an older one twice.
 bool InstantActionConfirmation::IsGone(const RobotState& state) const {
-  if (!listed_at_ || Moment(state.header).IsBefore(*listed_at_)) return false;
+  if (!listed_at_ || IsBefore(state.header, *listed_at_)) return false;
   return listed_as_instant_ ? state.has_instant_action_states : state.has_action_states;
 }
 
@@ -273,20 +259,20 @@ bool InstantActionConfirmation::EndedOnesAreGone(const RobotState& state) const 
 void InstantActionConfirmation::OnConnection(const ConnectionMessage& message, bool retained) {
   connection_ = message.connection_state;
   if (retained || !WasPublished()) return;
-  if (listed_at_) listed_at_ = Moment({});  // a new session may count and date anew
+  if (listed_at_) listed_at_ = MessageHeader();  // a new session may count and date anew
   if (!ending_.connection_state.empty() && connection_ == ending_.connection_state) {
     progress_.seen = true;
     return End(Verdict::kFinished, fmt::format("the robot is {}", connection_));
   }
   if (!IsAway(connection_) || ending_.may_reconnect) return;
   End(Verdict::kOffline,
-      fmt::format("the robot became {} while we waited; {}", connection_, LastSaid()));
+      fmt::format("the robot became {} while we waited; {}", connection_, LastSaid("it")));
 }
 
-void InstantActionConfirmation::End(Verdict verdict, std::string message) {
+void InstantActionConfirmation::End(Verdict verdict, const std::string& message) {
   progress_.ended = true;
   progress_.verdict = verdict;
-  progress_.message = std::move(message);
+  progress_.message = Shown(message, kLongestMessage);
 }
 
 // The robot's result, and the errors that are nearest to being about us.
@@ -311,13 +297,14 @@ std::string InstantActionConfirmation::ModeNote() const {
   return is_usual ? "" : fmt::format("the robot is in {}", Shown(mode_));
 }
 
-std::string InstantActionConfirmation::LastSaid() const {
+std::string InstantActionConfirmation::LastSaid(std::string_view robot) const {
   if (listed_at_) return fmt::format("the action last was {}", Shown(status_));
-  return states_ == 0 ? "it has sent no state since" : "it has not listed the action";
+  return fmt::format("{} has {}", robot,
+                     states_ == 0 ? "sent no state since" : "not listed the action");
 }
 
 void InstantActionConfirmation::TellPending() {
-  std::string text = LastSaid();
+  std::string text = LastSaid("the robot");
   if (listed_at_) Append(text, Shown(result_));
   if (states_ > 0 && !last_timestamp_.empty()) {
     Append(text, "its last state is of " + Shown(last_timestamp_));
@@ -330,14 +317,14 @@ void InstantActionConfirmation::TellPending() {
   const bool has_reason = !own_errors_.empty() || !probable_errors_.empty() ||
                           !unnamed_errors_.empty() || !ModeNote().empty();
   if (has_reason) Append(text, FailureText(""));
-  progress_.message = std::move(text);
+  progress_.message = Shown(text, kLongestMessage);
 }
 
 }  // namespace
 
 Result<std::unique_ptr<dispatch::Confirmation>> ConfirmInstantAction(const RobotAddress& robot,
                                                                      const Dialect& dialect,
-                                                                     std::string action_type,
+                                                                     std::string_view action_type,
                                                                      std::string action_id,
                                                                      WaitFor wait_for) {
   InstantActionConfirmation::RobotTopics topics;

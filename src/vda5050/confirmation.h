@@ -19,6 +19,7 @@
 
 #include <memory>
 #include <string>
+#include <string_view>
 
 #include "base/result.h"
 #include "dispatch/confirmation.h"
@@ -35,7 +36,7 @@ enum class WaitFor {
 /// Follows the action of this type and id. The type is the one that the version knows
 /// (dispatch::Command::actions has it). Errors: ErrorKind::kUsage (topic).
 [[nodiscard]] Result<std::unique_ptr<dispatch::Confirmation>> ConfirmInstantAction(
-    const RobotAddress& robot, const Dialect& dialect, std::string action_type,
+    const RobotAddress& robot, const Dialect& dialect, std::string_view action_type,
     std::string action_id, WaitFor wait_for = WaitFor::kFinished);
 
 }  // namespace fleetpub::vda5050

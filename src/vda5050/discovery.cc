@@ -204,14 +204,14 @@ std::optional<Discovered> DialectFrom(const Dialect& base, std::string_view topi
 }
 
 std::vector<Discovered> OnePerRobot(std::vector<Discovered> found) {
-  std::map<RobotAddress, Discovered> best;
+  std::map<std::string, Discovered> best;
   for (Discovered& one : found) {
-    const auto [it, is_new] = best.try_emplace(one.robot, one);
+    const auto [it, is_new] = best.try_emplace(one.robot.ToString(), one);
     if (!is_new && IsLess(it->second, one)) it->second = std::move(one);
   }
   std::vector<Discovered> robots;
   robots.reserve(best.size());
-  for (auto& [robot, one] : best) robots.push_back(std::move(one));
+  for (auto& [address, one] : best) robots.push_back(std::move(one));
   return robots;
 }
 

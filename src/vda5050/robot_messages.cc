@@ -11,6 +11,7 @@
 
 #include "base/json.h"
 #include "base/text.h"
+#include "base/time.h"
 
 namespace fleetpub::vda5050 {
 namespace {
@@ -210,6 +211,13 @@ MessageHeader ReadHeader(const Value& message) {
           .version = Text(message, {"version"}),
           .manufacturer = Text(message, {"manufacturer"}),
           .serial_number = Text(message, {"serialNumber"})};
+}
+
+bool IsBefore(const MessageHeader& a, const MessageHeader& b) {
+  if (!a.header_id || !b.header_id || *a.header_id > *b.header_id) return false;
+  const auto time_a = base::ParseDateTime(a.timestamp);
+  const auto time_b = base::ParseDateTime(b.timestamp);
+  return time_a && time_b && *time_a < *time_b;
 }
 
 RobotState ReadState(const Value& message) {

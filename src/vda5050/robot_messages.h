@@ -122,6 +122,10 @@ struct Factsheet {
 [[nodiscard]] Factsheet ReadFactsheet(const rapidjson::Value& message);
 [[nodiscard]] MessageHeader ReadHeader(const rapidjson::Value& message);
 
+/// Whether one message of a topic was made before another. Only when both header id and timestamp
+/// say so: a falling id alone is a robot that was restarted, a falling time alone its clock.
+[[nodiscard]] bool IsBefore(const MessageHeader& a, const MessageHeader& b);
+
 /// The action's entry, in whichever array it stands, or null. Some robots list a repeated action
 /// twice: then the entry that has come furthest. The pointer lives as long as `state`.
 [[nodiscard]] const ActionState* FindActionState(const RobotState& state, std::string_view id);

@@ -169,7 +169,7 @@ TEST_F(Refusals, CtrlCEndsWith130AndSaysWhatWasSent) {
   const BrokenBroker deaf(BrokenBroker::Answers({BrokenBroker::Connack(0)}));
   operator_.UseBroker(deaf.Url());
   Process run(operator_.Prepare({"pause", "KIT/0001", "-q", "1", "--debug"}));
-  ASSERT_TRUE(run.AwaitErrors("PUBLISH"));
+  ASSERT_TRUE(run.AwaitErrors("-> PUBLISH"));
   run.Signal(SIGINT);
   EXPECT_EQ(run.Wait(), 130);
   EXPECT_THAT(run.Errors(), HasSubstr("1 of 1 messages were sent"));

@@ -38,6 +38,7 @@ void ExpectTraffic(const ConnectOptions& options, std::size_t large_size = 1 << 
   const std::string large(large_size, 'y');
   ASSERT_TRUE(both->Publish({"t/large", large, Qos::kAtLeastOnce}, Soon()));
   EXPECT_EQ(MustReceive(*both).payload, large);
+  while (both->in_flight() > 0) ASSERT_FALSE(both->AwaitAcknowledgements(Soon())->empty());
   both->Disconnect();
 }
 
@@ -45,6 +46,18 @@ TEST(Tls, CarriesTraffic) {
   const Mosquitto broker(Certificates::Get().Listener());
   ExpectTraffic(Trusting(broker.Url("mqtts", "localhost")));
   ExpectTraffic(V5(Trusting(broker.Url("mqtts", "localhost"))));
+}
+
+// Paho goes on reading while it writes a message in parts, which it does only on TLS.
+TEST(Tls, KeepsAnAcknowledgementThatComesDuringPublishing) {
+  const Mosquitto broker(Certificates::Get().Listener());
+  const auto master = Connected(Trusting(broker.Url("mqtts", "localhost")));
+  const auto sent = master->Publish({"t", std::string(16 << 20, 'x'), Qos::kAtLeastOnce}, Soon());
+  ASSERT_TRUE(sent) << sent.error().message;
+  const auto acknowledged = master->AwaitAcknowledgements(In(std::chrono::seconds(5)));
+  ASSERT_TRUE(acknowledged);
+  ASSERT_EQ(acknowledged->size(), 1U);
+  EXPECT_EQ(acknowledged->front().token, *sent);
 }
 
 TEST(Tls, ChecksAnAddressInNumbersToo) {

@@ -153,6 +153,23 @@ TEST(ReadState, KeepsWhatIsNotSaidApartFromFalse) {
   EXPECT_EQ(state.operating_mode, "");
 }
 
+TEST(IsBefore, WantsHeaderIdAndTimestampToSaySo) {
+  const std::string_view now = "2026-01-02T03:04:05.678Z";
+  const std::string_view earlier = "2026-01-02T03:04:04.678Z";
+  const auto header = [](std::optional<std::uint32_t> header_id, std::string_view timestamp) {
+    return MessageHeader{.header_id = header_id, .timestamp = std::string(timestamp)};
+  };
+  const MessageHeader reference = header(7, now);
+  EXPECT_TRUE(IsBefore(header(6, earlier), reference));
+  EXPECT_TRUE(IsBefore(header(7, earlier), reference));
+  EXPECT_FALSE(IsBefore(reference, reference));
+  EXPECT_FALSE(IsBefore(header(0, now), reference));      // restarted
+  EXPECT_FALSE(IsBefore(header(8, earlier), reference));  // its clock was set back
+  EXPECT_FALSE(IsBefore(header(std::nullopt, earlier), reference));
+  EXPECT_FALSE(IsBefore(header(6, "yesterday"), reference));
+  EXPECT_FALSE(IsBefore(header(6, earlier), MessageHeader()));
+}
+
 TEST(FindActionState, LooksInBothArrays) {
   const auto state = StateOf(R"({"actionStates":[{"actionId":"a","actionStatus":"RUNNING"}],
     "instantActionStates":[{"actionId":"b","actionStatus":"WAITING"}]})");

@@ -1,0 +1,57 @@
+#include "cli/listening.h"
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+
+#include "base/time.h"
+#include "mqtt/paho_transport.h"
+
+namespace fleetpub::cli {
+
+using std::chrono::milliseconds;
+
+void DeclareTopicOptions(CLI::App& app, VdaOptions& options) {
+  app.add_option("--interface", options.interface_name, "First topic level [any]")
+      ->type_name("NAME")
+      ->envname("FLEETPUB_INTERFACE")
+      ->group("VDA 5050");
+  app.add_option("--topic-template", options.topic_template,
+                 "The topic, with its placeholders in braces (see the manual)")
+      ->type_name("TEMPLATE")
+      ->group("VDA 5050");
+}
+
+void DeclareFleetOptions(CLI::App& app, FleetOptions& options) {
+  app.add_option("pattern", options.pattern,
+                 "Robots: manufacturer/serialNumber with * and ?, quoted [all]")
+      ->type_name("PATTERN");
+  DeclareTopicOptions(app, options.vda);
+}
+
+Result<vda5050::FleetView> FleetViewOf(const FleetOptions& options) {
+  const auto dialect = DialectOf(options.vda);
+  if (!dialect) return Fail(dialect.error());
+  auto pattern = vda5050::ParseRobotPattern(options.pattern.empty() ? "*/*" : options.pattern);
+  if (!pattern) return Fail(std::move(pattern.error()));
+  return vda5050::FleetView(dialect->topics, *std::move(pattern));
+}
+
+dispatch::ConnectHook ConnectHookOf(mqtt::ConnectOptions options) {
+  return [options = std::move(options)](mqtt::Deadline deadline) {
+    mqtt::ConnectOptions timely = options;
+    const auto left = std::chrono::ceil<milliseconds>(deadline - std::chrono::steady_clock::now());
+    timely.connect_timeout = std::clamp(left, milliseconds(1), options.connect_timeout);
+    return mqtt::ConnectPaho(timely);
+  };
+}
+
+Result<dispatch::CollectOptions> DiscoverOf(const std::string& text) {
+  const auto quiet = base::ParseDuration(text, milliseconds(1));
+  if (!quiet) return Fail(quiet.error());
+  dispatch::CollectOptions options;
+  options.quiet = *quiet;
+  options.most = std::max(options.most, *quiet);
+  return options;
+}
+
+}  // namespace fleetpub::cli

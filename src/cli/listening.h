@@ -1,0 +1,42 @@
+// What the commands that listen have in common: whose topics, and a connection that comes back.
+#pragma once
+
+#include <chrono>
+#include <string>
+
+#include "base/result.h"
+#include "cli/global_options.h"
+#include "cli/vda_options.h"
+#include "dispatch/collect.h"
+#include "dispatch/connect_hook.h"
+#include "vda5050/fleet_view.h"
+#include "vda5050/robot_pattern.h"
+
+namespace CLI {
+class App;
+}
+
+namespace fleetpub::cli {
+
+/// `--interface` and `--topic-template`.
+void DeclareTopicOptions(CLI::App& app, VdaOptions& options);
+
+/// Options of `fleet` and `watch`.
+struct FleetOptions {
+  std::string pattern;  ///< empty: all
+  VdaOptions vda;
+};
+
+/// The pattern and the topics' options.
+void DeclareFleetOptions(CLI::App& app, FleetOptions& options);
+
+/// An empty view for these options. Errors: ErrorKind::kUsage.
+[[nodiscard]] Result<vda5050::FleetView> FleetViewOf(const FleetOptions& options);
+
+/// Connects as these options say; at most the connect timeout and the deadline.
+[[nodiscard]] dispatch::ConnectHook ConnectHookOf(mqtt::ConnectOptions options);
+
+/// `--discover`: a number of milliseconds. Errors: ErrorKind::kUsage.
+[[nodiscard]] Result<dispatch::CollectOptions> DiscoverOf(const std::string& text);
+
+}  // namespace fleetpub::cli

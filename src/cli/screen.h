@@ -1,0 +1,43 @@
+// The terminal as a screen that is redrawn in place.
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <string>
+
+namespace fleetpub::cli {
+
+/// From now on SIGINT and SIGTERM end the process at once, with exit code 0: the normal end of a
+/// command that watches. When there is a Screen, the terminal is restored first.
+void EndQuietlyOnSignals();
+
+/// Standard output's terminal while this lives: alternate screen, no cursor, keys not echoed.
+/// Restored by the destructor and before any signal's end; Ctrl-Z leaves the screen and `fg` comes
+/// back to it. One at a time.
+class Screen {
+ public:
+  /// Whether standard output is a terminal that can be redrawn.
+  [[nodiscard]] static bool IsPossible();
+
+  Screen();
+  Screen(const Screen&) = delete;
+  Screen& operator=(const Screen&) = delete;
+  ~Screen();
+
+  struct Size {
+    std::size_t rows;
+    std::size_t columns;
+  };
+  [[nodiscard]] Size size() const;
+
+  /// Whether the size or the content has changed since the last call without our doing.
+  [[nodiscard]] bool WasDisturbed();
+
+  /// Replaces what is shown. Lines are printable but for colours, and no wider than the screen.
+  void Draw(std::span<const std::string> lines);
+
+  /// The next key that was pressed, or 0. Does not wait.
+  [[nodiscard]] char Key();
+};
+
+}  // namespace fleetpub::cli

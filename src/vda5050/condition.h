@@ -1,0 +1,37 @@
+// What `fleetpub await` waits for: `paused=true`, `/batteryState/batteryCharge>=80`.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "base/rapidjson.h"
+#include "base/result.h"
+
+namespace fleetpub::vda5050 {
+
+enum class Comparison { kEqual, kUnequal, kLess, kAtMost, kMore, kAtLeast };
+
+/// A member of a message, compared with a value.
+struct Condition {
+  /// A JSON Pointer (RFC 6901) when it begins with `/`; else a top-level member or, when the
+  /// message has none of that name, an alias: `battery`, `charging`, `x` …
+  std::string path;
+  Comparison comparison = Comparison::kEqual;
+  /// As written, without blanks around it. A text is compared with this, unless it is a JSON text
+  /// itself.
+  std::string wanted;
+  /// `wanted` as JSON; nothing when it is none.
+  std::optional<rapidjson::Document> value;
+};
+
+/// Parses `PATH=VALUE`, also with `!=`, `<`, `<=`, `>`, `>=`. Errors: ErrorKind::kUsage with the
+/// right form.
+[[nodiscard]] Result<Condition> ParseCondition(std::string_view text);
+
+/// What the message says instead (`paused is false`, `there is no /batteryState`); nothing when it
+/// satisfies the condition. A member that is not there satisfies none, not even `!=`.
+[[nodiscard]] std::optional<std::string> Unmet(const Condition& condition,
+                                               const rapidjson::Value& message);
+
+}  // namespace fleetpub::vda5050

@@ -1,0 +1,26 @@
+// Several robots by one name: `KIT/*`, `*/000?`.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "base/result.h"
+#include "vda5050/discovery.h"
+#include "vda5050/robot_address.h"
+
+namespace fleetpub::vda5050 {
+
+/// `*` stands for any text, `?` for any one character, in each of the two parts.
+struct RobotPattern {
+  std::string manufacturer = "*";
+  std::string serial_number = "*";
+
+  [[nodiscard]] bool Matches(const RobotAddress& robot) const;
+  /// What of it a broker can sort out.
+  [[nodiscard]] RobotFilter Filter() const;
+};
+
+/// Parses `manufacturer/serialNumber` with wildcards. Errors: ErrorKind::kUsage.
+[[nodiscard]] Result<RobotPattern> ParseRobotPattern(std::string_view text);
+
+}  // namespace fleetpub::vda5050

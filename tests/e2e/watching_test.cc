@@ -1,0 +1,284 @@
+// `fleet`, `watch` and `await` with virtual robots.
+#include <gmock/gmock.h>
+
+#include <thread>
+
+#include "support/operator.h"
+
+namespace fleetpub::testing {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::Not;
+using ::testing::SizeIs;
+using ::testing::StartsWith;
+
+class Watching : public EndToEnd {
+ protected:
+  // Robots that are online when this returns.
+  std::unique_ptr<Process> Simulate(std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), "simulate");
+    auto robots = Start(std::move(arguments));
+    EXPECT_TRUE(robots->AwaitErrors("online at")) << robots->Errors();
+    return robots;
+  }
+  std::unique_ptr<Process> Start(std::vector<std::string> arguments) {
+    return std::make_unique<Process>(operator_.Prepare(std::move(arguments)));
+  }
+};
+
+// ── await ──
+
+TEST_F(Watching, AwaitsWhatAnotherProcessBringsAbout) {
+  const auto robot = Simulate({"KIT/0001", "--state-interval", "200ms"});
+  const auto waiting =
+      Start({"await", "KIT/0001", "state", "paused=true", "battery>50", "-W", "15s", "-o", "json"});
+  ASSERT_TRUE(broker_.AwaitLog("+/+/KIT/0001/state (QoS 1)"));
+  EXPECT_FALSE(waiting->Wait(std::chrono::milliseconds(400)));
+  EXPECT_EQ(Fleetpub({"pause", "KIT/0001"}).exit_code, 0);
+  EXPECT_EQ(waiting->Wait(), 0) << waiting->Errors();
+  const auto message = Json(waiting->Output());
+  EXPECT_TRUE(message["paused"].GetBool());
+  EXPECT_STREQ(message["serialNumber"].GetString(), "0001");
+}
+
+TEST_F(Watching, AwaitsWithARetainedMessageOfAnyVersion) {
+  const auto robot = Simulate({"KIT/0001", "--vda", "2.0"});
+  const Finished run =
+      Fleetpub({"await", "KIT/0001", "connection", "connectionState=ONLINE", "-W", "5s"});
+  EXPECT_EQ(run.exit_code, 0) << run.errors;
+  EXPECT_THAT(run.output, AllOf(StartsWith("KIT/0001  connection  "), HasSubstr("\"ONLINE\"")));
+  EXPECT_THAT(Lines(run.output), SizeIs(1));
+  EXPECT_EQ(Fleetpub({"await", "KIT/0001", "factsheet", "version=2.0.0", "--vda", "2", "-W", "5s"})
+                .exit_code,
+            0);
+  const Finished other = Fleetpub(
+      {"await", "KIT/0001", "connection", "connectionState=ONLINE", "--vda", "3", "-W", "300ms"});
+  EXPECT_EQ(other.exit_code, 6);
+  EXPECT_THAT(other.errors, HasSubstr("KIT/0001: no connection message came within 300 ms"));
+}
+
+TEST_F(Watching, TellsWhatTheLastMessageSaidWhenTimeIsUp) {
+  const auto robot = Simulate({"KIT/0001", "--state-interval", "100ms"});
+  const Finished run = Fleetpub({"await", "KIT/0001", "state", "paused=true", "driving=false",
+                                 "operatingMode=MANUAL", "/a/b=1", "-W", "500ms"});
+  EXPECT_EQ(run.exit_code, 6);
+  EXPECT_THAT(run.output, IsEmpty());
+  EXPECT_EQ(run.errors,
+            "fleetpub: error: KIT/0001: not so within 500 ms: in its last state message paused is "
+            "false, operatingMode is \"AUTOMATIC\", there is no /a/b\n");
+}
+
+TEST_F(Watching, RefusesConditionsThatCannotBeMeant) {
+  const std::pair<const char*, const char*> cases[] = {
+      {"paused", "quotation marks"}, {"=1", "names no member"}, {"/a~2=1", "JSON Pointer"}};
+  for (const auto& [condition, reason] : cases) {
+    const Finished run = Fleetpub({"await", "KIT/0001", "state", condition});
+    EXPECT_EQ(run.exit_code, 2);
+    EXPECT_THAT(run.errors, HasSubstr(reason));
+  }
+  EXPECT_EQ(Fleetpub({"await", "KIT/0001", "state"}).exit_code, 2);
+  EXPECT_EQ(Fleetpub({"await", "KIT", "state", "a=1"}).exit_code, 2);
+  EXPECT_EQ(Fleetpub({"await", "KIT/0001", "sta+te", "a=1"}).exit_code, 2);
+  EXPECT_THAT(Fleetpub({"await", "KIT/0001", "sate", "a=1", "-W", "10ms"}).errors,
+              HasSubstr("did you mean state?"));
+}
+
+TEST_F(Watching, AwaitsThroughARestartOfTheBroker) {
+  const auto waiting = Start({"await", "KIT/0001", "state", "paused=true", "-W", "20s"});
+  ASSERT_TRUE(broker_.AwaitLog("KIT/0001/state"));
+  broker_.Kill();
+  ASSERT_TRUE(waiting->AwaitErrors("connecting again"));
+  broker_.Restart();
+  ASSERT_TRUE(waiting->AwaitErrors("connected again")) << waiting->Errors();
+  const auto robot = Simulate({"KIT/0001"});
+  EXPECT_EQ(Fleetpub({"pause", "KIT/0001"}).exit_code, 0);
+  EXPECT_EQ(waiting->Wait(), 0) << waiting->Errors();
+}
+
+TEST_F(Watching, SaysThatTheBrokerIsNotThere) {
+  operator_.UseBroker("mqtt://127.0.0.1:1");
+  for (const auto& arguments : std::vector<std::vector<std::string>>{
+           {"await", "KIT/0001", "state", "a=1"}, {"fleet"}, {"watch"}}) {
+    EXPECT_EQ(Fleetpub(arguments).exit_code, 4) << arguments.front();
+  }
+}
+
+// ── fleet ──
+
+TEST_F(Watching, ShowsTheFleet) {
+  const auto old =
+      Simulate({"ACME/7", "--vda", "1.1", "--mode", "MANUAL", "--state-interval", "100ms"});
+  const auto robots = Simulate({"KIT/0001", "--count", "2", "--state-interval", "100ms"});
+  const Finished run = Fleetpub({"fleet"});
+  EXPECT_EQ(run.exit_code, 0) << run.errors;
+  const auto lines = Lines(run.output);
+  ASSERT_THAT(lines, SizeIs(4));
+  EXPECT_THAT(lines[0], StartsWith("TARGET    VERSION  CONNECTION  SINCE"));
+  EXPECT_THAT(lines[1], AllOf(StartsWith("ACME/7    1.1.0    ONLINE"), HasSubstr("MANUAL")));
+  EXPECT_THAT(lines[2], AllOf(StartsWith("KIT/0001  3.0.0    ONLINE"), HasSubstr("80%")));
+  EXPECT_THAT(run.errors, IsEmpty());
+}
+
+TEST_F(Watching, ShowsTheRobotsOfAPatternAsJson) {
+  auto robots = Simulate({"KIT/0001", "--count", "3", "--vda", "2.1"});
+  robots->Signal();
+  EXPECT_EQ(robots->Wait(), 0);
+  const auto online = Simulate({"KIT/0010", "--with-order", "--state-interval", "100ms"});
+  const auto lines = Lines(Fleetpub({"fleet", "*/00?[", "-o", "json"}).output);
+  EXPECT_THAT(lines, IsEmpty());
+  const auto some = Lines(Fleetpub({"fleet", "K*/001?", "-o", "json"}).output);
+  ASSERT_THAT(some, SizeIs(1));
+  const auto robot = Json(some[0]);
+  EXPECT_STREQ(robot["target"].GetString(), "KIT/0010");
+  EXPECT_STREQ(robot["connectionState"].GetString(), "ONLINE");
+  EXPECT_FALSE(std::string(robot["orderId"].GetString()).empty());
+  EXPECT_TRUE(robot["errors"].IsArray());
+  const auto gone = Json(Lines(Fleetpub({"fleet", "KIT/0002", "-o", "json"}).output).at(0));
+  EXPECT_STREQ(gone["version"].GetString(), "2.1.0");
+  EXPECT_STREQ(gone["connectionState"].GetString(), "OFFLINE");
+  EXPECT_TRUE(gone["paused"].IsNull());
+}
+
+TEST_F(Watching, WarnsOfRobotsThatKeepTheirStateToThemselves) {
+  const auto robot = Simulate({"KIT/0001", "--silent"});
+  const Finished run = Fleetpub({"fleet", "--state-wait", "400ms"});
+  EXPECT_EQ(run.exit_code, 0);
+  EXPECT_THAT(run.errors, HasSubstr("1 of 1 robots sent no state within 400 ms"));
+  EXPECT_THAT(Fleetpub({"fleet", "--state-wait", "0", "--discover", "100"}).errors, IsEmpty());
+}
+
+TEST_F(Watching, SaysThatThereIsNobody) {
+  const Finished all = Fleetpub({"fleet"});
+  EXPECT_EQ(all.exit_code, 7);
+  EXPECT_THAT(all.errors, HasSubstr("knows no robot: "));
+  const Finished some = Fleetpub({"fleet", "KIT/*", "-o", "json"});
+  EXPECT_EQ(some.exit_code, 7);
+  EXPECT_THAT(some.output, IsEmpty());
+  EXPECT_THAT(some.errors, HasSubstr("knows no robot KIT/*: "));
+  EXPECT_EQ(Fleetpub({"fleet", "KIT"}).exit_code, 2);
+}
+
+// ── watch ──
+
+TEST_F(Watching, WritesALineForEachChange) {
+  const auto robot = Simulate({"KIT/0001", "--state-interval", "50ms"});
+  const auto watch = Start({"watch", "KIT/*", "--for", "20s"});
+  ASSERT_TRUE(watch->AwaitOutput("paused no"));
+  EXPECT_EQ(Fleetpub({"pause", "KIT/0001"}).exit_code, 0);
+  ASSERT_TRUE(watch->AwaitOutput("paused yes"));
+  watch->Signal(SIGINT);
+  EXPECT_EQ(watch->Wait(), 0);
+  // Unknown, known, paused: repeated states are no change.
+  EXPECT_LE(Lines(watch->Output()).size(), 3U) << watch->Output();
+  EXPECT_THAT(watch->Output(), Not(HasSubstr("\x1b")));
+}
+
+TEST_F(Watching, WritesChangesAsJsonUntilTimeIsUp) {
+  const auto robot = Simulate({"KIT/0001", "--state-interval", "50ms"});
+  const Finished run = Fleetpub({"watch", "-o", "json", "--for", "500ms"});
+  EXPECT_EQ(run.exit_code, 0) << run.errors;
+  const auto lines = Lines(run.output);
+  ASSERT_FALSE(lines.empty());
+  EXPECT_LE(lines.size(), 2U);
+  const auto last = Json(lines.back());
+  EXPECT_STREQ(last["target"].GetString(), "KIT/0001");
+  EXPECT_FALSE(last["paused"].GetBool());
+  EXPECT_TRUE(last["time"].IsString());
+}
+
+TEST_F(Watching, ComesBackAfterARestartOfTheBroker) {
+  const auto watch = Start({"watch"});
+  ASSERT_TRUE(broker_.AwaitLog("+/+/+/+/connection"));
+  broker_.Kill();
+  ASSERT_TRUE(watch->AwaitErrors("was lost"));
+  broker_.Restart();
+  ASSERT_TRUE(watch->AwaitErrors("connected again"));
+  const auto robot = Simulate({"KIT/0001"});
+  EXPECT_TRUE(watch->AwaitOutput("KIT/0001  3.0.0  ONLINE"));
+  watch->Signal(SIGTERM);
+  EXPECT_EQ(watch->Wait(), 0);
+}
+
+// ── on a terminal ──
+
+/// A terminal of a given size in which one shell command runs.
+class Terminal {
+ public:
+  Terminal(const Operator& someone, const std::vector<std::string>& arguments, int columns,
+           int rows) {
+    std::string line = "env -u NO_COLOR";
+    const Command command = someone.Prepare(arguments);
+    for (const auto& [name, value] : command.environment) {
+      if (value) line += " " + name + "='" + *value + "'";
+    }
+    for (const std::string& argument : command.arguments) line += " '" + argument + "'";
+    line += "; echo exit code $?; stty -a | grep -o -- '-\\?icanon'; sleep 100";
+    Tmux({"new-session", "-d", "-x", std::to_string(columns), "-y", std::to_string(rows), line});
+  }
+  Terminal(const Terminal&) = delete;
+  Terminal& operator=(const Terminal&) = delete;
+  ~Terminal() { Tmux({"kill-server"}); }
+
+  void Press(const std::string& key) { Tmux({"send-keys", key}); }
+  void Resize(int columns, int rows) {
+    Tmux({"resize-window", "-x", std::to_string(columns), "-y", std::to_string(rows)});
+  }
+  [[nodiscard]] std::string Shown() { return Tmux({"capture-pane", "-p"}); }
+  // 1: the alternate screen, or the cursor.
+  [[nodiscard]] std::string Flags() {
+    return Tmux({"display-message", "-p", "#{alternate_on} #{cursor_flag}"});
+  }
+  bool Await(const std::string& text) {
+    const auto deadline = std::chrono::steady_clock::now() + Process::kPatience;
+    while (std::chrono::steady_clock::now() < deadline) {
+      if (Shown().find(text) != std::string::npos) return true;
+      std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    }
+    ADD_FAILURE() << "no '" << text << "' in:\n" << Shown();
+    return false;
+  }
+
+ private:
+  std::string Tmux(std::vector<std::string> arguments) {
+    const std::vector<std::string> server = {"tmux", "-S", folder_ / "tmux", "-f", "/dev/null"};
+    arguments.insert(arguments.begin(), server.begin(), server.end());
+    return Run({.arguments = std::move(arguments), .environment = {{"TERM", "xterm"}}}).output;
+  }
+
+  TemporaryFolder folder_;
+};
+
+class OnATerminal : public Watching {};
+
+TEST_F(OnATerminal, RedrawsInPlaceAndRestoresTheScreen) {
+  const auto robots = Simulate({"KIT/0001", "--count", "9", "--state-interval", "100ms"});
+  Terminal terminal(operator_, {"watch"}, 100, 8);
+  ASSERT_TRUE(terminal.Await("9 robots, 9 online"));
+  ASSERT_TRUE(terminal.Await("5 more are not shown"));
+  EXPECT_EQ(terminal.Flags(), "1 0\n");
+  EXPECT_EQ(Fleetpub({"pause", "KIT/0001"}).exit_code, 0);
+  ASSERT_TRUE(terminal.Await("yes"));
+  terminal.Resize(30, 14);
+  ASSERT_TRUE(terminal.Await("KIT/0009"));
+  EXPECT_THAT(terminal.Shown(), Not(HasSubstr("MODE")));
+  terminal.Press("q");
+  ASSERT_TRUE(terminal.Await("exit code 0\nicanon"));
+  EXPECT_EQ(terminal.Flags(), "0 1\n");
+}
+
+TEST_F(OnATerminal, IsRestoredWhenInterrupted) {
+  Terminal terminal(operator_, {"watch"}, 60, 8);
+  ASSERT_TRUE(terminal.Await("0 robots"));
+  broker_.Kill();
+  ASSERT_TRUE(terminal.Await("was lost"));
+  terminal.Press("C-c");
+  ASSERT_TRUE(terminal.Await("icanon"));
+  EXPECT_THAT(terminal.Shown(), Not(HasSubstr("-icanon")));
+  EXPECT_EQ(terminal.Flags(), "0 1\n");
+}
+
+}  // namespace
+}  // namespace fleetpub::testing
