@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <limits>
 #include <memory>
+#include <set>
 
 #include "base/text.h"
 #include "base/time.h"
@@ -19,7 +20,10 @@ namespace {
 
 using std::chrono::steady_clock;
 using vda5050::FleetView;
+using vda5050::RobotAddress;
 using vda5050::RobotView;
+
+constexpr std::chrono::seconds kSubscribe{10};
 
 struct Options {
   FleetOptions fleet;
@@ -40,34 +44,64 @@ Result<Patience> PatienceOf(const Options& o) {
   return Patience{*discover, *state_wait};
 }
 
-void Deliver(const mqtt::Message& message, FleetView& view) {
-  view.Deliver(message.topic, message.payload,
-               message.retained ? vda5050::Origin::kRetained : vda5050::Origin::kLive);
-}
-
 // Online robots that have not said how they are.
-std::size_t Silent(const FleetView& view) {
-  const auto robots = view.robots();
-  return static_cast<std::size_t>(
-      std::count_if(robots.begin(), robots.end(),
-                    [](const RobotView* robot) { return robot->IsOnline() && !robot->state; }));
+std::set<RobotAddress> Silent(const FleetView& view) {
+  std::set<RobotAddress> silent;
+  for (const RobotView* robot : view.robots()) {
+    if (robot->IsOnline() && !robot->state) silent.insert(robot->robot);
+  }
+  return silent;
 }
 
-// What is retained, and then what the robots say until all have spoken or time is up.
+// Takes in what comes until `end()`, which each message may move. `taken` hears of whom it was.
+template <typename End, typename Taken>
+Status Read(mqtt::Transport& transport, FleetView& view, const End& end, const Taken& taken) {
+  for (auto until = end(); steady_clock::now() < until; until = end()) {
+    const auto message = transport.Receive(until);
+    if (!message) return Fail(message.error());
+    if (!*message) continue;
+    const auto origin = (*message)->retained ? vda5050::Origin::kRetained : vda5050::Origin::kLive;
+    const RobotView* robot = view.Deliver((*message)->topic, (*message)->payload, origin);
+    taken(origin, robot);
+  }
+  return {};
+}
+
+// What the broker has retained. Only that puts the end off: a busy fleet is never silent.
+Status TakeRetained(mqtt::Transport& transport, const dispatch::CollectOptions& discover,
+                    FleetView& view) {
+  const auto start = steady_clock::now();
+  auto quiet_at = start + discover.quiet;
+  return Read(
+      transport, view, [&] { return std::min(quiet_at, start + discover.most); },
+      [&](vda5050::Origin origin, const RobotView* /*robot*/) {
+        if (origin == vda5050::Origin::kRetained) quiet_at = steady_clock::now() + discover.quiet;
+      });
+}
+
+// What the robots that are online say, until all have spoken; or, if none is known, until one does.
+Status AwaitStates(mqtt::Transport& transport, mqtt::Deadline end, FleetView& view) {
+  auto silent = Silent(view);
+  const bool nobody = view.size() == 0;
+  return Read(
+      transport, view,
+      [&] {
+        const bool waits = nobody ? view.size() == 0 : !silent.empty();
+        return waits ? end : mqtt::Deadline();
+      },
+      [&](vda5050::Origin /*origin*/, const RobotView* robot) {
+        if (robot != nullptr && robot->state) silent.erase(robot->robot);
+      });
+}
+
 Status Gather(mqtt::Transport& transport, const Patience& patience, FleetView& view) {
   const auto filters = view.Filters();
   if (!filters) return Fail(filters.error());
-  const auto end = steady_clock::now() + patience.state_wait;
-  const auto messages =
-      dispatch::Collect(transport, *filters, patience.discover, [](const auto&) { return false; });
-  if (!messages) return Fail(messages.error());
-  for (const mqtt::Message& message : *messages) Deliver(message, view);
-  while (steady_clock::now() < end && Silent(view) > 0) {
-    const auto message = transport.Receive(end);
-    if (!message) return Fail(message.error());
-    if (*message) Deliver(**message, view);
-  }
-  return {};
+  const auto start = steady_clock::now();
+  auto ok = transport.Subscribe(*filters, mqtt::Qos::kAtLeastOnce, start + kSubscribe);
+  if (ok) ok = TakeRetained(transport, patience.discover, view);
+  if (ok) ok = AwaitStates(transport, start + patience.state_wait, view);
+  return ok;
 }
 
 void Show(const FleetView& view, Output& output) {
@@ -105,7 +139,8 @@ Result<ExitCode> RunFleet(const Options& o, const Context& context) {
   (*transport)->Disconnect();
   if (view->size() == 0) return Fail(NoRobot(broker, o.fleet.pattern));
   Show(*view, context.output);
-  if (const std::size_t silent = Silent(*view); silent > 0 && patience->state_wait.count() > 0) {
+  if (const std::size_t silent = Silent(*view).size();
+      silent > 0 && patience->state_wait.count() > 0) {
     context.output.Warn(
         fmt::format("{} of {} robots sent no state within {}; they repeat it at least every 30 s: "
                     "--state-wait 35s waits for it",

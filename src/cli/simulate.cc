@@ -132,6 +132,9 @@ Status SetDrop(const Options& o, robot::Settings& settings) {
 }
 
 Result<robot::Settings> SettingsOf(const Options& o) {
+  if (o.version == "auto") {
+    return Fail(ErrorKind::kUsage, "--vda auto is for robots that are there: name a version");
+  }
   const auto dialect = DialectOf({.version = o.version,
                                   .interface_name = o.interface_name,
                                   .topic_template = o.topic_template,

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <charconv>
 #include <limits>
+#include <set>
 
 #include "base/text.h"
 #include "vda5050/catalogue.h"
@@ -116,6 +117,7 @@ Result<vda5050::Dialect> DialectOf(const VdaOptions& o) {
 Result<std::vector<vda5050::RobotAddress>> RobotsOf(const std::vector<std::string>& targets,
                                                     Output& output) {
   std::vector<vda5050::RobotAddress> robots;
+  std::set<vda5050::RobotAddress> known;
   if (targets.empty()) {
     return Fail(ErrorKind::kUsage,
                 "name at least one robot as manufacturer/serialNumber, such as KIT/0001");
@@ -123,7 +125,7 @@ Result<std::vector<vda5050::RobotAddress>> RobotsOf(const std::vector<std::strin
   for (const std::string& target : targets) {
     auto robot = vda5050::ParseRobotAddress(target);
     if (!robot) return Fail(std::move(robot.error()));
-    if (std::find(robots.begin(), robots.end(), *robot) != robots.end()) {
+    if (!known.insert(*robot).second) {
       output.Warn(fmt::format("{} is named twice: commanded once", target));
       continue;
     }

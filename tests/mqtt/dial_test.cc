@@ -1,9 +1,14 @@
 #include "mqtt/dial.h"
 
+#include <arpa/inet.h>
 #include <fcntl.h>
+#include <netinet/in.h>
 #include <poll.h>
+#include <sys/socket.h>
 
+#include <array>
 #include <chrono>
+#include <stdexcept>
 
 #include "connecting.h"
 #include "support/broken_broker.h"
@@ -18,6 +23,33 @@ using ::testing::HasSubstr;
 using ::testing::SizeIs;
 
 std::vector<Address> At(std::uint16_t port) { return Lookup("127.0.0.1", port, Soon()).value(); }
+
+// A listener whose queue is full: the system drops every further attempt without an answer.
+class Unresponsive {
+ public:
+  Unresponsive() : listener_(socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
+    sockaddr_in address{};
+    address.sin_family = AF_INET;
+    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    socklen_t length = sizeof address;
+    auto* const generic = reinterpret_cast<sockaddr*>(&address);
+    if (bind(listener_.get(), generic, length) != 0 || listen(listener_.get(), 0) != 0 ||
+        getsockname(listener_.get(), generic, &length) != 0) {
+      throw std::runtime_error("no listener");
+    }
+    port_ = ntohs(address.sin_port);
+    for (Descriptor& filler : fillers_) {
+      filler = Descriptor(socket(AF_INET, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
+      static_cast<void>(connect(filler.get(), generic, length));
+    }
+  }
+  [[nodiscard]] std::uint16_t port() const { return port_; }
+
+ private:
+  Descriptor listener_;
+  std::array<Descriptor, 4> fillers_;
+  std::uint16_t port_ = 0;
+};
 
 TEST(Lookup, KnowsNumbersAndLocalhostWithoutAsking) {
   const Deadline past = In(milliseconds(-1));
@@ -56,7 +88,8 @@ TEST(Dial, GoesOnToTheNextAddress) {
 
 TEST(Dial, DoesNotWaitForAnAddressThatSaysNothing) {
   const BrokenBroker peer(BrokenBroker::Silent());
-  auto addresses = *Lookup("192.0.2.1", 1883, Soon());  // RFC 5737: nobody's
+  const Unresponsive dead;
+  auto addresses = At(dead.port());
   addresses.push_back(At(peer.port()).front());
   const auto start = std::chrono::steady_clock::now();
   EXPECT_TRUE(Dial(addresses, Soon()));
@@ -70,8 +103,10 @@ TEST(Dial, TellsTheFirstReason) {
 }
 
 TEST(Dial, EndsAtItsDeadline) {
-  const auto socket = Dial(*Lookup("192.0.2.1", 1883, Soon()), In(milliseconds(50)));
+  const Unresponsive dead;
+  const auto socket = Dial(At(dead.port()), In(milliseconds(50)));
   ASSERT_FALSE(socket);
+  EXPECT_EQ(socket.error().message, "no answer");
 }
 
 }  // namespace

@@ -1,5 +1,10 @@
 // TLS and WebSockets against a real mosquitto.
+#include <openssl/evp.h>
+#include <openssl/sha.h>
+
 #include <algorithm>
+#include <array>
+#include <memory>
 
 #include "certificates.h"
 #include "connecting.h"
@@ -138,6 +143,78 @@ TEST(Tls, SpeaksNothingOlderThan12) {
        .input = std::nullopt});
   ASSERT_TRUE(server.AwaitOutput("ACCEPT")) << server.Errors();
   EXPECT_THAT(Refusal(Trusting("mqtts://localhost:" + port)).message, HasSubstr("TLS"));
+}
+
+// A PUBLISH of MQTT 3.1.1 at QoS 0.
+std::string PublishPacket(const std::string& topic, const std::string& payload) {
+  std::string packet = "0";
+  packet += static_cast<char>(2 + topic.size() + payload.size());
+  packet += '\0';
+  packet += static_cast<char>(topic.size());
+  return packet + topic + payload;
+}
+
+// What one record of TLS brings is with OpenSSL, where poll() sees nothing of it.
+TEST(Tls, FindsTheMessageBehindAPingresp) {
+  FLEETPUB_NEEDS_FAST_CONNECT();
+  const auto& files = Certificates::Get();
+  const std::string port = std::to_string(fleetpub::testing::FreePort());
+  fleetpub::testing::Process server(
+      {.arguments = {"openssl", "s_server", "-quiet", "-accept", port, "-cert",
+                     files / "server.crt", "-key", files / "server.key"},
+       .input = std::nullopt});
+  server.Write(BrokenBroker::Connack(0));
+  std::unique_ptr<Transport> robot;
+  const auto patience = Soon();  // s_server says nothing of its listening when it is quiet
+  while (robot == nullptr && std::chrono::steady_clock::now() < patience) {
+    if (auto connected = ConnectPaho(Trusting("mqtts://localhost:" + port))) {
+      robot = *std::move(connected);
+    }
+  }
+  ASSERT_NE(robot, nullptr) << server.Errors();
+  server.Write(std::string("\xD0\0", 2) + PublishPacket("t", "first") +
+               PublishPacket("t", "second"));
+  EXPECT_EQ(MustReceive(*robot).payload, "first");
+  EXPECT_EQ(MustReceive(*robot).payload, "second");
+}
+
+// RFC 6455 §4.2.2.
+std::string AcceptKey(const std::string& request) {
+  const std::string_view name = "Sec-WebSocket-Key: ";
+  const std::size_t start = request.find(name) + name.size();
+  const std::string key = request.substr(start, request.find('\r', start) - start) +
+                          "258EAFA5-E914-47DA-95CA-C5AB0DC85B11";
+  std::array<unsigned char, SHA_DIGEST_LENGTH> digest{};
+  SHA1(reinterpret_cast<const unsigned char*>(key.data()), key.size(), digest.data());
+  std::array<unsigned char, 64> text{};
+  const int length = EVP_EncodeBlock(text.data(), digest.data(), static_cast<int>(digest.size()));
+  return {reinterpret_cast<const char*>(text.data()), static_cast<std::size_t>(length)};
+}
+
+std::string Frame(const std::string& packets) {
+  return std::string("\x82", 1) + static_cast<char>(packets.size()) + packets;
+}
+
+TEST(WebSocket, FindsEveryMessageOfAFrame) {
+  FLEETPUB_NEEDS_FAST_CONNECT();
+  const BrokenBroker broker([](int socket) {
+    using fleetpub::testing::ReadSome;
+    using fleetpub::testing::WriteTo;
+    WriteTo(socket,
+            "HTTP/1.1 101 Switching Protocols\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n"
+            "Sec-WebSocket-Accept: " +
+                AcceptKey(ReadSome(socket)) + "\r\n\r\n");
+    static_cast<void>(ReadSome(socket));
+    WriteTo(socket, Frame(BrokenBroker::Connack(0)));
+    WriteTo(socket, Frame(PublishPacket("t", "first") + PublishPacket("t", "second") +
+                          PublishPacket("t", "third")));
+    while (!ReadSome(socket).empty()) {
+    }
+  });
+  const auto robot = Connected(To(broker.Url("ws")));
+  for (const std::string payload : {"first", "second", "third"}) {
+    EXPECT_EQ(MustReceive(*robot).payload, payload);
+  }
 }
 
 // mosquitto 2.0.11 sends 4 KB in 100 ms over WebSockets, on its own initiative.

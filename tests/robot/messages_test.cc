@@ -10,9 +10,9 @@ namespace {
 
 using vda5050::Version;
 
-class Messages : public EachVersion {};
+class RobotMessages : public EachVersion {};
 
-INSTANTIATE_TEST_SUITE_P(Versions, Messages, ::testing::ValuesIn(vda5050::kVersions), VersionName);
+INSTANTIATE_TEST_SUITE_P(Versions, RobotMessages, ::testing::ValuesIn(vda5050::kVersions), VersionName);
 
 using Names = std::vector<std::string>;
 
@@ -40,7 +40,7 @@ void ExpectMembers(const rapidjson::Value& message, const Names& names) {
   for (const std::string& name : names) EXPECT_TRUE(message.HasMember(name)) << name;
 }
 
-TEST_P(Messages, ConnectionSatisfiesItsSchema) {
+TEST_P(RobotMessages, ConnectionSatisfiesItsSchema) {
   Conversation robot(Plain());
   robot.End();
   schema::Registry registry;
@@ -56,7 +56,7 @@ TEST_P(Messages, ConnectionSatisfiesItsSchema) {
   EXPECT_EQ(robot.Connections(), "ONLINE OFFLINE");
 }
 
-TEST_P(Messages, StateHasWhatItsVersionRequires) {
+TEST_P(RobotMessages, StateHasWhatItsVersionRequires) {
   const Conversation robot(Plain());
   const auto state = robot.Last("state");
   ExpectMembers(state, kHeader);
@@ -69,7 +69,7 @@ TEST_P(Messages, StateHasWhatItsVersionRequires) {
   EXPECT_EQ(state.HasMember("maps"), GetParam() >= Version::k210);
 }
 
-TEST_P(Messages, FactsheetListsEveryInstantActionOfItsVersion) {
+TEST_P(RobotMessages, FactsheetListsEveryInstantActionOfItsVersion) {
   const Conversation robot(Plain());
   const auto factsheet = robot.Last("factsheet");
   if (GetParam() == Version::k110) {
@@ -107,14 +107,14 @@ TEST(Factsheet, SaysWhichParametersAreOptional) {
   FAIL() << "downloadMap is not listed";
 }
 
-TEST_P(Messages, CountHeaderIdsPerTopic) {
+TEST_P(RobotMessages, CountHeaderIdsPerTopic) {
   Conversation robot(Plain());
   robot.Do("startPause");
   EXPECT_EQ(robot.At("/headerId"), "1");
   EXPECT_EQ(robot.Last("connection")["headerId"].GetInt(), 1);  // 0 is the last will's
 }
 
-TEST_P(Messages, ComeAtTheIntervalWhenNothingHappens) {
+TEST_P(RobotMessages, ComeAtTheIntervalWhenNothingHappens) {
   Settings settings = Plain();
   settings.state_interval = std::chrono::seconds(5);
   Conversation robot(settings);
