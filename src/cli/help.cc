@@ -50,7 +50,8 @@ std::string NamesOf(const CLI::Option& option) {
   for (const std::string& name : option.get_snames()) names.push_back("-" + name);
   for (const std::string& name : option.get_lnames()) names.push_back("--" + name);
   std::string text = base::Join(names, ",");
-  if (option.get_items_expected_max() > 0) text += " " + option.get_type_name();
+  const std::string type = option.get_type_name();  // behind a colon CLI11 adds its validators
+  if (option.get_items_expected_max() > 0) text += " " + type.substr(0, type.find(':'));
   return text;
 }
 
@@ -115,7 +116,8 @@ std::string ActionExamples(std::string_view name) {
     const bool number = parameter.type != vda5050::ParameterType::kString;
     parameters += fmt::format(" --{} {}", parameter.name, number ? "1.5" : "TEXT");
   }
-  return fmt::format("{0} KIT/0001{1}\n{0} KIT/0001{1} --vda 2.1 --dry-run", name, parameters);
+  return fmt::format("{0} KIT/0001{1} --wait\n{0} KIT/0001{1} --vda 2.1 --dry-run", name,
+                     parameters);
 }
 
 std::string Indented(std::string_view examples) {

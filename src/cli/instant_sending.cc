@@ -244,6 +244,7 @@ void DeclareInstantSendingOptions(CLI::App& app, InstantSendingOptions& options)
   DeclareInstantOptions(app, options.instant);
   DeclareSendingOptions(app, options.sending);
   DeclareWaitingOptions(app, options.waiting);
+  DeclareVdaOptions(app, options.instant.vda);
 }
 
 Result<ExitCode> SendInstantAction(const InstantSendingOptions& options, std::string_view type,

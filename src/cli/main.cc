@@ -95,7 +95,8 @@ ExitCode RunMain(std::vector<std::string> arguments) {
   GlobalOptions options;
   CLI::App app;
   app.set_help_flag("-h,--help", "Print this help")->group("Output");
-  app.set_version_flag("--version", [] { return std::string("fleetpub " FLEETPUB_VERSION); })
+  app.set_version_flag(
+         "--version", [] { return std::string("fleetpub " FLEETPUB_VERSION); }, "Print the version")
       ->group("Output");
   DeclareGlobalOptions(app, options);
 

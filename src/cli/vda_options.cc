@@ -86,7 +86,6 @@ void DeclareInstantOptions(CLI::App& app, InstantOptions& o) {
   add("--descriptor", o.descriptor, "TEXT", "Free text on the action");
   add("--blocking-type", o.blocking_type, "TYPE", "NONE, SOFT, HARD; 3.0 allows NONE only [NONE]");
   add("--header-id", o.header_id, "N", "The headerId, above the topic's last [the next]");
-  DeclareVdaOptions(app, o.vda);
 }
 
 Result<vda5050::Dialect> DialectOf(const VdaOptions& o) {

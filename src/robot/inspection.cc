@@ -75,6 +75,10 @@ void Blame(Inspection& inspection, const schema::Violation& violation) {
 
 }  // namespace
 
+std::string Inspection::Place(std::string_view topic) const {
+  return header_id.empty() ? std::string(topic) : fmt::format("{} headerId {}", topic, header_id);
+}
+
 Inspection Inspector::Open(std::string_view payload, std::string_view topic) {
   Inspection inspection;
   auto message = base::ParseJson(payload);

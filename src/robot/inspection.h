@@ -27,6 +27,9 @@ struct Inspection {
   std::string fault;
   /// Of an instantActions message, as far as they can be read.
   std::vector<ReceivedAction> actions;
+
+  /// `instantActions headerId 7`
+  [[nodiscard]] std::string Place(std::string_view topic) const;
 };
 
 /// Belongs to one thread.

@@ -94,13 +94,7 @@ class Runner {
   Status Turn() {
     const auto now = steady_clock::now();
     const auto until = unanswered_.empty() ? std::min(fleet_.Due(), now + kGlance) : now;
-    auto message = transport_->Receive(until);
-    while (message && *message) {
-      unanswered_.push_back(**std::move(message));
-      if (unanswered_.size() >= kMostUnanswered) break;
-      message = transport_->Receive(now);
-    }
-    if (!message) return Fail(std::move(message.error()));
+    if (auto read = Read(until); !read) return read;
     for (std::size_t i = 0; i < kAnsweredAtOnce && !unanswered_.empty(); ++i) {
       fleet_.Receive(unanswered_.front(), Now(), out_);
       unanswered_.pop_front();
@@ -108,6 +102,18 @@ class Runner {
     if (fleet_.Due() <= steady_clock::now()) fleet_.Tick(Now(), out_);
     if (auto sent = Send(); !sent) return sent;
     return LookAfterWills();
+  }
+
+  // Everything that has come; waits for the first message.
+  Status Read(mqtt::Deadline until) {
+    while (unanswered_.size() < kMostUnanswered) {
+      auto message = transport_->Receive(until);
+      if (!message) return Fail(std::move(message.error()));
+      if (!*message) break;
+      unanswered_.push_back(std::move(**message));
+      until = steady_clock::now();
+    }
+    return {};
   }
 
   Status Send() {

@@ -16,6 +16,7 @@ struct RobotAddress {
 
   /// `KIT/0001`
   [[nodiscard]] std::string ToString() const { return manufacturer + "/" + serial_number; }
+  // NOLINTNEXTLINE(modernize-use-nullptr): clang-tidy takes the 0 that it implies for a pointer.
   friend auto operator<=>(const RobotAddress&, const RobotAddress&) = default;
 };
 

@@ -84,7 +84,8 @@ TEST_F(Fleets, DropTheirShareRepeatably) {
     settings.drop = 0.3;
     settings.drop_seed = seed;
     const auto fleet = Make(settings, 1000);
-    for (const RobotAddress& robot : *CountUp({"KIT", "0001"}, 1000)) {
+    const auto robots = CountUp({"KIT", "0001"}, 1000);
+    for (const RobotAddress& robot : *robots) {
       fleet->Receive(Pause(robot.serial_number), now_, out_);
     }
     return out_.size();

@@ -12,7 +12,8 @@ using vda5050::Version;
 
 class RobotMessages : public EachVersion {};
 
-INSTANTIATE_TEST_SUITE_P(Versions, RobotMessages, ::testing::ValuesIn(vda5050::kVersions), VersionName);
+INSTANTIATE_TEST_SUITE_P(Versions, RobotMessages, ::testing::ValuesIn(vda5050::kVersions),
+                         VersionName);
 
 using Names = std::vector<std::string>;
 

@@ -97,8 +97,12 @@ TEST_P(VirtualRobots, AnswerRequests) {
   EXPECT_EQ(robot.Times("factsheet"), factsheets + (known ? 1 : 0));
 }
 
-TEST_P(VirtualRobots, KeepMaps) {
-  if (!words().HasMaps()) GTEST_SKIP();
+class VirtualRobotsWithMaps : public EachVersion {};
+
+INSTANTIATE_TEST_SUITE_P(Versions, VirtualRobotsWithMaps,
+                         ::testing::Values(Version::k210, Version::k300), VersionName);
+
+TEST_P(VirtualRobotsWithMaps, KeepThem) {
   Conversation robot(Plain());
   EXPECT_EQ(robot.Of(robot.Do("downloadMap", MapDownload("map-1", "2"))), "FINISHED");
   EXPECT_EQ(robot.At("/maps/1/mapStatus"), R"("DISABLED")");

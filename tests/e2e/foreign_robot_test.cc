@@ -1,0 +1,88 @@
+// A robot that we did not write: the virtual AGV of vda-5050-lib (tests/peers/virtual_agv.mjs).
+#include <gmock/gmock.h>
+
+#include "support/operator.h"
+
+namespace fleetpub::testing {
+namespace {
+
+using ::testing::HasSubstr;
+
+struct Dialect {
+  const char* version;
+  /// This release of the library expects `instantActions` in 2.0, too.
+  std::vector<std::string> options;
+};
+
+class ForeignRobot : public EndToEnd, public ::testing::WithParamInterface<Dialect> {
+ protected:
+  ForeignRobot()
+      : robot_({.arguments = {"node", FLEETPUB_SOURCE_DIR "/tests/peers/virtual_agv.mjs",
+                              broker_.Url(), GetParam().version, "LIB", "0001"}}) {
+    if (!robot_.AwaitOutput("online")) throw std::runtime_error(robot_.Errors());
+  }
+
+  /// Commands the robot and waits for its word.
+  [[nodiscard]] Finished Command(std::vector<std::string> arguments) const {
+    for (const char* argument : {"--vda", GetParam().version, "--wait", "-W", "20s"}) {
+      arguments.emplace_back(argument);
+    }
+    const auto& more = GetParam().options;
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return Fleetpub(std::move(arguments));
+  }
+
+  Process robot_;
+};
+
+INSTANTIATE_TEST_SUITE_P(Versions, ForeignRobot,
+                         ::testing::Values(Dialect{"1.1.0", {}},
+                                           Dialect{"2.0.0", {"--actions-key", "instantActions"}}),
+                         [](const auto& robot) { return robot.index == 0 ? "V110" : "V200"; });
+
+TEST_P(ForeignRobot, PausesAndGoesOn) {
+  const Finished pause = Command({"pause", "LIB/0001"});
+  EXPECT_EQ(pause.exit_code, 0) << pause.errors;
+  EXPECT_THAT(pause.output, HasSubstr("LIB/0001  startPause  FINISHED"));
+  const Finished resume = Command({"resume", "LIB/0001"});
+  EXPECT_EQ(resume.exit_code, 0) << resume.errors;
+  EXPECT_THAT(resume.output, HasSubstr("stopPause  FINISHED"));
+}
+
+TEST_P(ForeignRobot, TakesOverAPosition) {
+  const Finished run = Command({"initPosition", "LIB/0001", "--x", "1.5", "--y", "-2", "--theta",
+                                "0.5", "--mapId", "hall-1", "--lastNodeId", "n1"});
+  EXPECT_EQ(run.exit_code, 0) << run.errors;
+  EXPECT_THAT(run.output, HasSubstr("initPosition  FINISHED"));
+}
+
+TEST_P(ForeignRobot, AnswersAStateRequest) {
+  EXPECT_EQ(Command({"stateRequest", "LIB/0001"}).exit_code, 0);
+}
+
+TEST_P(ForeignRobot, RefusesAnActionThatItDoesNotKnow) {
+  const Finished run = Command({"action", "beep", "LIB/0001", "--no-check"});
+  EXPECT_EQ(run.exit_code, 5);
+  EXPECT_THAT(run.output + run.errors, HasSubstr("not supported"));
+}
+
+TEST_P(ForeignRobot, HasNoOrderToCancel) {
+  const Finished run = Command({"cancel", "LIB/0001"});
+  EXPECT_EQ(run.exit_code, 5);
+  EXPECT_THAT(run.output + run.errors, HasSubstr("no active order"));
+}
+
+TEST_P(ForeignRobot, RefusesAMessageThatItCallsInvalid) {
+  const Finished run = Command({"pause", "LIB/0001", "--header-version", "2.1.0", "--no-check"});
+  EXPECT_EQ(run.exit_code, 5);
+  EXPECT_THAT(run.output + run.errors, HasSubstr("not compatible"));
+}
+
+TEST_P(ForeignRobot, IsNotTheOneWhoseSerialNumberIsMistyped) {
+  const Finished run = Command({"resume", "LIB/0002"});
+  EXPECT_EQ(run.exit_code, 7);
+  EXPECT_THAT(run.output + run.errors, HasSubstr("LIB/0002"));
+}
+
+}  // namespace
+}  // namespace fleetpub::testing
