@@ -55,7 +55,7 @@ Result<std::uint32_t> NextId(const Command& command, ledger::Ledger& ledger,
                              std::map<std::string, std::uint32_t>& next_ids) {
   auto found = next_ids.find(command.topic);
   if (found == next_ids.end()) {
-    const auto next = ledger.PeekNext(command.topic);
+    auto next = ledger.PeekNext(command.topic);
     if (!next) return next;
     found = next_ids.emplace(command.topic, *next).first;
   }
