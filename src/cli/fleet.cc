@@ -98,7 +98,7 @@ Status Gather(mqtt::Transport& transport, const Patience& patience, FleetView& v
   const auto filters = view.Filters();
   if (!filters) return Fail(filters.error());
   const auto start = steady_clock::now();
-  auto ok = transport.Subscribe(*filters, mqtt::Qos::kAtLeastOnce, start + kSubscribe);
+  auto ok = transport.Subscribe(*filters, mqtt::kListeningQos, start + kSubscribe);
   if (ok) ok = TakeRetained(transport, patience.discover, view);
   if (ok) ok = AwaitStates(transport, start + patience.state_wait, view);
   return ok;

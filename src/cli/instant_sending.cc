@@ -35,6 +35,12 @@ struct Addressee {
   bool unspeakable = false;  ///< it speaks a version that we do not
 };
 
+bool SaysOnline(const mqtt::Message& message) {
+  if (!message.topic.ends_with("/connection")) return false;
+  const auto connection = vda5050::ReadConnection(message.payload);
+  return connection && connection->connection_state == "ONLINE";
+}
+
 class InstantSender {
  public:
   InstantSender(const InstantSendingOptions& options, const Waiting& waiting,
@@ -120,45 +126,51 @@ class InstantSender {
     }
     const auto messages = dispatch::Collect(
         *outgoing_.transport, filters, waiting_.discover,
-        [this](const std::vector<mqtt::Message>& got) { return AllAreOnline(got); });
+        // A robot may have left messages under another version long ago: only ONLINE ends the
+        // search at once.
+        [online = std::size_t{0}, wanted = addressees_.size()](const auto& got) mutable {
+          if (!got.empty() && SaysOnline(got.back())) ++online;
+          return online >= wanted;
+        });
     if (!messages) return Fail(messages.error());
-    for (Addressee& addressee : addressees_) Learn(*messages, addressee);
+    Learn(*messages);
     return {};
   }
 
-  // A robot may have left messages under another version long ago: only ONLINE ends the search at
-  // once.
-  [[nodiscard]] bool AllAreOnline(const std::vector<mqtt::Message>& messages) const {
-    const auto online = std::count_if(messages.begin(), messages.end(), [](const auto& message) {
-      if (!message.topic.ends_with("/connection")) return false;
-      const auto connection = vda5050::ReadConnection(message.payload);
-      return connection && connection->connection_state == "ONLINE";
-    });
-    return static_cast<std::size_t>(online) >= addressees_.size();
+  // What one robot has left at the broker.
+  struct Traces {
+    std::vector<vda5050::Discovered> found;
+    std::optional<vda5050::Factsheet> factsheet;
+  };
+
+  // What the messages tell; with `--vda auto` a robot is from now on spoken to as they say.
+  void Learn(const std::vector<mqtt::Message>& messages) {
+    std::map<RobotAddress, Traces> by_robot;
+    const Dialect base = addressees_.empty() ? Dialect() : addressees_.front().dialect;
+    for (const mqtt::Message& message : messages) {
+      auto discovered = vda5050::DialectFrom(base, message.topic, message.payload);
+      if (!discovered) continue;
+      Traces& traces = by_robot[discovered->robot];
+      if (discovered->topic_name == "factsheet") {
+        traces.factsheet = vda5050::ReadFactsheet(message.payload);
+      }
+      traces.found.push_back(std::move(*discovered));
+    }
+    for (Addressee& addressee : addressees_) {
+      const auto traces = by_robot.find(addressee.robot);
+      if (traces != by_robot.end()) Apply(std::move(traces->second), addressee);
+    }
   }
 
-  // What the messages tell of this robot; with `--vda auto` it is from now on spoken to as they
-  // say.
-  void Learn(const std::vector<mqtt::Message>& messages, Addressee& addressee) const {
-    std::vector<vda5050::Discovered> found;
-    for (const mqtt::Message& message : messages) {
-      auto discovered = vda5050::DialectFrom(addressee.dialect, message.topic, message.payload);
-      if (!discovered || discovered->robot != addressee.robot) continue;
-      if (discovered->topic_name == "factsheet") {
-        addressee.known.factsheet = vda5050::ReadFactsheet(message.payload);
-      }
-      found.push_back(std::move(*discovered));
+  void Apply(Traces traces, Addressee& addressee) const {
+    addressee.known.factsheet = std::move(traces.factsheet);
+    const vda5050::Discovered best = vda5050::OnePerRobot(std::move(traces.found)).front();
+    if (best.topic_name == "connection") {
+      addressee.known.connection = best.message;
+      addressee.known.connection_topic = best.topic;
     }
-    const auto best = vda5050::OnePerRobot(std::move(found));
-    if (best.empty()) return;
-    if (best.front().topic_name == "connection") {
-      addressee.known.connection = best.front().message;
-      addressee.known.connection_topic = best.front().topic;
-    }
-    addressee.unspeakable = !best.front().dialect;
-    if (options_.instant.vda.IsAutomatic() && best.front().dialect) {
-      addressee.dialect = *best.front().dialect;
-    }
+    addressee.unspeakable = !best.dialect;
+    if (options_.instant.vda.IsAutomatic() && best.dialect) addressee.dialect = *best.dialect;
     if (!options_.instant.id && addressee.known.factsheet) {
       addressee.action.id = vda5050::SuitableActionId(&*addressee.known.factsheet);
     }

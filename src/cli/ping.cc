@@ -41,7 +41,7 @@ Result<std::chrono::nanoseconds> TimedSubscribe(mqtt::Transport& transport,
                                                 const std::string& filter,
                                                 steady_clock::time_point deadline) {
   const auto start = steady_clock::now();
-  if (auto ok = transport.Subscribe({&filter, 1}, mqtt::Qos::kAtMostOnce, deadline); !ok) {
+  if (auto ok = transport.Subscribe({&filter, 1}, mqtt::kListeningQos, deadline); !ok) {
     return Fail(ok.error());
   }
   return steady_clock::now() - start;

@@ -11,7 +11,7 @@ Result<std::vector<mqtt::Message>> Collect(mqtt::Transport& transport,
   const auto limit = steady_clock::now() + options.most;
   constexpr std::chrono::seconds kPatience{10};
   auto subscribed =
-      transport.Subscribe(filters, mqtt::Qos::kAtLeastOnce, steady_clock::now() + kPatience);
+      transport.Subscribe(filters, mqtt::kListeningQos, steady_clock::now() + kPatience);
   if (!subscribed) return Fail(std::move(subscribed.error()));
   std::vector<mqtt::Message> messages;
   while (!enough(messages)) {

@@ -51,7 +51,7 @@ class Conversation {
  private:
   Status Subscribe() {
     const std::vector<std::string> topics = follower_.Topics();
-    return transport_->Subscribe(topics, mqtt::Qos::kAtLeastOnce,
+    return transport_->Subscribe(topics, mqtt::kListeningQos,
                                  steady_clock::now() + send_.acknowledge_timeout);
   }
 

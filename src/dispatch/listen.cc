@@ -57,7 +57,7 @@ Status Listener::Connect() {
   auto transport = connect_(std::min(end_, steady_clock::now() + kPatience));
   if (!transport) return Fail(std::move(transport.error()));
   auto subscribed = (*transport)
-                        ->Subscribe(filters_, mqtt::Qos::kAtLeastOnce,
+                        ->Subscribe(filters_, mqtt::kListeningQos,
                                     std::min(end_, steady_clock::now() + kPatience));
   if (!subscribed) return subscribed;
   transport_ = *std::move(transport);

@@ -24,6 +24,11 @@ namespace fleetpub::mqtt {
 using Deadline = std::chrono::steady_clock::time_point;
 
 enum class Qos : int { kAtMostOnce = 0, kAtLeastOnce = 1, kExactlyOnce = 2 };
+/// At which we subscribe. TCP loses nothing on a clean session's way to us, but of messages at QoS
+/// 1 a default mosquitto queues 1,000 for a client and drops the rest, retained ones included: of
+/// 10,000 robots 1,020 would be seen.
+inline constexpr Qos kListeningQos = Qos::kAtMostOnce;
+
 enum class ProtocolVersion { k311, k5 };
 
 /// MQTT 3.1.1 §3.3, MQTT 5 §3.3. The payload is bytes.

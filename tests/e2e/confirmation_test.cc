@@ -71,6 +71,9 @@ TEST_F(Confirmation, RefusesWhatCannotBeObeyed) {
   EXPECT_EQ(typo.exit_code, 7);
   EXPECT_THAT(typo.output,
               AllOf(HasSubstr("REFUSED"), HasSubstr("unknown"), HasSubstr("not sent")));
+  const Finished manual = Fleetpub({"resume", "KIT/0001", "--wait"});
+  EXPECT_EQ(manual.exit_code, 5) << "its mode is not known beforehand: the robot itself refuses";
+  EXPECT_THAT(manual.output, HasSubstr("MANUAL"));
   const Finished other = Fleetpub({"action", "dance", "KIT/0001", "--wait"});
   EXPECT_EQ(other.exit_code, 7);
   EXPECT_THAT(other.output, AllOf(HasSubstr("factsheet"), HasSubstr("--no-check")));
