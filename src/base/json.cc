@@ -210,6 +210,15 @@ const rapidjson::Value* FindMember(const rapidjson::Value& value, std::string_vi
   return it == value.MemberEnd() ? nullptr : &it->value;
 }
 
+void RenameMember(rapidjson::Document& document, std::string_view from, std::string_view to) {
+  if (!document.IsObject()) return;
+  for (auto& member : document.GetObject()) {
+    if (ViewOf(member.name) != from) continue;
+    member.name.SetString(to.data(), static_cast<rapidjson::SizeType>(to.size()),
+                          document.GetAllocator());
+  }
+}
+
 std::string PointerToken(std::string_view name) {
   std::string token;
   token.reserve(name.size());

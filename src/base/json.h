@@ -38,6 +38,9 @@ struct JsonLimits {
 [[nodiscard]] const rapidjson::Value* FindMember(const rapidjson::Value& value,
                                                  std::string_view name);
 
+/// Gives a top-level member another name; nothing happens when there is none of the first name.
+void RenameMember(rapidjson::Document& document, std::string_view from, std::string_view to);
+
 [[nodiscard]] inline std::string_view ViewOf(const rapidjson::Value& string) {
   return {string.GetString(), string.GetStringLength()};
 }

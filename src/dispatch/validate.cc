@@ -5,18 +5,6 @@
 #include "base/json.h"
 
 namespace fleetpub::dispatch {
-namespace {
-
-// Validated under the member's own name, sent under the one that the robot expects.
-void UndoQuirk(const Command& command, rapidjson::Document& message) {
-  const auto& [quirk, proper] = command.renamed_member;
-  if (quirk.empty()) return;
-  const auto member = message.FindMember(quirk.c_str());
-  if (member != message.MemberEnd()) member->name.SetString(proper, message.GetAllocator());
-}
-
-}  // namespace
-
 Findings Check(const rapidjson::Value& message, const schema::Schema& schema,
                const TextRules& rules) {
   Findings findings;
@@ -36,7 +24,9 @@ Result<Findings> Validate(const Command& command, schema::Registry& registry) {
   auto message = base::ParseJson(
       command.payload.Render(command.header_id.value_or(0), base::WallTime::clock::now()));
   if (!message) return Fail(std::move(message.error()));
-  UndoQuirk(command, *message);
+  // Validated under the member's own name, sent under the one that the robot expects.
+  const auto& [quirk, proper] = command.renamed_member;
+  base::RenameMember(*message, quirk, proper);
   return Check(*message, **schema, command.text_rules);
 }
 

@@ -89,12 +89,8 @@ Inspection Inspector::Open(std::string_view payload, std::string_view topic) {
   inspection.message = std::move(*message);
   inspection.header_id = HeaderIdOf(inspection.message);
   const auto& facts = vda5050::FactsOf(settings_.version);
-  if (!settings_.actions_key.empty() && inspection.message.IsObject()) {
-    const auto member = inspection.message.FindMember(settings_.actions_key.c_str());
-    if (member != inspection.message.MemberEnd()) {
-      member->name.SetString(rapidjson::StringRef(
-          facts.actions_key.data(), static_cast<rapidjson::SizeType>(facts.actions_key.size())));
-    }
+  if (!settings_.actions_key.empty()) {
+    base::RenameMember(inspection.message, settings_.actions_key, facts.actions_key);
   }
   const auto schema = registry_.Find(fmt::format("vda5050/{}/{}", facts.name, topic));
   if (schema) {

@@ -205,5 +205,13 @@ TEST(RapidJson, ThrowsWhereItWouldAbort) {
   EXPECT_THROW(std::ignore = document->GetString(), JsonAssertion);
 }
 
+TEST(RenameMember, RenamesAMemberOfTheTopLevelOnly) {
+  auto document = ParseJson(R"({"a":{"a":1},"b":2})");
+  ASSERT_TRUE(document.has_value());
+  RenameMember(*document, "a", "c");
+  RenameMember(*document, "missing", "d");
+  EXPECT_EQ(ToJson(*document), R"({"c":{"a":1},"b":2})");
+}
+
 }  // namespace
 }  // namespace fleetpub::base

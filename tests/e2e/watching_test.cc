@@ -35,7 +35,7 @@ TEST_F(Watching, AwaitsWhatAnotherProcessBringsAbout) {
   const auto robot = Simulate({"KIT/0001", "--state-interval", "200ms"});
   const auto waiting =
       Start({"await", "KIT/0001", "state", "paused=true", "battery>50", "-W", "15s", "-o", "json"});
-  ASSERT_TRUE(broker_.AwaitLog("+/+/KIT/0001/state (QoS 1)"));
+  ASSERT_TRUE(broker_.AwaitLog("+/+/KIT/0001/state (QoS 0)"));
   EXPECT_FALSE(waiting->Wait(std::chrono::milliseconds(400)));
   EXPECT_EQ(Fleetpub({"pause", "KIT/0001"}).exit_code, 0);
   EXPECT_EQ(waiting->Wait(), 0) << waiting->Errors();
