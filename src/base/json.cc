@@ -212,10 +212,11 @@ const rapidjson::Value* FindMember(const rapidjson::Value& value, std::string_vi
 
 void RenameMember(rapidjson::Document& document, std::string_view from, std::string_view to) {
   if (!document.IsObject()) return;
-  for (auto& member : document.GetObject()) {
-    if (ViewOf(member.name) != from) continue;
-    member.name.SetString(to.data(), static_cast<rapidjson::SizeType>(to.size()),
-                          document.GetAllocator());
+  const auto end = document.MemberEnd();
+  for (auto it = document.MemberBegin(); it < end; ++it) {
+    if (ViewOf(it->name) != from) continue;
+    it->name.SetString(to.data(), static_cast<rapidjson::SizeType>(to.size()),
+                       document.GetAllocator());
   }
 }
 
