@@ -164,6 +164,11 @@ int MillisecondsUntil(Deadline deadline) {
   return static_cast<int>(std::clamp<std::int64_t>(left.count(), 0, 3'600'000));
 }
 
+void AcknowledgeAtOnce(int descriptor) {
+  const int on = 1;
+  setsockopt(descriptor, IPPROTO_TCP, TCP_QUICKACK, &on, sizeof on);
+}
+
 short WaitFor(int descriptor, short events, Deadline deadline) {
   while (true) {
     pollfd waiting{descriptor, events, 0};

@@ -185,6 +185,7 @@ void PahoSession::Sleep(Deadline deadline) const {
   const Deadline until = std::min(deadline, steady_clock::now() + slice);
   // Paho reads only from a socket that it could also write to.
   if (stuck_) static_cast<void>(WaitFor(connection_.descriptor, POLLOUT, until));
+  AcknowledgeAtOnce(connection_.descriptor);
   static_cast<void>(WaitFor(connection_.descriptor, POLLIN, until));
 }
 

@@ -66,6 +66,8 @@
 #include <cstring>
 #include <string_view>
 
+#include "mqtt/dial.h"
+
 namespace fleetpub::mqtt {
 namespace {
 
@@ -159,13 +161,6 @@ struct Interposed {
       ++ready;
     }
     return ready;
-  }
-
-  // A broker with Nagle's algorithm (mosquitto's default) holds CONNACK back until its TLS session
-  // tickets are acknowledged, which TCP delays by 40 ms. Not permanent: the kernel forgets it.
-  static void AcknowledgeAtOnce(int descriptor) {
-    const int on = 1;
-    setsockopt(descriptor, IPPROTO_TCP, TCP_QUICKACK, &on, sizeof on);
   }
 
   static void CheckFirst(PahoCall& call) {
