@@ -8,6 +8,7 @@
 
 #include "base/text.h"
 #include "cli/interrupt.h"
+#include "cli/listening.h"
 #include "cli/output.h"
 #include "dispatch/converse.h"
 #include "dispatch/send.h"
@@ -147,14 +148,11 @@ class Sender {
   }
 
   Status Converse(ledger::Ledger& ledger, Status& trouble) {
-    const dispatch::ConnectHook connect = [this](mqtt::Deadline deadline) {
-      context_.output.Warn("the connection to the broker was lost: connecting again");
-      mqtt::ConnectOptions again = connect_;
-      const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(
-          deadline - std::chrono::steady_clock::now());
-      again.connect_timeout = std::min(again.connect_timeout, left);
-      return mqtt::ConnectPaho(again);
-    };
+    const dispatch::ConnectHook connect =
+        [this, again = ConnectHookOf(connect_)](mqtt::Deadline deadline) {
+          context_.output.Warn("the connection to the broker was lost: connecting again");
+          return again(deadline);
+        };
     return dispatch::Converse(outgoing_.commands, outgoing_.transport, connect, ledger, options_,
                               *outgoing_.wait, sink_, sent_, trouble);
   }

@@ -6,6 +6,7 @@
 
 #include "base/text.h"
 #include "base/time.h"
+#include "cli/listening.h"
 
 namespace fleetpub::cli {
 namespace {
@@ -68,10 +69,9 @@ Result<Waiting> WaitingOf(const WaitingOptions& options) {
     return Fail(ErrorKind::kUsage, "--check and --no-check exclude each other");
   }
   waiting.check = options.check || (waiting.wait_for && !options.no_check);
-  const auto quiet = base::ParseDuration(options.discover, std::chrono::milliseconds(1));
-  if (!quiet) return Fail(quiet.error());
-  waiting.discover.quiet = *quiet;
-  waiting.discover.most = std::max(waiting.discover.most, *quiet);
+  const auto discover = DiscoverOf(options.discover);
+  if (!discover) return Fail(discover.error());
+  waiting.discover = *discover;
   return waiting;
 }
 
