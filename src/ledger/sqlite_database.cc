@@ -7,6 +7,7 @@
 #include <thread>
 
 #include "ledger/backoff.h"
+#include "ledger/log_vfs.h"
 #include "ledger/sqlite_error.h"
 
 namespace fleetpub::ledger {
@@ -39,7 +40,7 @@ Result<std::unique_ptr<Database>> Database::Open(const std::filesystem::path& pa
   std::unique_ptr<Database> database(new Database(path, busy_timeout));
   const std::string name =
       access == Access::kImmutable ? ImmutableUri(path.string()) : path.string();
-  const int code = sqlite3_open_v2(name.c_str(), &database->db_, FlagsFor(access), nullptr);
+  const int code = sqlite3_open_v2(name.c_str(), &database->db_, FlagsFor(access), LogVfs());
   if (code != SQLITE_OK) return Fail(database->Explain(code));
   if (access == Access::kReadWrite && sqlite3_db_readonly(database->db_, "main") == 1) {
     return Fail(database->Explain(SQLITE_READONLY));
