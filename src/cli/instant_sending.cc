@@ -2,11 +2,11 @@
 
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <map>
 
 #include "base/text.h"
+#include "cli/option_set.h"
 #include "dispatch/collect.h"
 #include "mqtt/paho_transport.h"
 #include "vda5050/confirmation.h"
@@ -69,6 +69,7 @@ class InstantSender {
       outgoing_.wait = waiting_.wait;
     }
     for (const std::string& warning : warnings_) context_.output.Warn(warning);
+    addressees_ = {};  // of ten thousand robots it is felt
     return SendCommands(std::move(outgoing_), options_.sending, context_);
   }
 
@@ -83,6 +84,7 @@ class InstantSender {
     const auto header_id = HeaderIdOf(options_.instant.header_id);
     if (!header_id) return Fail(header_id.error());
     header_id_ = *header_id;
+    addressees_.reserve(robots->size());
     for (const RobotAddress& robot : *robots) {
       addressees_.push_back({robot, *dialect, {}, *action});
       if (!options_.instant.id) {
@@ -93,6 +95,7 @@ class InstantSender {
   }
 
   Status Build() {
+    outgoing_.commands.reserve(addressees_.size());
     for (const Addressee& addressee : addressees_) {
       auto command = vda5050::BuildInstantActions(addressee.robot, addressee.dialect,
                                                   {&addressee.action, 1}, header_id_);
@@ -252,11 +255,11 @@ class InstantSender {
 
 }  // namespace
 
-void DeclareInstantSendingOptions(CLI::App& app, InstantSendingOptions& options) {
-  DeclareInstantOptions(app, options.instant);
-  DeclareSendingOptions(app, options.sending);
-  DeclareWaitingOptions(app, options.waiting);
-  DeclareVdaOptions(app, options.instant.vda);
+void DeclareInstantSendingOptions(OptionSet& set, InstantSendingOptions& options) {
+  DeclareInstantOptions(set, options.instant);
+  DeclareSendingOptions(set, options.sending);
+  DeclareWaitingOptions(set, options.waiting);
+  DeclareVdaOptions(set, options.instant.vda);
 }
 
 Result<ExitCode> SendInstantAction(const InstantSendingOptions& options, std::string_view type,

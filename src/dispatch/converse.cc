@@ -70,6 +70,7 @@ class Conversation {
       if (sent.error) {
         report_(sent);
       } else {
+        sent.payload = {};  // the ledger has it; thousands that wait need not
         follower_.Published(first + i, std::move(sent));
       }
     }
