@@ -3,6 +3,7 @@
 #include <memory>
 
 #include "cli/instant_sending.h"
+#include "cli/option_set.h"
 #include "cli/subcommand.h"
 
 namespace fleetpub::cli {
@@ -22,11 +23,11 @@ Result<ExitCode> RunAction(const Options& options, const Context& context) {
 
 }  // namespace
 
-Run DeclareAction(CLI::App& app) {
+Run DeclareAction(OptionSet& set) {
   const auto options = std::make_shared<Options>();
-  app.add_option("type", options->type, "The actionType, exactly as the robot knows it")
+  set.AddOption("type", options->type, "The actionType, exactly as the robot knows it")
       ->type_name("TYPE");
-  DeclareInstantSendingOptions(app, options->sending);
+  DeclareInstantSendingOptions(set, options->sending);
   return [options](const Context& context) { return RunAction(*options, context); };
 }
 

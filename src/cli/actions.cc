@@ -6,6 +6,7 @@
 
 #include "base/json.h"
 #include "base/text.h"
+#include "cli/option_set.h"
 #include "cli/subcommand.h"
 #include "vda5050/catalogue.h"
 
@@ -70,9 +71,9 @@ Result<ExitCode> RunActions(const std::string& version_text, const Context& cont
 
 }  // namespace
 
-Run DeclareActions(CLI::App& app) {
+Run DeclareActions(OptionSet& set) {
   const auto version = std::make_shared<std::string>("3.0.0");
-  app.add_option("--vda", *version, "Version: 1.1.0, 2.0.0, 2.1.0, 3.0.0 [3.0.0]")
+  set.AddOption("--vda", *version, "Version: 1.1.0, 2.0.0, 2.1.0, 3.0.0 [3.0.0]")
       ->type_name("V")
       ->envname("FLEETPUB_VDA")
       ->group("VDA 5050");

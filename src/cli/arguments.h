@@ -13,6 +13,10 @@
 #include "base/result.h"
 #include "cli/subcommand.h"
 
+namespace CLI {
+class App;
+}
+
 namespace fleetpub::cli {
 
 struct Invocation {

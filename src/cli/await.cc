@@ -11,6 +11,7 @@
 #include "base/time.h"
 #include "cli/interrupt.h"
 #include "cli/listening.h"
+#include "cli/option_set.h"
 #include "cli/subcommand.h"
 #include "dispatch/listen.h"
 #include "vda5050/condition.h"
@@ -173,22 +174,22 @@ Result<ExitCode> RunAwait(const Options& o, const Context& context) {
 
 }  // namespace
 
-Run DeclareAwait(CLI::App& app) {
+Run DeclareAwait(OptionSet& set) {
   const auto options = std::make_shared<Options>();
-  app.add_option("target", options->target, "The robot: manufacturer/serialNumber")
+  set.AddOption("target", options->target, "The robot: manufacturer/serialNumber")
       ->type_name("TARGET");
-  app.add_option("topic", options->topic, "state, connection, factsheet ...")->type_name("TOPIC");
-  app.add_option("conditions", options->conditions, "What one message must say")
+  set.AddOption("topic", options->topic, "state, connection, factsheet ...")->type_name("TOPIC");
+  set.AddOption("conditions", options->conditions, "What one message must say")
       ->type_name("CONDITION");
-  app.add_option("-W,--timeout", options->timeout, "How long to wait [10m]")
+  set.AddOption("-W,--timeout", options->timeout, "How long to wait [10m]")
       ->type_name("TIME")
       ->group("Waiting");
-  app.add_option("--vda", options->vda.version,
-                 "Listen to this version's topic only [auto: whichever the robot uses]")
+  set.AddOption("--vda", options->vda.version,
+                "Listen to this version's topic only [auto: whichever the robot uses]")
       ->type_name("V")
       ->envname("FLEETPUB_VDA")
       ->group("VDA 5050");
-  DeclareTopicOptions(app, options->vda);
+  DeclareTopicOptions(set, options->vda);
   return [options](const Context& context) { return RunAwait(*options, context); };
 }
 

@@ -11,6 +11,7 @@
 #include "base/time.h"
 #include "cli/fleet_table.h"
 #include "cli/listening.h"
+#include "cli/option_set.h"
 #include "cli/subcommand.h"
 #include "dispatch/collect.h"
 #include "mqtt/paho_transport.h"
@@ -151,15 +152,15 @@ Result<ExitCode> RunFleet(const Options& o, const Context& context) {
 
 }  // namespace
 
-Run DeclareFleet(CLI::App& app) {
+Run DeclareFleet(OptionSet& set) {
   const auto options = std::make_shared<Options>();
-  DeclareFleetOptions(app, options->fleet);
-  app.add_option("--state-wait", options->state_wait,
-                 "How long to wait for the states of robots that are online [2s]")
+  DeclareFleetOptions(set, options->fleet);
+  set.AddOption("--state-wait", options->state_wait,
+                "How long to wait for the states of robots that are online [2s]")
       ->type_name("TIME")
       ->group("Waiting");
-  app.add_option("--discover", options->discover,
-                 "Silence in ms after which a retained message is not there [300]")
+  set.AddOption("--discover", options->discover,
+                "Silence in ms after which a retained message is not there [300]")
       ->type_name("MS")
       ->group("Waiting");
   return [options](const Context& context) { return RunFleet(*options, context); };

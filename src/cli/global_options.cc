@@ -8,6 +8,7 @@
 #include "base/text.h"
 #include "base/time.h"
 #include "cli/identity.h"
+#include "cli/option_set.h"
 #include "cli/password.h"
 
 namespace fleetpub::cli {
@@ -18,17 +19,17 @@ constexpr const char* kTls = "TLS";
 constexpr const char* kOutput = "Output";
 constexpr const char* kFiles = "Files";
 
-void DeclareBroker(CLI::App& app, GlobalOptions& o) {
-  app.add_option("-b,--broker", o.brokers,
-                 "Broker as URL, mqtt|mqtts|ws|wss://[user@]host[:port]; repeat for failover "
-                 "[mqtt://localhost:1883]")
+void DeclareBroker(OptionSet& set, GlobalOptions& o) {
+  set.AddOption("-b,--broker", o.brokers,
+                "Broker as URL, mqtt|mqtts|ws|wss://[user@]host[:port]; repeat for failover "
+                "[mqtt://localhost:1883]")
       ->type_name("URL")
       ->envname("FLEETPUB_BROKER")
       ->allow_extra_args(false)
       ->group(kBroker);
   const auto add = [&](const char* names, std::string& value, const char* type, const char* env,
                        const char* help) {
-    auto* option = app.add_option(names, value, help)->type_name(type)->group(kBroker);
+    auto* option = set.AddOption(names, value, help)->type_name(type)->group(kBroker);
     if (*env != '\0') option->envname(env);
   };
   add("--host", o.host, "NAME", "FLEETPUB_HOST", "Broker's host, instead of a URL");
@@ -36,7 +37,7 @@ void DeclareBroker(CLI::App& app, GlobalOptions& o) {
   add("-u,--username", o.username, "USER", "FLEETPUB_USERNAME", "User name to log in with");
   add("--password-file", o.password_file, "FILE", "FLEETPUB_PASSWORD_FILE",
       "File whose first line is the password (or set FLEETPUB_PASSWORD)");
-  app.add_flag("--ask-password", o.ask_password, "Ask for the password on the terminal")
+  set.AddFlag("--ask-password", o.ask_password, "Ask for the password on the terminal")
       ->group(kBroker);
   add("-i,--client-id", o.client_id, "ID", "FLEETPUB_CLIENT_ID", "MQTT client id [a random one]");
   add("-k,--keep-alive", o.keep_alive, "S", "", "MQTT keep-alive in seconds [60]");
@@ -47,10 +48,10 @@ void DeclareBroker(CLI::App& app, GlobalOptions& o) {
       "HTTP proxy; the variables http_proxy and https_proxy are ignored");
 }
 
-void DeclareTls(CLI::App& app, GlobalOptions& o) {
+void DeclareTls(OptionSet& set, GlobalOptions& o) {
   const auto add = [&](const char* names, std::string& value, const char* type, const char* env,
                        const char* help) {
-    app.add_option(names, value, help)->type_name(type)->envname(env)->group(kTls);
+    set.AddOption(names, value, help)->type_name(type)->envname(env)->group(kTls);
   };
   add("--cafile", o.ca_file, "FILE", "FLEETPUB_CAFILE", "Authorities to trust, PEM [the system's]");
   add("--capath", o.ca_path, "FOLDER", "FLEETPUB_CAPATH", "Folder of authorities to trust");
@@ -60,34 +61,34 @@ void DeclareTls(CLI::App& app, GlobalOptions& o) {
       "File whose first line is the key's password");
   add("--ciphers", o.ciphers, "LIST", "FLEETPUB_CIPHERS",
       "Ciphers to offer, as OpenSSL names them");
-  app.add_option("--tls-alpn", o.alpn, "Application protocol to offer; repeatable")
+  set.AddOption("--tls-alpn", o.alpn, "Application protocol to offer; repeatable")
       ->type_name("NAME")
       ->allow_extra_args(false)
       ->group(kTls);
-  app.add_flag("--insecure", o.insecure,
-               "Do not verify the broker's certificate: anyone could be the broker")
+  set.AddFlag("--insecure", o.insecure,
+              "Do not verify the broker's certificate: anyone could be the broker")
       ->group(kTls);
 }
 
-void DeclareOutput(CLI::App& app, GlobalOptions& o) {
-  app.add_option("-o,--output", o.format, "text, or json: one object per line [text]")
+void DeclareOutput(OptionSet& set, GlobalOptions& o) {
+  set.AddOption("-o,--output", o.format, "text, or json: one object per line [text]")
       ->type_name("FORMAT")
       ->envname("FLEETPUB_OUTPUT")
       ->group(kOutput);
-  app.add_flag("--quiet", o.quiet, "No result lines and no warnings; errors stay")->group(kOutput);
-  app.add_flag("-v,--verbose", o.verbose, "Tell what is done, and the details of errors")
+  set.AddFlag("--quiet", o.quiet, "No result lines and no warnings; errors stay")->group(kOutput);
+  set.AddFlag("-v,--verbose", o.verbose, "Tell what is done, and the details of errors")
       ->group(kOutput);
-  app.add_flag("--debug", o.debug, "Show the MQTT conversation, never a secret")->group(kOutput);
+  set.AddFlag("--debug", o.debug, "Show the MQTT conversation, never a secret")->group(kOutput);
 }
 
-void DeclareFiles(CLI::App& app, GlobalOptions& o) {
-  app.add_option("--ledger", o.ledger, "Header ids and history [see the manual, \"Files\"]")
+void DeclareFiles(OptionSet& set, GlobalOptions& o) {
+  set.AddOption("--ledger", o.ledger, "Header ids and history [see the manual, \"Files\"]")
       ->type_name("FILE")
       ->envname("FLEETPUB_LEDGER")
       ->group(kFiles);
-  app.add_flag("--no-history", o.no_history, "Keep header ids only, no row of what was sent")
+  set.AddFlag("--no-history", o.no_history, "Keep header ids only, no row of what was sent")
       ->group(kFiles);
-  app.add_option("--schema-dir", o.schema_directory, "Schemas that stand before the built-in ones")
+  set.AddOption("--schema-dir", o.schema_directory, "Schemas that stand before the built-in ones")
       ->type_name("FOLDER")
       ->envname("FLEETPUB_SCHEMA_DIR")
       ->group(kFiles);
@@ -165,11 +166,11 @@ bool IsGlobalGroup(std::string_view group) {
   return group == kBroker || group == kTls || group == kOutput || group == kFiles;
 }
 
-void DeclareGlobalOptions(CLI::App& app, GlobalOptions& options) {
-  DeclareBroker(app, options);
-  DeclareTls(app, options);
-  DeclareOutput(app, options);
-  DeclareFiles(app, options);
+void DeclareGlobalOptions(OptionSet& set, GlobalOptions& options) {
+  DeclareBroker(set, options);
+  DeclareTls(set, options);
+  DeclareOutput(set, options);
+  DeclareFiles(set, options);
 }
 
 Result<mqtt::ConnectOptions> ConnectOptionsOf(const Context& context) {

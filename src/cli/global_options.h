@@ -14,11 +14,9 @@
 #include "ledger/sqlite_ledger.h"
 #include "mqtt/transport.h"
 
-namespace CLI {
-class App;
-}
-
 namespace fleetpub::cli {
+
+class OptionSet;
 
 struct GlobalOptions {
   std::vector<std::string> brokers;
@@ -55,7 +53,7 @@ struct GlobalOptions {
 [[nodiscard]] bool IsGlobalGroup(std::string_view group);
 
 /// Adds them to an App; `options` must outlive its parsing.
-void DeclareGlobalOptions(CLI::App& app, GlobalOptions& options);
+void DeclareGlobalOptions(OptionSet& set, GlobalOptions& options);
 
 /// What a running command needs of the outer world.
 struct Context {

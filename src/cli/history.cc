@@ -9,6 +9,7 @@
 #include "base/json.h"
 #include "base/text.h"
 #include "base/time.h"
+#include "cli/option_set.h"
 #include "cli/subcommand.h"
 
 namespace fleetpub::cli {
@@ -177,11 +178,11 @@ Result<ExitCode> RunPrune(const std::string& older_than, const Context& context)
 
 }  // namespace
 
-Run DeclareHistory(CLI::App& app) {
+Run DeclareHistory(OptionSet& set) {
   constexpr const char* kFilter = "Filter";
   const auto options = std::make_shared<Options>();
   const auto add = [&](const char* names, std::string& value, const char* type, const char* help) {
-    app.add_option(names, value, help)->type_name(type)->group(kFilter);
+    set.AddOption(names, value, help)->type_name(type)->group(kFilter);
   };
   add("--target", options->filter.target, "TARGET", "Only what was sent to this robot");
   add("--action", options->filter.action, "TYPE", "Only this actionType");
@@ -190,22 +191,22 @@ Run DeclareHistory(CLI::App& app) {
   add("--user", options->filter.user, "USER", "Only what this user sent");
   add("--since", options->since, "TIME", "Not older: 24h, or 2026-01-02T03:04:05Z");
   add("--until", options->until, "TIME", "Not newer");
-  app.add_option("--limit", options->filter.limit, "The newest so many; 0: all [50]")
+  set.AddOption("--limit", options->filter.limit, "The newest so many; 0: all [50]")
       ->type_name("N")
       ->check(CLI::NonNegativeNumber)
       ->group(kFilter);
   return [options](const Context& context) { return RunHistory(*options, context); };
 }
 
-Run DeclareHistoryShow(CLI::App& app) {
+Run DeclareHistoryShow(OptionSet& set) {
   const auto id = std::make_shared<std::string>();
-  app.add_option("id", *id, "As history prints it")->type_name("ID");
+  set.AddOption("id", *id, "As history prints it")->type_name("ID");
   return [id](const Context& context) { return RunShow(*id, context); };
 }
 
-Run DeclareHistoryPrune(CLI::App& app) {
+Run DeclareHistoryPrune(OptionSet& set) {
   const auto older_than = std::make_shared<std::string>();
-  app.add_option("--older-than", *older_than, "Age such as 90d, or a time")
+  set.AddOption("--older-than", *older_than, "Age such as 90d, or a time")
       ->type_name("TIME")
       ->group("Pruning");
   return [older_than](const Context& context) { return RunPrune(*older_than, context); };

@@ -8,6 +8,7 @@
 
 #include "base/text.h"
 #include "cli/instant_sending.h"
+#include "cli/option_set.h"
 #include "cli/subcommand.h"
 #include "vda5050/catalogue.h"
 
@@ -38,13 +39,13 @@ const char* TypeName(vda5050::ParameterType type) {
   return "TEXT";
 }
 
-void DeclareParameter(CLI::App& app, const ParameterSpec& spec, Options& options) {
+void DeclareParameter(OptionSet& set, const ParameterSpec& spec, Options& options) {
   const std::string kebab = base::ToKebabCase(spec.name);
   std::string names = fmt::format("--{}", spec.name);
   if (kebab != spec.name) names += fmt::format(",--{}", kebab);
   options.given[spec.name] =
-      app.add_option(names, options.texts[spec.name],
-                     fmt::format("{}{}", spec.meaning, spec.required ? "" : " (optional)"))
+      set.AddOption(names, options.texts[spec.name],
+                    fmt::format("{}{}", spec.meaning, spec.required ? "" : " (optional)"))
           ->type_name(TypeName(spec.type))
           ->group("Parameters");
 }
@@ -71,12 +72,12 @@ std::string TypeMeantBy(std::string_view word) {
 
 }  // namespace
 
-Run DeclareInstantAction(CLI::App& app, std::string_view word) {
+Run DeclareInstantAction(OptionSet& set, std::string_view word) {
   const auto options = std::make_shared<Options>();
   options->type = TypeMeantBy(word);
   options->specs = vda5050::ParametersInAnyVersion(options->type);
-  for (const ParameterSpec& spec : options->specs) DeclareParameter(app, spec, *options);
-  DeclareInstantSendingOptions(app, options->sending);
+  for (const ParameterSpec& spec : options->specs) DeclareParameter(set, spec, *options);
+  DeclareInstantSendingOptions(set, options->sending);
   return [options](const Context& context) { return RunInstantAction(*options, context); };
 }
 

@@ -12,11 +12,9 @@
 #include "cli/wait_options.h"
 #include "vda5050/parameter.h"
 
-namespace CLI {
-class App;
-}
-
 namespace fleetpub::cli {
+
+class OptionSet;
 
 /// Everything that a command for instant actions takes besides its parameters.
 struct InstantSendingOptions {
@@ -25,7 +23,7 @@ struct InstantSendingOptions {
   WaitingOptions waiting;
 };
 
-void DeclareInstantSendingOptions(CLI::App& app, InstantSendingOptions& options);
+void DeclareInstantSendingOptions(OptionSet& set, InstantSendingOptions& options);
 
 [[nodiscard]] Result<ExitCode> SendInstantAction(const InstantSendingOptions& options,
                                                  std::string_view type,

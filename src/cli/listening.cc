@@ -4,28 +4,29 @@
 #include <algorithm>
 
 #include "base/time.h"
+#include "cli/option_set.h"
 #include "mqtt/paho_transport.h"
 
 namespace fleetpub::cli {
 
 using std::chrono::milliseconds;
 
-void DeclareTopicOptions(CLI::App& app, VdaOptions& options) {
-  app.add_option("--interface", options.interface_name, "First topic level [any]")
+void DeclareTopicOptions(OptionSet& set, VdaOptions& options) {
+  set.AddOption("--interface", options.interface_name, "First topic level [any]")
       ->type_name("NAME")
       ->envname("FLEETPUB_INTERFACE")
       ->group("VDA 5050");
-  app.add_option("--topic-template", options.topic_template,
-                 "The topic, with its placeholders in braces (see the manual)")
+  set.AddOption("--topic-template", options.topic_template,
+                "The topic, with its placeholders in braces (see the manual)")
       ->type_name("TEMPLATE")
       ->group("VDA 5050");
 }
 
-void DeclareFleetOptions(CLI::App& app, FleetOptions& options) {
-  app.add_option("pattern", options.pattern,
-                 "Robots: manufacturer/serialNumber with * and ?, quoted [all]")
+void DeclareFleetOptions(OptionSet& set, FleetOptions& options) {
+  set.AddOption("pattern", options.pattern,
+                "Robots: manufacturer/serialNumber with * and ?, quoted [all]")
       ->type_name("PATTERN");
-  DeclareTopicOptions(app, options.vda);
+  DeclareTopicOptions(set, options.vda);
 }
 
 Result<vda5050::FleetView> FleetViewOf(const FleetOptions& options) {

@@ -12,14 +12,12 @@
 #include "vda5050/fleet_view.h"
 #include "vda5050/robot_pattern.h"
 
-namespace CLI {
-class App;
-}
-
 namespace fleetpub::cli {
 
+class OptionSet;
+
 /// `--interface` and `--topic-template`.
-void DeclareTopicOptions(CLI::App& app, VdaOptions& options);
+void DeclareTopicOptions(OptionSet& set, VdaOptions& options);
 
 /// Options of `fleet` and `watch`.
 struct FleetOptions {
@@ -28,7 +26,7 @@ struct FleetOptions {
 };
 
 /// The pattern and the topics' options.
-void DeclareFleetOptions(CLI::App& app, FleetOptions& options);
+void DeclareFleetOptions(OptionSet& set, FleetOptions& options);
 
 /// An empty view for these options. Errors: ErrorKind::kUsage.
 [[nodiscard]] Result<vda5050::FleetView> FleetViewOf(const FleetOptions& options);

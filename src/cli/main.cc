@@ -6,10 +6,12 @@
 #include <CLI/CLI.hpp>
 #include <csignal>
 #include <cstdio>
+#include <memory>
 
 #include "base/text.h"
 #include "cli/arguments.h"
 #include "cli/help.h"
+#include "cli/option_set.h"
 
 namespace fleetpub::cli {
 namespace {
@@ -91,42 +93,61 @@ ExitCode NoCommand() {
   return ExitCode::kUsage;
 }
 
-ExitCode RunMain(std::vector<std::string> arguments) {
+// What the arguments ask for.
+struct Call {
   GlobalOptions options;
   CLI::App app;
-  app.set_help_flag("-h,--help", "Print this help")->group("Output");
-  app.set_version_flag(
-         "--version", [] { return std::string("fleetpub " FLEETPUB_VERSION); }, "Print the version")
-      ->group("Output");
-  DeclareGlobalOptions(app, options);
+  Invocation invocation;
+  Run run;  ///< empty: no command was named
 
-  const auto invocation = FindSubcommand(app, std::move(arguments));
-  if (!invocation) return Complain(invocation.error(), false);
-  Run run;
-  if (invocation->subcommand != nullptr) {
-    run = invocation->subcommand->declare(app);
-  } else if (!invocation->name.empty()) {
-    run = DeclareInstantAction(app, invocation->name);
+  // Errors: kUsage. Throws CLI::Success for --help and --version, which only Extent::kAll knows.
+  Status Read(OptionSet::Extent extent, const std::vector<std::string>& arguments);
+};
+
+Status Call::Read(OptionSet::Extent extent, const std::vector<std::string>& arguments) {
+  OptionSet set(app, extent, arguments);
+  app.set_help_flag();
+  if (extent == OptionSet::Extent::kAll) {
+    app.set_help_flag("-h,--help", "Print this help")->group("Output");
+    app.set_version_flag(
+           "--version", [] { return std::string("fleetpub " FLEETPUB_VERSION); },
+           "Print the version")
+        ->group("Output");
   }
-  if (!run && !invocation->arguments.empty() && invocation->arguments.front() == "--") {
-    return NoCommand();
+  DeclareGlobalOptions(set, options);
+  auto found = FindSubcommand(app, arguments);
+  if (!found) return Fail(std::move(found.error()));
+  invocation = std::move(*found);
+  if (invocation.subcommand != nullptr) {
+    run = invocation.subcommand->declare(set);
+  } else if (!invocation.name.empty()) {
+    run = DeclareInstantAction(set, invocation.name);
+  } else if (!invocation.arguments.empty() && invocation.arguments.front() == "--") {
+    return {};
   }
-  try {
-    if (const auto parsed = Parse(app, *invocation); !parsed) {
-      return Complain(parsed.error(), options.verbose);
+  return Parse(app, invocation);
+}
+
+ExitCode RunMain(const std::vector<std::string>& arguments) {
+  auto call = std::make_unique<Call>();
+  if (!call->Read(OptionSet::Extent::kMentioned, arguments) || !call->run) {
+    call = std::make_unique<Call>();
+    try {
+      if (const auto read = call->Read(OptionSet::Extent::kAll, arguments); !read) {
+        return Complain(read.error(), call->options.verbose);
+      }
+    } catch (const CLI::CallForVersion& version) {
+      fmt::print("{}\n", version.what());
+      return ExitCode::kDone;
+    } catch (const CLI::CallForHelp&) {
+      return PrintHelp(call->app, call->invocation);
     }
-  } catch (const CLI::CallForVersion& version) {
-    fmt::print("{}\n", version.what());
-    return ExitCode::kDone;
-  } catch (const CLI::CallForHelp&) {
-    return PrintHelp(app, *invocation);
+    if (!call->run) return NoCommand();
   }
-  if (!run) return NoCommand();
-
-  const auto settings = OutputSettings(options);
-  if (!settings) return Complain(settings.error(), options.verbose);
+  const auto settings = OutputSettings(call->options);
+  if (!settings) return Complain(settings.error(), call->options.verbose);
   Output output(*settings);
-  return Finish(run(Context{options, output}), output);
+  return Finish(call->run(Context{call->options, output}), output);
 }
 
 }  // namespace

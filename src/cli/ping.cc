@@ -2,7 +2,6 @@
 // grant?
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <chrono>
 #include <memory>
 
@@ -147,6 +146,6 @@ Result<ExitCode> RunPing(const Context& context) {
 
 }  // namespace
 
-Run DeclarePing(CLI::App&) { return RunPing; }
+Run DeclarePing(OptionSet&) { return RunPing; }
 
 }  // namespace fleetpub::cli

@@ -7,6 +7,7 @@
 #include <memory>
 
 #include "base/json.h"
+#include "cli/option_set.h"
 #include "cli/subcommand.h"
 
 namespace fleetpub::cli {
@@ -38,11 +39,11 @@ Result<ExitCode> RunShow(const std::string& name, const Context& context) {
 
 }  // namespace
 
-Run DeclareSchemaList(CLI::App&) { return RunList; }
+Run DeclareSchemaList(OptionSet&) { return RunList; }
 
-Run DeclareSchemaShow(CLI::App& app) {
+Run DeclareSchemaShow(OptionSet& set) {
   const auto name = std::make_shared<std::string>();
-  app.add_option("name", *name, "As schema list prints it")->type_name("NAME");
+  set.AddOption("name", *name, "As schema list prints it")->type_name("NAME");
   return [name](const Context& context) { return RunShow(*name, context); };
 }
 

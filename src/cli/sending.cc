@@ -9,6 +9,7 @@
 #include "base/text.h"
 #include "cli/interrupt.h"
 #include "cli/listening.h"
+#include "cli/option_set.h"
 #include "cli/output.h"
 #include "dispatch/converse.h"
 #include "dispatch/send.h"
@@ -212,13 +213,13 @@ Result<std::vector<std::string>> ValidateAll(const std::vector<Command>& command
   return warnings;
 }
 
-void DeclareSendingOptions(CLI::App& app, SendingOptions& options) {
+void DeclareSendingOptions(OptionSet& set, SendingOptions& options) {
   constexpr const char* kSending = "Sending";
-  app.add_flag("-n,--dry-run", options.dry_run,
-               "Print the message that would be sent; send nothing, use no header id")
+  set.AddFlag("-n,--dry-run", options.dry_run,
+              "Print the message that would be sent; send nothing, use no header id")
       ->group(kSending);
-  app.add_option("-q,--qos", options.qos,
-                 "0: handed to the network; 1, 2: acknowledged by the broker [0]")
+  set.AddOption("-q,--qos", options.qos,
+                "0: handed to the network; 1, 2: acknowledged by the broker [0]")
       ->type_name("QOS")
       ->envname("FLEETPUB_QOS")
       ->group(kSending);

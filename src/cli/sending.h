@@ -14,18 +14,16 @@
 #include "dispatch/follow.h"
 #include "dispatch/report.h"
 
-namespace CLI {
-class App;
-}
-
 namespace fleetpub::cli {
+
+class OptionSet;
 
 struct SendingOptions {
   bool dry_run = false;
   std::string qos = "0";
 };
 
-void DeclareSendingOptions(CLI::App& app, SendingOptions& options);
+void DeclareSendingOptions(OptionSet& set, SendingOptions& options);
 
 /// What is to be sent, and how.
 struct Outgoing {

@@ -10,6 +10,7 @@
 
 #include "base/text.h"
 #include "base/time.h"
+#include "cli/option_set.h"
 #include "cli/subcommand.h"
 #include "cli/vda_options.h"
 #include "robot/runner.h"
@@ -233,12 +234,12 @@ Result<ExitCode> RunSimulate(const Options& o, const Context& context) {
   return ExitCode::kDone;
 }
 
-void DeclareRobots(CLI::App& app, Options& o) {
+void DeclareRobots(OptionSet& set, Options& o) {
   constexpr const char* kRobots = "Robots";
   const auto add = [&](const char* names, std::string& value, const char* type, const char* help) {
-    return app.add_option(names, value, help)->type_name(type)->group(kRobots);
+    return set.AddOption(names, value, help)->type_name(type)->group(kRobots);
   };
-  app.add_option("targets", o.targets, "Robots: manufacturer/serialNumber")->type_name("TARGET");
+  set.AddOption("targets", o.targets, "Robots: manufacturer/serialNumber")->type_name("TARGET");
   add("--count", o.count, "N", "So many per target, counting up the number at its end [1]");
   add("--vda", o.version, "V", "Version that they speak [3.0.0]")->envname("FLEETPUB_VDA");
   add("--interface", o.interface_name, "NAME",
@@ -249,18 +250,18 @@ void DeclareRobots(CLI::App& app, Options& o) {
   add("--actions-key", o.actions_key, "KEY", "actions or instantActions: what they expect");
   add("--state-interval", o.state_interval, "TIME", "Longest time between two states [30s]");
   add("--mode", o.mode, "MODE", "Their operatingMode [AUTOMATIC]");
-  app.add_flag("--with-order", o.with_order, "They are under way with an order")->group(kRobots);
+  set.AddFlag("--with-order", o.with_order, "They are under way with an order")->group(kRobots);
   add("--order-time", o.order_time, "TIME", "An order takes so long [until it is cancelled]");
   add("--for", o.duration, "TIME", "End after this time [on Ctrl-C]");
 }
 
-void DeclareFaults(CLI::App& app, Options& o) {
+void DeclareFaults(OptionSet& set, Options& o) {
   constexpr const char* kFaults = "Faults";
   const auto add = [&](const char* names, std::string& value, const char* type, const char* help) {
-    app.add_option(names, value, help)->type_name(type)->group(kFaults);
+    set.AddOption(names, value, help)->type_name(type)->group(kFaults);
   };
   const auto add_types = [&](const char* name, std::vector<std::string>& types, const char* help) {
-    app.add_option(name, types, help)->type_name("TYPE")->allow_extra_args(false)->group(kFaults);
+    set.AddOption(name, types, help)->type_name("TYPE")->allow_extra_args(false)->group(kFaults);
   };
   add("--delay", o.delay, "TIME", "An action takes so long [0]");
   add_types("--fail", o.fail, "Actions of this type end FAILED; repeatable");
@@ -268,17 +269,17 @@ void DeclareFaults(CLI::App& app, Options& o) {
   add("--reject-style", o.reject_style, "STYLE",
       "state: an action state FAILED and an error; error: an error only [state from 3.0]");
   add_types("--retriable", o.retriable, "Actions of this type become RETRIABLE; repeatable");
-  app.add_flag("--silent", o.silent, "Never report a state")->group(kFaults);
+  set.AddFlag("--silent", o.silent, "Never report a state")->group(kFaults);
   add("--drop", o.drop, "PERCENT", "Ignore this share of the messages [0]");
   add("--seed", o.seed, "N", "Another choice of what is dropped [1]");
 }
 
 }  // namespace
 
-Run DeclareSimulate(CLI::App& app) {
+Run DeclareSimulate(OptionSet& set) {
   const auto options = std::make_shared<Options>();
-  DeclareRobots(app, *options);
-  DeclareFaults(app, *options);
+  DeclareRobots(set, *options);
+  DeclareFaults(set, *options);
   return [options](const Context& context) { return RunSimulate(*options, context); };
 }
 

@@ -11,11 +11,9 @@
 #include "cli/exit_code.h"
 #include "cli/global_options.h"
 
-namespace CLI {
-class App;
-}
-
 namespace fleetpub::cli {
+
+class OptionSet;
 
 /// Runs once the arguments are parsed.
 using Run = std::function<Result<ExitCode>(const Context&)>;
@@ -29,26 +27,26 @@ struct Subcommand {
   std::string_view summary;
   std::string_view examples;  ///< lines without the program's name
   /// Adds the options to the App, which is the subcommand's own.
-  Run (*declare)(CLI::App& app);
+  Run (*declare)(OptionSet& set);
 };
 
 /// One per file of this folder.
-[[nodiscard]] Run DeclareAction(CLI::App& app);
-[[nodiscard]] Run DeclareActions(CLI::App& app);
-[[nodiscard]] Run DeclareAwait(CLI::App& app);
-[[nodiscard]] Run DeclareFleet(CLI::App& app);
-[[nodiscard]] Run DeclareHistory(CLI::App& app);
-[[nodiscard]] Run DeclareHistoryPrune(CLI::App& app);
-[[nodiscard]] Run DeclareHistoryShow(CLI::App& app);
-[[nodiscard]] Run DeclarePing(CLI::App& app);
-[[nodiscard]] Run DeclareSchemaList(CLI::App& app);
-[[nodiscard]] Run DeclareSchemaShow(CLI::App& app);
-[[nodiscard]] Run DeclareSimulate(CLI::App& app);
-[[nodiscard]] Run DeclareValidate(CLI::App& app);
-[[nodiscard]] Run DeclareWatch(CLI::App& app);
+[[nodiscard]] Run DeclareAction(OptionSet& set);
+[[nodiscard]] Run DeclareActions(OptionSet& set);
+[[nodiscard]] Run DeclareAwait(OptionSet& set);
+[[nodiscard]] Run DeclareFleet(OptionSet& set);
+[[nodiscard]] Run DeclareHistory(OptionSet& set);
+[[nodiscard]] Run DeclareHistoryPrune(OptionSet& set);
+[[nodiscard]] Run DeclareHistoryShow(OptionSet& set);
+[[nodiscard]] Run DeclarePing(OptionSet& set);
+[[nodiscard]] Run DeclareSchemaList(OptionSet& set);
+[[nodiscard]] Run DeclareSchemaShow(OptionSet& set);
+[[nodiscard]] Run DeclareSimulate(OptionSet& set);
+[[nodiscard]] Run DeclareValidate(OptionSet& set);
+[[nodiscard]] Run DeclareWatch(OptionSet& set);
 
 /// A command that is a predefined instant action. `word` is what the person called it.
-[[nodiscard]] Run DeclareInstantAction(CLI::App& app, std::string_view word);
+[[nodiscard]] Run DeclareInstantAction(OptionSet& set, std::string_view word);
 
 /// Everything but the predefined actions, in the order of the help.
 [[nodiscard]] std::span<const Subcommand> Subcommands();

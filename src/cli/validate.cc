@@ -11,6 +11,7 @@
 #include "base/file.h"
 #include "base/json.h"
 #include "base/text.h"
+#include "cli/option_set.h"
 #include "cli/subcommand.h"
 #include "schema/schema.h"
 #include "vda5050/text_rules.h"
@@ -186,18 +187,18 @@ Result<ExitCode> RunValidate(const Options& options, const Context& context) {
 
 }  // namespace
 
-Run DeclareValidate(CLI::App& app) {
+Run DeclareValidate(OptionSet& set) {
   const auto options = std::make_shared<Options>();
   const auto add = [&](const char* names, std::string& value, const char* type, const char* help) {
-    return app.add_option(names, value, help)->type_name(type)->group("Checking");
+    return set.AddOption(names, value, help)->type_name(type)->group("Checking");
   };
-  app.add_option("file", options->file, "The message; - or nothing: standard input")
+  set.AddOption("file", options->file, "The message; - or nothing: standard input")
       ->type_name("FILE");
   add("--vda", options->version, "V", "Version [what the header says]")->envname("FLEETPUB_VDA");
   add("--topic", options->topic, "TOPIC", "instantActions, connection [told from the message]");
   add("--schema", options->schema_file, "FILE", "A JSON Schema of your own (draft-07)");
-  app.add_flag("--lines", options->lines, "One message per line (JSON Lines)")->group("Checking");
-  app.add_flag("--strict", options->strict, "Rules of the specification's text are errors too")
+  set.AddFlag("--lines", options->lines, "One message per line (JSON Lines)")->group("Checking");
+  set.AddFlag("--strict", options->strict, "Rules of the specification's text are errors too")
       ->group("Checking");
   return [options](const Context& context) { return RunValidate(*options, context); };
 }

@@ -9,6 +9,7 @@
 #include <set>
 
 #include "base/text.h"
+#include "cli/option_set.h"
 #include "vda5050/catalogue.h"
 
 namespace fleetpub::cli {
@@ -50,9 +51,9 @@ Status CheckUtf8(std::string_view option, std::string_view text) {
 
 }  // namespace
 
-void DeclareVdaOptions(CLI::App& app, VdaOptions& o) {
+void DeclareVdaOptions(OptionSet& set, VdaOptions& o) {
   const auto add = [&](const char* names, std::string& value, const char* type, const char* help) {
-    return app.add_option(names, value, help)->type_name(type)->group(kVda);
+    return set.AddOption(names, value, help)->type_name(type)->group(kVda);
   };
   add("--vda", o.version, "V",
       "Version to speak: 1.1.0, 2.0.0, 2.1.0, 3.0.0, or auto: the robot's own [3.0.0, assumed]")
@@ -70,19 +71,19 @@ void DeclareVdaOptions(CLI::App& app, VdaOptions& o) {
   add("--header-serial", o.header_serial, "TEXT", "The header's serialNumber, if not the topic's");
 }
 
-void DeclareInstantOptions(CLI::App& app, InstantOptions& o) {
-  app.add_option("targets", o.targets, "Robots: manufacturer/serialNumber")->type_name("TARGET");
+void DeclareInstantOptions(OptionSet& set, InstantOptions& o) {
+  set.AddOption("targets", o.targets, "Robots: manufacturer/serialNumber")->type_name("TARGET");
   const auto add = [&](const char* names, std::string& value, const char* type, const char* help) {
-    app.add_option(names, value, help)->type_name(type)->group(kAction);
+    set.AddOption(names, value, help)->type_name(type)->group(kAction);
   };
   // Without allow_extra_args(false) it would swallow the targets behind it, and others would be
   // commanded.
-  app.add_option("-P,--parameter", o.assignments,
-                 "Further action parameter: key=text, key:=json, key=@file, key:=@file; repeatable")
+  set.AddOption("-P,--parameter", o.assignments,
+                "Further action parameter: key=text, key:=json, key=@file, key:=@file; repeatable")
       ->type_name("KEY=VALUE")
       ->allow_extra_args(false)
       ->group(kAction);
-  app.add_option("--id", o.id, "The actionId [a random UUID]")->type_name("ID")->group(kAction);
+  set.AddOption("--id", o.id, "The actionId [a random UUID]")->type_name("ID")->group(kAction);
   add("--descriptor", o.descriptor, "TEXT", "Free text on the action");
   add("--blocking-type", o.blocking_type, "TYPE", "NONE, SOFT, HARD; 3.0 allows NONE only [NONE]");
   add("--header-id", o.header_id, "N", "The headerId, above the topic's last [the next]");

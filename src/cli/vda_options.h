@@ -11,11 +11,9 @@
 #include "cli/output.h"
 #include "vda5050/instant_actions.h"
 
-namespace CLI {
-class App;
-}
-
 namespace fleetpub::cli {
+
+class OptionSet;
 
 struct VdaOptions {
   std::string version;  ///< empty: 3.0.0, assumed; `auto`: as each robot's own messages say
@@ -40,8 +38,8 @@ struct InstantOptions {
   VdaOptions vda;
 };
 
-void DeclareVdaOptions(CLI::App& app, VdaOptions& options);
-void DeclareInstantOptions(CLI::App& app, InstantOptions& options);
+void DeclareVdaOptions(OptionSet& set, VdaOptions& options);
+void DeclareInstantOptions(OptionSet& set, InstantOptions& options);
 
 [[nodiscard]] Result<vda5050::Dialect> DialectOf(const VdaOptions& options);
 

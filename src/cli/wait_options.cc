@@ -7,6 +7,7 @@
 #include "base/text.h"
 #include "base/time.h"
 #include "cli/listening.h"
+#include "cli/option_set.h"
 
 namespace fleetpub::cli {
 namespace {
@@ -24,29 +25,29 @@ Result<std::optional<vda5050::WaitFor>> WaitForOf(const WaitingOptions& options)
 
 }  // namespace
 
-void DeclareWaitingOptions(CLI::App& app, WaitingOptions& options) {
+void DeclareWaitingOptions(OptionSet& set, WaitingOptions& options) {
   constexpr const char* kWaiting = "Waiting";
-  app.add_flag("-w,--wait", options.wait, "Wait until the robot says that it is done")
+  set.AddFlag("-w,--wait", options.wait, "Wait until the robot says that it is done")
       ->group(kWaiting);
-  app.add_option("--wait-for", options.wait_for,
-                 "accepted: the robot lists the action; finished: it is done")
+  set.AddOption("--wait-for", options.wait_for,
+                "accepted: the robot lists the action; finished: it is done")
       ->type_name("END")
       ->group(kWaiting);
-  app.add_option("-W,--timeout", options.timeout,
-                 "How long to wait in total [35s to be seen, then 10m]")
+  set.AddOption("-W,--timeout", options.timeout,
+                "How long to wait in total [35s to be seen, then 10m]")
       ->type_name("TIME")
       ->group(kWaiting);
-  app.add_option("--resend", options.resend,
-                 "Send again up to N times what no robot has seen, with the same actionId [0]")
+  set.AddOption("--resend", options.resend,
+                "Send again up to N times what no robot has seen, with the same actionId [0]")
       ->type_name("N")
       ->check(CLI::Range(0, 100))
       ->group(kWaiting);
-  app.add_flag("--check", options.check,
-               "Look first whether the robot is online and supports the action [with --wait]")
+  set.AddFlag("--check", options.check,
+              "Look first whether the robot is online and supports the action [with --wait]")
       ->group(kWaiting);
-  app.add_flag("--no-check", options.no_check, "Send without looking")->group(kWaiting);
-  app.add_option("--discover", options.discover,
-                 "Silence in ms after which a retained message is not there [300]")
+  set.AddFlag("--no-check", options.no_check, "Send without looking")->group(kWaiting);
+  set.AddOption("--discover", options.discover,
+                "Silence in ms after which a retained message is not there [300]")
       ->type_name("MS")
       ->group(kWaiting);
 }

@@ -10,11 +10,9 @@
 #include "dispatch/follow.h"
 #include "vda5050/confirmation.h"
 
-namespace CLI {
-class App;
-}
-
 namespace fleetpub::cli {
+
+class OptionSet;
 
 struct WaitingOptions {
   bool wait = false;
@@ -26,7 +24,7 @@ struct WaitingOptions {
   std::string discover = "300";
 };
 
-void DeclareWaitingOptions(CLI::App& app, WaitingOptions& options);
+void DeclareWaitingOptions(OptionSet& set, WaitingOptions& options);
 
 /// What these options ask for.
 struct Waiting {

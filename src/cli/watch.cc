@@ -13,6 +13,7 @@
 #include "base/time.h"
 #include "cli/fleet_table.h"
 #include "cli/listening.h"
+#include "cli/option_set.h"
 #include "cli/screen.h"
 #include "cli/subcommand.h"
 #include "dispatch/listen.h"
@@ -208,10 +209,10 @@ Result<ExitCode> RunWatch(const Options& o, const Context& context) {
 
 }  // namespace
 
-Run DeclareWatch(CLI::App& app) {
+Run DeclareWatch(OptionSet& set) {
   const auto options = std::make_shared<Options>();
-  DeclareFleetOptions(app, options->fleet);
-  app.add_option("--for", options->duration, "End after this time [on q or Ctrl-C]")
+  DeclareFleetOptions(set, options->fleet);
+  set.AddOption("--for", options->duration, "End after this time [on q or Ctrl-C]")
       ->type_name("TIME")
       ->group("Waiting");
   return [options](const Context& context) { return RunWatch(*options, context); };

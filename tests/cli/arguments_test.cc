@@ -5,6 +5,7 @@
 #include <CLI/CLI.hpp>
 
 #include "base/text.h"
+#include "cli/option_set.h"
 
 namespace fleetpub::cli {
 namespace {
@@ -15,7 +16,8 @@ using ::testing::StartsWith;
 Result<Invocation> Find(std::vector<std::string> arguments) {
   GlobalOptions options;
   CLI::App app;
-  DeclareGlobalOptions(app, options);
+  OptionSet set(app, OptionSet::Extent::kAll, {});
+  DeclareGlobalOptions(set, options);
   return FindSubcommand(app, std::move(arguments));
 }
 
