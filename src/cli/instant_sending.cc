@@ -1,256 +1,56 @@
 #include "cli/instant_sending.h"
 
-#include <fmt/format.h>
+#include <memory>
 
-#include <algorithm>
-#include <map>
-
-#include "base/text.h"
 #include "cli/option_set.h"
-#include "dispatch/collect.h"
-#include "mqtt/paho_transport.h"
+#include "cli/robot_sending.h"
 #include "vda5050/confirmation.h"
-#include "vda5050/discovery.h"
 #include "vda5050/preflight.h"
 
 namespace fleetpub::cli {
 namespace {
 
-using dispatch::Command;
 using vda5050::Dialect;
 using vda5050::InstantAction;
-using vda5050::KnownRobot;
 using vda5050::RobotAddress;
 
-// In the order in which a broker hands them out: when the connection message is there, so is the
-// factsheet.
-constexpr std::array<std::string_view, 2> kRetainedTopics = {"factsheet", "connection"};
-
-// One robot on the way to its command.
-struct Addressee {
-  RobotAddress robot;
-  Dialect dialect;
-  KnownRobot known;
-  InstantAction action;
-  bool unspeakable = false;  ///< it speaks a version that we do not
-};
-
-bool SaysOnline(const mqtt::Message& message) {
-  if (!message.topic.ends_with("/connection")) return false;
-  const auto connection = vda5050::ReadConnection(message.payload);
-  return connection && connection->connection_state == "ONLINE";
-}
-
-class InstantSender {
+class InstantMessage final : public RobotMessage {
  public:
-  InstantSender(const InstantSendingOptions& options, const Waiting& waiting,
-                const Context& context)
-      : options_(options), waiting_(waiting), context_(context) {}
+  InstantMessage(InstantAction action, bool has_given_id)
+      : action_(std::move(action)), has_given_id_(has_given_id) {
+    if (!has_given_id_) action_.id = vda5050::SuitableActionId(nullptr);
+  }
 
-  Result<ExitCode> Run(std::string_view type, std::vector<vda5050::Parameter> parameters) {
-    if (auto ok = Prepare(type, std::move(parameters)); !ok) return Fail(ok.error());
-    const bool automatic = options_.instant.vda.IsAutomatic();
-    if (!automatic) {  // what is invalid anyway costs no connection
-      if (auto ok = Build(); !ok) return Fail(ok.error());
-    }
-    const bool look = automatic || (waiting_.check && !options_.sending.dry_run);
-    if (look) {
-      if (auto ok = LookAround(); !ok) {
-        return Fail(
-            NothingSent(outgoing_.commands, dispatch::Verdict::kError, ok.error(), context_));
-      }
-      outgoing_.commands.clear();
-      outgoing_.validated = false;
-      if (waiting_.check || automatic) Check();
-      if (auto ok = Build(); !ok) return Fail(ok.error());
-    }
-    if (waiting_.wait_for) {
-      if (auto ok = AddConfirmations(); !ok) return Fail(ok.error());
-      outgoing_.wait = waiting_.wait;
-    }
-    for (const std::string& warning : warnings_) context_.output.Warn(warning);
-    addressees_ = {};  // of ten thousand robots it is felt
-    return SendCommands(std::move(outgoing_), options_.sending, context_);
+  [[nodiscard]] Result<dispatch::Command> Build(
+      const RobotAddress& robot, const Dialect& dialect,
+      std::optional<std::uint32_t> header_id) const override {
+    return vda5050::BuildInstantActions(robot, dialect, {&action_, 1}, header_id);
+  }
+
+  [[nodiscard]] vda5050::PreflightFindings Check(const RobotAddress& robot, const Dialect& dialect,
+                                                 const vda5050::KnownRobot& known) const override {
+    InstantAction named = action_;
+    named.type = vda5050::NameIn(dialect.version, named.type);
+    const auto command = vda5050::BuildInstantActions(robot, dialect, {&named, 1});
+    const std::size_t bytes =
+        command ? command->payload.Render(0, base::WallTime::clock::now()).size() : 0;
+    return vda5050::CheckRobot(robot, dialect, {&named, 1}, known, bytes);
+  }
+
+  [[nodiscard]] Result<std::unique_ptr<dispatch::Confirmation>> Confirm(
+      const RobotAddress& robot, const Dialect& dialect, const dispatch::Command& command,
+      vda5050::WaitFor wait_for) const override {
+    const ledger::ActionRef& action = command.actions.front();
+    return vda5050::ConfirmInstantAction(robot, dialect, action.type, action.id, wait_for);
+  }
+
+  void Suit(const vda5050::Factsheet& factsheet) override {
+    if (!has_given_id_) action_.id = vda5050::SuitableActionId(&factsheet);
   }
 
  private:
-  Status Prepare(std::string_view type, std::vector<vda5050::Parameter> parameters) {
-    const auto robots = RobotsOf(options_.instant.targets, context_.output);
-    if (!robots) return Fail(robots.error());
-    const auto dialect = DialectOf(options_.instant.vda);
-    if (!dialect) return Fail(dialect.error());
-    const auto action = ActionOf(options_.instant, type, std::move(parameters), robots->size());
-    if (!action) return Fail(action.error());
-    const auto header_id = HeaderIdOf(options_.instant.header_id);
-    if (!header_id) return Fail(header_id.error());
-    header_id_ = *header_id;
-    addressees_.reserve(robots->size());
-    for (const RobotAddress& robot : *robots) {
-      addressees_.push_back({robot, *dialect, {}, *action});
-      if (!options_.instant.id) {
-        addressees_.back().action.id = vda5050::SuitableActionId(nullptr);
-      }
-    }
-    return {};
-  }
-
-  Status Build() {
-    outgoing_.commands.reserve(addressees_.size());
-    for (const Addressee& addressee : addressees_) {
-      auto command = vda5050::BuildInstantActions(addressee.robot, addressee.dialect,
-                                                  {&addressee.action, 1}, header_id_);
-      if (!command) return Fail(std::move(command.error()));
-      outgoing_.commands.push_back(std::move(*command));
-    }
-    auto warnings = ValidateAll(outgoing_.commands, context_);
-    if (!warnings) {
-      return Fail(
-          NothingSent(outgoing_.commands, dispatch::Verdict::kInvalid, warnings.error(), context_));
-    }
-    warnings_ = std::move(*warnings);
-    outgoing_.validated = true;
-    return {};
-  }
-
-  // Collects what the robots have said of themselves.
-  Status LookAround() {
-    const auto connect = ConnectOptionsOf(context_);
-    if (!connect) return Fail(connect.error());
-    auto transport = mqtt::ConnectPaho(*connect);
-    if (!transport) return Fail(transport.error());
-    outgoing_.transport = std::move(*transport);
-    std::vector<std::string> filters;
-    for (const Addressee& addressee : addressees_) {
-      const auto own = vda5050::DiscoveryFilters(
-          addressee.dialect.topics, {addressee.robot.manufacturer, addressee.robot.serial_number},
-          kRetainedTopics);
-      if (!own) return Fail(own.error());
-      filters.insert(filters.end(), own->begin(), own->end());
-    }
-    const auto messages = dispatch::Collect(
-        *outgoing_.transport, filters, waiting_.discover,
-        // A robot may have left messages under another version long ago: only ONLINE ends the
-        // search at once.
-        [online = std::size_t{0}, wanted = addressees_.size()](const auto& got) mutable {
-          if (!got.empty() && SaysOnline(got.back())) ++online;
-          return online >= wanted;
-        });
-    if (!messages) return Fail(messages.error());
-    Learn(*messages);
-    return {};
-  }
-
-  // What one robot has left at the broker.
-  struct Traces {
-    std::vector<vda5050::Discovered> found;
-    std::optional<vda5050::Factsheet> factsheet;
-  };
-
-  // What the messages tell; with `--vda auto` a robot is from now on spoken to as they say.
-  void Learn(const std::vector<mqtt::Message>& messages) {
-    std::map<RobotAddress, Traces> by_robot;
-    const Dialect base = addressees_.empty() ? Dialect() : addressees_.front().dialect;
-    for (const mqtt::Message& message : messages) {
-      auto discovered = vda5050::DialectFrom(base, message.topic, message.payload);
-      if (!discovered) continue;
-      Traces& traces = by_robot[discovered->robot];
-      if (discovered->topic_name == "factsheet") {
-        traces.factsheet = vda5050::ReadFactsheet(message.payload);
-      }
-      traces.found.push_back(std::move(*discovered));
-    }
-    for (Addressee& addressee : addressees_) {
-      const auto traces = by_robot.find(addressee.robot);
-      if (traces != by_robot.end()) Apply(std::move(traces->second), addressee);
-    }
-  }
-
-  void Apply(Traces traces, Addressee& addressee) const {
-    addressee.known.factsheet = std::move(traces.factsheet);
-    const vda5050::Discovered best = vda5050::OnePerRobot(std::move(traces.found)).front();
-    if (best.topic_name == "connection") {
-      addressee.known.connection = best.message;
-      addressee.known.connection_topic = best.topic;
-    }
-    addressee.unspeakable = !best.dialect;
-    if (options_.instant.vda.IsAutomatic() && best.dialect) addressee.dialect = *best.dialect;
-    if (!options_.instant.id && addressee.known.factsheet) {
-      addressee.action.id = vda5050::SuitableActionId(&*addressee.known.factsheet);
-    }
-  }
-
-  // Sorts out the robots that cannot be expected to obey.
-  void Check() {
-    std::vector<Addressee> left;
-    for (Addressee& addressee : addressees_) {
-      const vda5050::PreflightFindings findings = FindingsOn(addressee);
-      for (const std::string& warning : findings.warnings) context_.output.Warn(warning);
-      if (findings.refusals.empty()) {
-        addressee.dialect.assumed = false;
-        left.push_back(std::move(addressee));
-      } else {
-        Refuse(addressee, findings.refusals.front());
-      }
-    }
-    addressees_ = std::move(left);
-  }
-
-  [[nodiscard]] vda5050::PreflightFindings FindingsOn(const Addressee& addressee) const {
-    if (options_.instant.vda.IsAutomatic() && addressee.unspeakable) {
-      return {{"it speaks a version of VDA 5050 that fleetpub does not: try one with --vda"}, {}};
-    }
-    if (!waiting_.check) {  // `--vda auto` alone: only the version must be known
-      if (addressee.known.connection || addressee.known.factsheet) return {};
-      return {{"no message of this robot is known to the broker, so its version cannot be told: "
-               "name it with --vda"},
-              {}};
-    }
-    InstantAction named = addressee.action;
-    named.type = vda5050::NameIn(addressee.dialect.version, named.type);
-    const auto command =
-        vda5050::BuildInstantActions(addressee.robot, addressee.dialect, {&named, 1}, header_id_);
-    const std::size_t bytes =
-        command ? command->payload.Render(0, base::WallTime::clock::now()).size() : 0;
-    return vda5050::CheckRobot(addressee.robot, addressee.dialect, {&named, 1}, addressee.known,
-                               bytes);
-  }
-
-  void Refuse(const Addressee& addressee, const std::string& reason) {
-    const std::string_view type = vda5050::NameIn(addressee.dialect.version, addressee.action.type);
-    dispatch::Report report;
-    report.target = addressee.robot.ToString();
-    report.protocol = "vda5050";
-    report.version = vda5050::FactsOf(addressee.dialect.version).name;
-    report.version_assumed = addressee.dialect.assumed;
-    report.topic = vda5050::TopicFor(addressee.dialect.topics, addressee.dialect.version,
-                                     addressee.robot, "instantActions")
-                       .value_or("");
-    report.actions = {{std::string(type), addressee.action.id}};
-    report.verdict = dispatch::Verdict::kRefused;
-    report.error = ErrorKind::kPreflight;
-    report.message = "not sent: " + reason;
-    outgoing_.refused.push_back(std::move(report));
-  }
-
-  Status AddConfirmations() {
-    for (std::size_t i = 0; i < outgoing_.commands.size(); ++i) {
-      Command& command = outgoing_.commands[i];
-      const ledger::ActionRef& action = command.actions.front();
-      auto confirmation = vda5050::ConfirmInstantAction(
-          addressees_[i].robot, addressees_[i].dialect, action.type, action.id, *waiting_.wait_for);
-      if (!confirmation) return Fail(std::move(confirmation.error()));
-      command.confirmation = std::move(*confirmation);
-    }
-    return {};
-  }
-
-  const InstantSendingOptions& options_;
-  const Waiting& waiting_;
-  const Context& context_;
-  std::optional<std::uint32_t> header_id_;
-  std::vector<Addressee> addressees_;
-  std::vector<std::string> warnings_;
-  Outgoing outgoing_;
+  InstantAction action_;
+  bool has_given_id_;
 };
 
 }  // namespace
@@ -267,7 +67,26 @@ Result<ExitCode> SendInstantAction(const InstantSendingOptions& options, std::st
                                    const Context& context) {
   const auto waiting = WaitingOf(options.waiting);
   if (!waiting) return Fail(waiting.error());
-  return InstantSender(options, *waiting, context).Run(type, std::move(parameters));
+  auto robots = RobotsOf(options.instant.targets, context.output);
+  if (!robots) return Fail(std::move(robots.error()));
+  const auto dialect = DialectOf(options.instant.vda);
+  if (!dialect) return Fail(dialect.error());
+  const auto action = ActionOf(options.instant, type, std::move(parameters), robots->size());
+  if (!action) return Fail(action.error());
+  const auto header_id = HeaderIdOf(options.instant.header_id);
+  if (!header_id) return Fail(header_id.error());
+
+  RobotSending sending;
+  sending.robots = std::move(*robots);
+  sending.dialect = *dialect;
+  sending.automatic = options.instant.vda.IsAutomatic();
+  sending.header_id = *header_id;
+  sending.make_message = [&action, &options] {
+    return std::make_unique<InstantMessage>(*action, options.instant.id.has_value());
+  };
+  sending.options = options.sending;
+  sending.waiting = *waiting;
+  return SendToRobots(std::move(sending), context);
 }
 
 }  // namespace fleetpub::cli

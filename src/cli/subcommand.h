@@ -39,6 +39,9 @@ struct Subcommand {
 [[nodiscard]] Run DeclareHistoryPrune(OptionSet& set);
 [[nodiscard]] Run DeclareHistoryShow(OptionSet& set);
 [[nodiscard]] Run DeclarePing(OptionSet& set);
+[[nodiscard]] Run DeclarePublish(OptionSet& set);
+[[nodiscard]] Run DeclareRequests(OptionSet& set);
+[[nodiscard]] Run DeclareRespond(OptionSet& set);
 [[nodiscard]] Run DeclareSchemaList(OptionSet& set);
 [[nodiscard]] Run DeclareSchemaShow(OptionSet& set);
 [[nodiscard]] Run DeclareSimulate(OptionSet& set);

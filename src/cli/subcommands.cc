@@ -13,6 +13,20 @@ constexpr auto kSubcommands = std::to_array<Subcommand>({
      "action beep KIT/0001 -P duration:=3 -P mode=loud\n"
      "action customScan KIT/0001 KIT/0002 -P area:=@area.json --vda 2.1",
      DeclareAction},
+    {"publish", kRobots, "TOPIC TARGET...", "send a prepared order, zoneSet, responses message ...",
+     "publish order KIT/0001 -f order.json --wait\n"
+     "publish zoneSet KIT/0001 KIT/0002 -f hall-1.json\n"
+     "make-order | fleetpub publish order KIT/0001 -f - --wait-for finished",
+     DeclarePublish},
+    {"respond", kRobots, "TARGET REQUEST ANSWER",
+     "answer a robot's request: GRANTED, QUEUED, REVOKED, REJECTED",
+     "respond KIT/0001 request-1 GRANTED --lease-expiry 30s\n"
+     "respond KIT/0001 request-1 REVOKED --wait",
+     DeclareRespond},
+    {"requests", kLooking, "[PATTERN]", "what robots ask for: zones and corridors, from 3.0",
+     "requests\n"
+     "requests 'KIT/*' -o json",
+     DeclareRequests},
     {"fleet", kLooking, "[PATTERN]", "the robots known to the broker, and how they are",
      "fleet\n"
      "fleet 'KIT/*' -o json",

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <span>
 
 #include "robot/factsheet.h"
 
@@ -14,7 +15,13 @@ namespace {
 using std::chrono::steady_clock;
 using vda5050::RobotAddress;
 
-constexpr std::array<std::string_view, 2> kHeard = {"instantActions", "order"};
+constexpr std::array<std::string_view, 4> kHeard = {"instantActions", "order", "zoneSet",
+                                                    "responses"};
+
+// The last two exist from 3.0 on.
+std::span<const std::string_view> HeardIn(vda5050::Version version) {
+  return std::span(kHeard).first(version >= vda5050::Version::k300 ? 4 : 2);
+}
 
 }  // namespace
 
@@ -38,7 +45,7 @@ Fleet::Fleet(Settings settings, schema::Registry& registry, Listener listener)
 
 Status Fleet::Add(const RobotAddress& address) {
   const std::size_t index = members_.size();
-  for (const std::string_view topic : kHeard) {
+  for (const std::string_view topic : HeardIn(settings_.version)) {
     auto full = vda5050::TopicFor(settings_.topics, settings_.version, address, topic);
     if (!full) return Fail(std::move(full.error()));
     if (!destinations_.emplace(*std::move(full), Destination{index, topic}).second) {

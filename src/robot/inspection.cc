@@ -120,6 +120,14 @@ Inspection Inspector::InspectInstantActions(std::string_view payload) {
   return inspection;
 }
 
-Inspection Inspector::InspectOrder(std::string_view payload) { return Open(payload, "order"); }
+Inspection Inspector::Inspect(std::string_view topic, std::string_view payload) {
+  Inspection inspection = Open(payload, topic);
+  const auto rules = vda5050::TextRulesFor(topic, settings_.version);
+  if (!inspection.fault.empty() || !rules) return inspection;
+  for (const auto& finding : rules(inspection.message)) {
+    if (finding.is_error && inspection.fault.empty()) inspection.fault = finding.violation.message;
+  }
+  return inspection;
+}
 
 }  // namespace fleetpub::robot

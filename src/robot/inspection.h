@@ -41,8 +41,8 @@ class Inspector {
 
   /// By schema and by the rules of the text.
   [[nodiscard]] Inspection InspectInstantActions(std::string_view payload);
-  /// By the schema, where there is one for orders.
-  [[nodiscard]] Inspection InspectOrder(std::string_view payload);
+  /// Any other message of fleet control's, likewise.
+  [[nodiscard]] Inspection Inspect(std::string_view topic, std::string_view payload);
 
  private:
   [[nodiscard]] Inspection Open(std::string_view payload, std::string_view topic);

@@ -106,6 +106,26 @@ void PutMaps(Json& json, const RobotState& state, const Words& words) {
   }
 }
 
+void PutRequests(Json& json, const RobotState& state, const Words& words) {
+  if (!words.HasZoneSets()) return;
+  for (const bool for_zones : {true, false}) {
+    std::vector<Request> requests = state.requests;
+    std::erase_if(requests, [&](const Request& r) { return r.edge_id.empty() != for_zones; });
+    PutArray(json, for_zones ? "zoneRequests" : "edgeRequests", requests, [&](const Request& r) {
+      Put(json, "requestId", r.id);
+      Put(json, "requestType", r.type);
+      if (for_zones) {
+        Put(json, "zoneId", r.zone_id);
+        Put(json, "zoneSetId", r.zone_set_id);
+      } else {
+        Put(json, "edgeId", r.edge_id);
+        Put(json, "sequenceId", r.sequence_id);
+      }
+      Put(json, "requestStatus", r.status);
+    });
+  }
+}
+
 void PutPosition(Json& json, const Position& position, const Words& words) {
   Put(json, words.position);
   json.StartObject();
@@ -160,6 +180,7 @@ std::string StateBody(const RobotState& state, const Words& words) {
   PutLegs(json, "edgeStates", "edgeId", state.order.edges);
   PutPosition(json, state.position, words);
   PutMaps(json, state, words);
+  PutRequests(json, state, words);
   PutActions(json, state, words);
   PutPowerAndSafety(json, state, words);
   PutErrors(json, state.errors);

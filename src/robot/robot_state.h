@@ -1,11 +1,15 @@
 // What a virtual robot knows of itself; what its `state` messages are made of.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
+
+#include "base/time.h"
 
 namespace fleetpub::robot {
 
@@ -30,10 +34,34 @@ struct Map {
   bool enabled = false;
 };
 
+struct Point {
+  double x = 0;
+  double y = 0;
+};
+
+/// A zone that may be entered only with a permission.
+struct ReleaseZone {
+  std::string id;
+  std::vector<Point> corners;
+};
+
 struct ZoneSet {
   std::string id;
   std::string map_id;
   bool enabled = false;
+  std::vector<ReleaseZone> release_zones = {};
+};
+
+/// For a zone, or for an edge's corridor.
+struct Request {
+  std::string id = {};
+  std::string_view type;
+  std::string_view status = "REQUESTED";
+  std::string zone_id = {};
+  std::string zone_set_id = {};
+  std::string edge_id = {};
+  std::uint32_t sequence_id = 0;  ///< of the edge
+  std::optional<base::WallTime> lease_expiry = {};
 };
 
 struct Position {
@@ -83,8 +111,14 @@ struct RobotState {
   std::vector<ActionState> order_actions;
   std::vector<ActionState> instant_actions;
   std::vector<RobotError> errors;
+  std::vector<Request> requests;  ///< for the active order
+  std::uint32_t requests_made = 0;
 
-  [[nodiscard]] bool Driving() const { return order.Active() && !paused; }
+  [[nodiscard]] bool MayDrive() const {
+    return std::all_of(requests.begin(), requests.end(),
+                       [](const Request& request) { return request.status == "GRANTED"; });
+  }
+  [[nodiscard]] bool Driving() const { return order.Active() && !paused && MayDrive(); }
 };
 
 }  // namespace fleetpub::robot

@@ -4,8 +4,10 @@
 
 #include <algorithm>
 
+#include "base/json.h"
 #include "base/text.h"
 #include "robot/orders.h"
+#include "robot/permissions.h"
 
 namespace fleetpub::robot {
 namespace {
@@ -52,6 +54,8 @@ void VirtualRobot::Receive(std::string_view topic, std::string_view payload, con
   out_ = &out;
   if (topic == "instantActions") ReceiveActions(payload, now, listener);
   if (topic == "order" && !hibernating_) ReceiveOrder(payload, now, listener);
+  if (topic == "zoneSet" && !hibernating_) ReceiveZoneSet(payload, listener);
+  if (topic == "responses" && !hibernating_) ReceiveResponses(payload, now, listener);
   SayStateIfChanged(now);
 }
 
@@ -68,6 +72,10 @@ void VirtualRobot::Tick(const Moment& now, Utterances& out) {
     running_.erase(running_.begin() + static_cast<std::ptrdiff_t>(i));
     Advance(running, now);
   }
+  if (lease_end_ && *lease_end_ <= now.steady) {
+    if (ExpireLeases(state_, now.wall)) changed_ = true;
+    Drive(now);
+  }
   if (order_end_ && *order_end_ <= now.steady && !state_.paused) EndOrder();
   if (next_state_ <= now.steady) changed_ = true;
   SayStateIfChanged(now);
@@ -79,6 +87,7 @@ steady_clock::time_point VirtualRobot::Due() const {
   if (hibernating_ || shared_.settings.silent) due = steady_clock::time_point::max();
   for (const Running& running : running_) due = std::min(due, running.next);
   if (order_end_ && !state_.paused) due = std::min(due, *order_end_);
+  if (lease_end_) due = std::min(due, *lease_end_);
   return due;
 }
 
@@ -95,7 +104,7 @@ void VirtualRobot::RefuseMessage(const Inspection& inspection, std::string_view 
 
 void VirtualRobot::ReceiveOrder(std::string_view payload, const Moment& now,
                                 const Listener& listener) {
-  const Inspection inspection = shared_.inspector.InspectOrder(payload);
+  const Inspection inspection = shared_.inspector.Inspect("order", payload);
   const std::string place = inspection.Place("order");
   std::string fault = inspection.fault;
   if (fault.empty()) fault = AcceptOrder(inspection.message, state_, shared_.words);
@@ -115,10 +124,68 @@ void VirtualRobot::ReceiveOrder(std::string_view payload, const Moment& now,
             fmt::format("{}: order {}", place, base::Printable(state_.order.id))});
   changed_ = true;
   ForgetErrors(Until::kNextOrder);
+  if (shared_.words.HasZoneSets()) AskForPermissions(inspection.message, state_);
   order_end_.reset();
-  if (shared_.settings.order_time.count() > 0) {
+  Drive(now);
+}
+
+// Towards the end of the order, once everything is granted.
+void VirtualRobot::Drive(const Moment& now) {
+  const auto expiry = NextExpiry(state_);
+  lease_end_.reset();
+  if (expiry) lease_end_ = now.steady + (*expiry - now.wall);
+  if (!state_.MayDrive()) {
+    order_end_.reset();
+  } else if (state_.order.Active() && shared_.settings.order_time.count() > 0 && !order_end_) {
     order_end_ = now.steady + shared_.settings.order_time;
   }
+}
+
+// The message; told as an error when it cannot be used.
+Inspection VirtualRobot::InspectFor(std::string_view topic, std::string_view payload,
+                                    std::string_view error_type, const Listener& listener) {
+  Inspection inspection = shared_.inspector.Inspect(topic, payload);
+  if (inspection.fault.empty()) return inspection;
+  listener(
+      {Remark::Kind::kFault, fmt::format("{}: {}", inspection.Place(topic), inspection.fault)});
+  RobotError error{std::string(error_type), inspection.fault, {{"topic", std::string(topic)}}};
+  if (!inspection.header_id.empty()) {
+    error.references.emplace_back("headerId", inspection.header_id);
+  }
+  AddError(std::move(error));
+  return inspection;
+}
+
+void VirtualRobot::ReceiveZoneSet(std::string_view payload, const Listener& listener) {
+  const Inspection inspection =
+      InspectFor("zoneSet", payload, shared_.words.invalid_message, listener);
+  if (!inspection.fault.empty()) return;
+  const std::string fault = AcceptZoneSet(inspection.message, state_);
+  const std::string place = inspection.Place("zoneSet");
+  const std::string id(base::StringMember(inspection.message["zoneSet"], "zoneSetId"));
+  changed_ = true;
+  if (fault.empty()) {
+    return listener(
+        {Remark::Kind::kReceived, fmt::format("{}: zone set {}", place, base::Printable(id))});
+  }
+  listener({Remark::Kind::kFault, fmt::format("{}: {}", place, fault)});
+  AddError({std::string(shared_.words.duplicate_zone_set), fault, {{"zoneSetId", id}}});
+}
+
+void VirtualRobot::ReceiveResponses(std::string_view payload, const Moment& now,
+                                    const Listener& listener) {
+  const Inspection inspection =
+      InspectFor("responses", payload, shared_.words.invalid_message, listener);
+  if (!inspection.fault.empty()) return;
+  const std::string place = inspection.Place("responses");
+  for (const std::string& id : TakeResponses(inspection.message, state_)) {
+    const std::string fault = fmt::format("there is no request {}", base::Printable(id));
+    listener({Remark::Kind::kFault, fmt::format("{}: {}", place, fault)});
+    AddError({std::string(shared_.words.invalid_message), fault, {{"requestId", id}}});
+  }
+  listener({Remark::Kind::kReceived, place});
+  changed_ = true;
+  Drive(now);
 }
 
 void VirtualRobot::EndOrder() {
@@ -159,6 +226,7 @@ void VirtualRobot::SayFactsheet(const Moment& now) {
 
 void VirtualRobot::SayState(const Moment& now) {
   changed_ = false;
+  if (!state_.order.Active()) state_.requests.clear();  // they were for the order
   next_state_ = now.steady + shared_.settings.state_interval;
   if (shared_.settings.silent || hibernating_) return;
   Say("state", StateBody(state_, shared_.words), state_id_, now);

@@ -67,7 +67,7 @@ class VirtualRobot {
   [[nodiscard]] Utterance Will(const Moment& now);
   /// Connected, or connected again: ONLINE, the factsheet, a state.
   void Start(const Moment& now, Utterances& out);
-  /// A message of `instantActions` or `order`.
+  /// A message of `instantActions`, `order`, `zoneSet` or `responses`.
   void Receive(std::string_view topic, std::string_view payload, const Moment& now, Utterances& out,
                const Listener& listener);
   /// To be called at Due() or later.
@@ -90,6 +90,11 @@ class VirtualRobot {
 
   void ReceiveActions(std::string_view payload, const Moment& now, const Listener& listener);
   void ReceiveOrder(std::string_view payload, const Moment& now, const Listener& listener);
+  void ReceiveZoneSet(std::string_view payload, const Listener& listener);
+  void ReceiveResponses(std::string_view payload, const Moment& now, const Listener& listener);
+  [[nodiscard]] Inspection InspectFor(std::string_view topic, std::string_view payload,
+                                      std::string_view error_type, const Listener& listener);
+  void Drive(const Moment& now);
   void RefuseMessage(const Inspection& inspection, std::string_view topic);
   void Begin(const ReceivedAction& action, const Moment& now);
   [[nodiscard]] std::string ReasonToReject(const ReceivedAction& action) const;
@@ -124,6 +129,7 @@ class VirtualRobot {
   std::uint32_t factsheet_id_ = 0;
   std::chrono::steady_clock::time_point next_state_;
   std::optional<std::chrono::steady_clock::time_point> order_end_;
+  std::optional<std::chrono::steady_clock::time_point> lease_end_;
   bool changed_ = false;
   bool hibernating_ = false;
   bool gone_ = false;

@@ -164,13 +164,15 @@ void InstantActionConfirmation::OnState(const RobotState& state) {
 void InstantActionConfirmation::NoteErrors(const RobotState& state) {
   names_us_now_ = false;
   for (const RobotError& error : state.errors) {
-    const auto attribution = AttributionOf(error, id_, header_ids_);
+    const auto attribution = AttributionOf(
+        error,
+        {.topic = "instantActions", .id_key = "actionId", .id = id_, .header_ids = header_ids_});
     if (attribution == Attribution::kOther) continue;
     const auto fingerprint = FingerprintOf(error);
     if (std::find(old_errors_.begin(), old_errors_.end(), fingerprint) != old_errors_.end()) {
       continue;
     }
-    if (attribution == Attribution::kAction) {
+    if (attribution == Attribution::kItem) {
       names_us_now_ = true;
       AddNew(own_errors_, Told(error));
     } else {

@@ -21,52 +21,61 @@ std::string LettersOf(std::string_view key) {
 }
 
 // A UUID cannot be anything else's id by chance; a short number can.
-bool IsDistinctive(std::string_view action_id) {
+bool IsDistinctive(std::string_view id) {
   constexpr std::size_t kLongEnough = 16;
-  return action_id.size() >= kLongEnough;
+  return id.size() >= kLongEnough;
 }
 
-bool NamesAnotherThing(std::string_view letters) {
-  constexpr std::array<std::string_view, 10> kOthers = {
-      "headerid",   "orderid", "orderupdateid", "nodeid",    "edgeid",
-      "sequenceid", "mapid",   "mapversion",    "zonesetid", "loadid"};
-  return std::any_of(kOthers.begin(), kOthers.end(),
-                     [&](std::string_view other) { return letters.ends_with(other); });
+// `own_key` is lower case.
+bool NamesAnotherThing(std::string_view letters, std::string_view own_key) {
+  constexpr std::array<std::string_view, 12> kOthers = {
+      "headerid", "orderid",    "orderupdateid", "nodeid", "edgeid",    "sequenceid",
+      "mapid",    "mapversion", "zonesetid",     "loadid", "requestid", "actionid"};
+  return std::any_of(kOthers.begin(), kOthers.end(), [&](std::string_view other) {
+    return other != own_key && letters.ends_with(other);
+  });
 }
 
 // What an error's references say, taken together.
 struct Named {
-  bool our_action = false;
-  bool another_action = false;
+  bool our_item = false;
+  bool another_item = false;
   bool our_header_id = false;
   bool topic = false;
-  bool instant_actions = false;  ///< the topic is ours
-  bool something = false;        ///< any id at all
+  bool our_topic = false;
+  bool something = false;  ///< any id at all
 };
 
-bool IsInstantActions(std::string_view topic) {
-  const std::string_view name = topic.substr(topic.rfind('/') + 1);  // npos + 1 is 0
-  return base::EqualsIgnoringCase(name, "instantActions") ||
-         base::EqualsIgnoringCase(name, "instantAction");
+// Some write the topic whole, some its last level, some `instantAction` or `orders`.
+bool IsTopic(std::string_view written, std::string_view topic) {
+  const std::string_view name = written.substr(written.rfind('/') + 1);  // npos + 1 is 0
+  return base::EqualsIgnoringCase(name, topic) ||
+         base::EqualsIgnoringCase(std::string(name) + "s", topic) ||
+         base::EqualsIgnoringCase(name, std::string(topic) + "s");
 }
 
-void Note(const ErrorReference& reference, std::string_view action_id,
-          std::span<const std::uint32_t> header_ids, Named& named) {
+void Note(const ErrorReference& reference, const SentItem& item, Named& named) {
   const std::string letters = LettersOf(reference.key);
+  const std::string own_key = base::ToLower(item.id_key);
   if (letters.ends_with("id")) named.something = true;
-  if (reference.value == action_id && (IsDistinctive(action_id) || !NamesAnotherThing(letters))) {
-    named.our_action = true;
-  } else if (letters.ends_with("actionid")) {
-    named.another_action = true;
+  if (reference.value == item.id &&
+      (IsDistinctive(item.id) || !NamesAnotherThing(letters, own_key))) {
+    named.our_item = true;
+  } else if (letters.ends_with(own_key)) {
+    named.another_item = true;
+  }
+  if (item.update_id && letters.ends_with("orderupdateid") &&
+      reference.value != fmt::to_string(*item.update_id)) {
+    named.another_item = true;
   }
   if (letters.ends_with("headerid")) {
     named.our_header_id |= std::any_of(
-        header_ids.begin(), header_ids.end(),
+        item.header_ids.begin(), item.header_ids.end(),
         [&](std::uint32_t header_id) { return reference.value == fmt::to_string(header_id); });
   }
   if (letters.ends_with("topic")) {
     named.topic = true;
-    named.instant_actions |= IsInstantActions(reference.value);
+    named.our_topic |= IsTopic(reference.value, item.topic);
   }
 }
 
@@ -79,15 +88,13 @@ bool IsAboutAMessage(std::string_view type) {
 
 }  // namespace
 
-Attribution AttributionOf(const RobotError& error, std::string_view action_id,
-                          std::span<const std::uint32_t> header_ids) {
+Attribution AttributionOf(const RobotError& error, const SentItem& item) {
   Named named;
-  for (const ErrorReference& reference : error.references) {
-    Note(reference, action_id, header_ids, named);
-  }
-  if (named.our_action) return Attribution::kAction;
-  const bool is_our_topic = named.topic ? named.instant_actions : IsAboutAMessage(error.type);
-  if (named.our_header_id && is_our_topic && !named.another_action) return Attribution::kHeaderId;
+  for (const ErrorReference& reference : error.references) Note(reference, item, named);
+  const bool another_update = item.update_id && named.another_item;
+  if (named.our_item && !another_update) return Attribution::kItem;
+  const bool is_our_topic = named.topic ? named.our_topic : IsAboutAMessage(error.type);
+  if (named.our_header_id && is_our_topic && !named.another_item) return Attribution::kHeaderId;
   return named.something ? Attribution::kOther : Attribution::kUnnamed;
 }
 

@@ -1,9 +1,10 @@
-// Whose an error in a robot's state is. Robots name the action that an error is about under several
-// keys, some by the message's header id alone, some not at all.
+// Whose an error in a robot's state is. Robots name the action or the order that an error is about
+// under several keys, some by the message's header id alone, some not at all.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -14,16 +15,23 @@ namespace fleetpub::vda5050 {
 
 enum class Attribution {
   kOther,     ///< about something else
-  kAction,    ///< a reference's value is our actionId
-  kHeaderId,  ///< names our header id and instantActions: probably ours, ids of two senders can
-              ///< meet
+  kItem,      ///< a reference's value is our id
+  kHeaderId,  ///< names our header id and topic: probably ours, ids of two senders can meet
   kUnnamed,   ///< names nobody
 };
 
+/// What was sent, as an error would name it.
+struct SentItem {
+  std::string_view topic;   ///< `instantActions`
+  std::string_view id_key;  ///< `actionId`, `orderId`, `zoneSetId`, `requestId`
+  std::string_view id;
+  std::span<const std::uint32_t> header_ids;    ///< of each time it was sent
+  std::optional<std::uint32_t> update_id = {};  ///< `orderUpdateId`, of an order
+};
+
 /// Never by the type alone: NO_ORDER_TO_CANCEL of an earlier attempt stays until the next order.
-/// A short actionId (`1`) is no match under a key that names another thing (`headerId`).
-[[nodiscard]] Attribution AttributionOf(const RobotError& error, std::string_view action_id,
-                                        std::span<const std::uint32_t> header_ids);
+/// A short id (`1`) is no match under a key that names another thing (`headerId`).
+[[nodiscard]] Attribution AttributionOf(const RobotError& error, const SentItem& item);
 
 /// The same for the same error in a later state.
 [[nodiscard]] std::size_t FingerprintOf(const RobotError& error);

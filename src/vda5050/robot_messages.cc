@@ -138,6 +138,27 @@ std::optional<RobotPosition> ReadPosition(const Value& message) {
                        .localized = Truth(*position, {"localized", "positionInitialized"})};
 }
 
+std::optional<std::size_t> Length(const Value& message, std::string_view name) {
+  const Value* array = Member(message, {name});
+  if (!IsArray(array)) return std::nullopt;
+  return array->Size();
+}
+
+ZoneSetState ReadZoneSet(const Value& entry) {
+  return {Text(entry, {"zoneSetId"}), Text(entry, {"mapId"}),
+          ToUpper(Text(entry, {"zoneSetStatus"}))};
+}
+
+RobotRequest ReadRequest(const Value& entry) {
+  return {.id = Text(entry, {"requestId"}),
+          .type = ToUpper(Text(entry, {"requestType"})),
+          .status = ToUpper(Text(entry, {"requestStatus"})),
+          .zone_id = Text(entry, {"zoneId"}),
+          .zone_set_id = Text(entry, {"zoneSetId"}),
+          .edge_id = Text(entry, {"edgeId"}),
+          .sequence_id = Counter(entry, "sequenceId")};
+}
+
 FactsheetParameter ReadParameter(const Value& entry) {
   return {.key = Text(entry, {"key"}),
           .value_type = ToUpper(Text(entry, {"valueDataType"})),
@@ -239,8 +260,15 @@ RobotState ReadState(const Value& message) {
   }
   state.order_id = Text(message, {"orderId"});
   state.order_update_id = Counter(message, "orderUpdateId");
+  state.nodes_left = Length(message, "nodeStates");
+  state.edges_left = Length(message, "edgeStates");
   state.last_node_id = Text(message, {"lastNodeId"});
   state.position = ReadPosition(message);
+  state.zone_sets = List(Member(message, {"zoneSets"}), ReadZoneSet);
+  state.requests = List(Member(message, {"zoneRequests"}), ReadRequest);
+  for (RobotRequest& request : List(Member(message, {"edgeRequests"}), ReadRequest)) {
+    state.requests.push_back(std::move(request));
+  }
   return state;
 }
 

@@ -59,6 +59,24 @@ struct RobotPosition {
   std::optional<bool> localized;  ///< `positionInitialized`, from 3.0 `localized`
 };
 
+/// An entry of `zoneSets` (3.0).
+struct ZoneSetState {
+  std::string id;
+  std::string map_id;
+  std::string status;  ///< upper case
+};
+
+/// An entry of `zoneRequests` or `edgeRequests` (3.0): the robot asks for a permission.
+struct RobotRequest {
+  std::string id;      ///< `requestId`
+  std::string type;    ///< `requestType`: ACCESS, REPLANNING, CORRIDOR; upper case
+  std::string status;  ///< `requestStatus`: REQUESTED, GRANTED, REVOKED, EXPIRED; upper case
+  std::string zone_id;
+  std::string zone_set_id;
+  std::string edge_id;
+  std::optional<std::uint32_t> sequence_id;  ///< of the edge
+};
+
 struct RobotState {
   MessageHeader header;
   std::vector<ActionState> action_states;
@@ -73,8 +91,12 @@ struct RobotState {
   std::optional<bool> charging;
   std::string order_id;
   std::optional<std::uint32_t> order_update_id;
+  std::optional<std::size_t> nodes_left;  ///< entries of `nodeStates`
+  std::optional<std::size_t> edges_left;  ///< entries of `edgeStates`
   std::string last_node_id;
   std::optional<RobotPosition> position;
+  std::vector<ZoneSetState> zone_sets;
+  std::vector<RobotRequest> requests;  ///< for zones, then for edges
 };
 
 struct ConnectionMessage {

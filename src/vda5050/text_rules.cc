@@ -2,113 +2,19 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
-#include <numbers>
 #include <set>
 
 #include "base/json.h"
 #include "base/text.h"
+#include "vda5050/action_rules.h"
 #include "vda5050/catalogue.h"
-#include "vda5050/robot_address.h"
 
 namespace fleetpub::vda5050 {
 namespace {
 
 using base::FindMember;
 using base::StringMember;
-using base::ViewOf;
-using dispatch::TextFinding;
 using rapidjson::Value;
-
-using Findings = std::vector<TextFinding>;
-
-void AddError(Findings& findings, std::string path, std::string message) {
-  findings.push_back({{std::move(path), std::move(message)}, true});
-}
-
-void AddWarning(Findings& findings, std::string path, std::string message) {
-  findings.push_back({{std::move(path), std::move(message)}, false});
-}
-
-// What is wrong with this value for a predefined parameter, or "".
-std::string FaultOfValue(const ParameterSpec& spec, const Value& value) {
-  switch (spec.type) {
-    case ParameterType::kString:
-      return value.IsString() ? "" : "must be a string";
-    case ParameterType::kFloat64:
-      if (value.IsString()) return "must be a number, not a string: robots refuse quoted numbers";
-      return value.IsNumber() ? "" : "must be a number";
-    case ParameterType::kAngle:
-      if (value.IsString()) return "must be a number, not a string: robots refuse quoted numbers";
-      if (!value.IsNumber()) return "must be a number";
-      return std::abs(value.GetDouble()) <= std::numbers::pi
-                 ? ""
-                 : "must be an angle in radians between -π and π";
-    case ParameterType::kStringArray:
-      if (!value.IsArray()) return "must be an array of strings";
-      for (const Value& item : value.GetArray()) {
-        if (!item.IsString()) return "must be an array of strings";
-      }
-      return "";
-  }
-  return "";
-}
-
-// A key that the version does not predefine: allowed, but perhaps a slip.
-void CheckFurtherKey(const ActionSpec& action, std::string_view key, const std::string& path,
-                     Findings& findings) {
-  std::vector<std::string_view> names;
-  for (const ParameterSpec& spec : action.parameters) names.push_back(spec.name);
-  if (const auto nearest = base::Nearest(key, names)) {
-    return AddWarning(findings, path,
-                      fmt::format("'{}' is not a parameter that {} has: is {} meant?",
-                                  base::Printable(key), action.type, *nearest));
-  }
-  for (const ParameterSpec& spec : ParametersInAnyVersion(action.type)) {
-    if (spec.name != key) continue;
-    AddWarning(findings, path,
-               fmt::format("{} has no predefined parameter '{}' in this version: it is sent as an "
-                           "additional one",
-                           action.type, key));
-  }
-}
-
-void CheckParameters(const ActionSpec& action, const Value* parameters, const std::string& path,
-                     Findings& findings) {
-  std::set<std::string_view> present;
-  // A user's own schema may let pass what the official ones do not.
-  const bool are_given = parameters != nullptr && parameters->IsArray();
-  const rapidjson::SizeType count = are_given ? parameters->Size() : 0;
-  for (rapidjson::SizeType i = 0; i < count; ++i) {
-    const Value& parameter = (*parameters)[i];
-    const std::string_view key = StringMember(parameter, "key");
-    const std::string place = fmt::format("{}/actionParameters/{}", path, i);
-    if (!present.insert(key).second) {
-      AddError(findings, place, fmt::format("parameter '{}' is given twice", base::Printable(key)));
-      continue;
-    }
-    const ParameterSpec* spec = nullptr;
-    for (const ParameterSpec& candidate : action.parameters) {
-      if (candidate.name == key) spec = &candidate;
-    }
-    if (spec == nullptr) {
-      CheckFurtherKey(action, key, place, findings);
-    } else if (const Value* value = FindMember(parameter, "value"); value == nullptr) {
-      AddError(findings, place, fmt::format("{} has no value", key));
-    } else if (auto fault = FaultOfValue(*spec, *value); !fault.empty()) {
-      AddError(findings, place + "/value", fmt::format("{} {}", key, fault));
-    }
-  }
-  std::vector<std::string> missing;
-  for (const ParameterSpec& spec : action.parameters) {
-    if (spec.required && !present.contains(spec.name)) missing.emplace_back(spec.name);
-  }
-  if (!missing.empty()) {
-    AddError(findings, path,
-             fmt::format("{} needs the parameter{} {}", action.type, missing.size() == 1 ? "" : "s",
-                         base::Join(missing, ", ")));
-  }
-}
 
 std::string WhyNotInstant(const ActionSpec* action, std::string_view type, Version version) {
   const std::string_view name = FactsOf(version).name;
@@ -126,27 +32,13 @@ std::string WhyNotInstant(const ActionSpec* action, std::string_view type, Versi
                      versions);
 }
 
-void CheckFurtherType(std::string_view type, const std::string& path, Version version,
-                      Findings& findings) {
-  std::vector<std::string_view> names;
-  for (const ActionSpec* action : ActionsOf(version)) names.push_back(action->type);
-  std::optional<std::string> meant = base::Nearest(type, names);
-  if (const auto predefined = ActionCalled(type)) meant = NameIn(version, *predefined);
-  if (!meant) return;
-  AddWarning(
-      findings, path + "/actionType",
-      fmt::format("'{}' is no predefined action, so it counts as a manufacturer's own: is {} "
-                  "meant? (names are case-sensitive)",
-                  base::Printable(type), *meant));
-}
-
 void CheckAction(const Value& action, const std::string& path, Version version,
                  Findings& findings) {
   const std::string_view type = StringMember(action, "actionType");
   if (type.empty()) AddError(findings, path + "/actionType", "actionType must not be empty");
   const ActionSpec* spec = FindAction(version, type);
   if (spec != nullptr && spec->scopes.instant) {
-    return CheckParameters(*spec, FindMember(action, "actionParameters"), path, findings);
+    return CheckActionParameters(*spec, FindMember(action, "actionParameters"), path, findings);
   }
   const auto predefined = ActionCalled(type);
   const bool exact = predefined && (*predefined == type || NameIn(version, *predefined) == type ||
@@ -154,21 +46,7 @@ void CheckAction(const Value& action, const std::string& path, Version version,
   if (exact) {
     AddError(findings, path + "/actionType", WhyNotInstant(spec, type, version));
   } else {
-    CheckFurtherType(type, path, version, findings);
-  }
-}
-
-void CheckId(std::string_view id, const std::string& path, std::set<std::string_view>& ids,
-             Findings& findings) {
-  if (id.empty()) return AddError(findings, path + "/actionId", "actionId must not be empty");
-  if (!ids.insert(id).second) {
-    AddError(findings, path + "/actionId",
-             fmt::format("actionId '{}' stands for two actions: ids must be unique",
-                         base::Printable(id)));
-  }
-  if (!HasRecommendedCharacters(id)) {
-    AddWarning(findings, path + "/actionId",
-               "actionId has characters other than the recommended A-Z a-z 0-9 _ . : -");
+    CheckUnknownType(type, path, version, findings);
   }
 }
 
@@ -185,10 +63,25 @@ Findings CheckInstantActions(const Value& message, Version version) {
   std::set<std::string_view> ids;
   for (rapidjson::SizeType i = 0; i < actions->Size(); ++i) {
     const std::string path = fmt::format("/{}/{}", array, i);
-    CheckId(StringMember((*actions)[i], "actionId"), path, ids, findings);
+    CheckActionId(StringMember((*actions)[i], "actionId"), path, ids, findings);
     CheckAction((*actions)[i], path, version, findings);
   }
   return findings;
+}
+
+dispatch::TextRules TextRulesFor(std::string_view topic, Version version) {
+  if (topic == "instantActions") {
+    return [version](const Value& message) { return CheckInstantActions(message, version); };
+  }
+  if (topic == "order") {
+    return [version](const Value& message) { return CheckOrder(message, version); };
+  }
+  if (topic == "zoneSet") return CheckZoneSet;
+  if (topic == "responses") {
+    return
+        [](const Value& message) { return CheckResponses(message, base::WallTime::clock::now()); };
+  }
+  return {};
 }
 
 }  // namespace fleetpub::vda5050

@@ -16,25 +16,30 @@ RobotError Error(std::string type, std::vector<ErrorReference> references) {
 }
 
 Attribution Of(std::string type, std::vector<ErrorReference> references) {
-  return AttributionOf(Error(std::move(type), std::move(references)), kId, kHeaderIds);
+  return AttributionOf(Error(std::move(type), std::move(references)), {.topic = "instantActions",
+                                                                       .id_key = "actionId",
+                                                                       .id = kId,
+                                                                       .header_ids = kHeaderIds});
 }
 
 TEST(AttributionOf, KnowsOurActionIdUnderAnyKey) {
   // VDA 5050's own, libVDA5050++'s, ros_amr_interop's, and one that nobody has thought of.
   for (const std::string key : {"actionId", "action.actionId", "order.action.actionId", "action_id",
                                 "instantActionId", "headerId", "what", ""}) {
-    EXPECT_EQ(Of("anything", {{"topic", "order"}, {key, std::string(kId)}}), Attribution::kAction)
+    EXPECT_EQ(Of("anything", {{"topic", "order"}, {key, std::string(kId)}}), Attribution::kItem)
         << key;
   }
 }
 
 TEST(AttributionOf, KnowsAShortActionIdOnlyWhereItCanBeOne) {
   const auto of = [](std::string key) {
-    return AttributionOf(Error("E", {{std::move(key), "18"}}), "18", {});
+    return AttributionOf(
+        Error("E", {{std::move(key), "18"}}),
+        {.topic = "instantActions", .id_key = "actionId", .id = "18", .header_ids = {}});
   };
-  EXPECT_EQ(of("actionId"), Attribution::kAction);
-  EXPECT_EQ(of("action_id"), Attribution::kAction);
-  EXPECT_EQ(of("id"), Attribution::kAction);
+  EXPECT_EQ(of("actionId"), Attribution::kItem);
+  EXPECT_EQ(of("action_id"), Attribution::kItem);
+  EXPECT_EQ(of("id"), Attribution::kItem);
   for (const std::string key : {"headerId", "header.headerId", "orderId", "order_id", "nodeId",
                                 "edgeId", "sequenceId", "mapId", "orderUpdateId"}) {
     EXPECT_EQ(of(key), Attribution::kOther) << key;
@@ -110,6 +115,22 @@ TEST(Told, IsOneShortLineThatMovesNoCursor) {
   const auto told = Told({.type = "E\x1b[2J", .description = std::string(10'000, 'x') + "\n"});
   EXPECT_LT(told.size(), 600U);
   EXPECT_EQ(told.find_first_of("\x1b\n"), std::string::npos);
+}
+
+TEST(AttributionOf, KnowsAnOrderByItsIdAndItsUpdate) {
+  const auto of = [](std::vector<ErrorReference> references) {
+    return AttributionOf(Error("orderError", std::move(references)), {.topic = "order",
+                                                                      .id_key = "orderId",
+                                                                      .id = "o-7",
+                                                                      .header_ids = kHeaderIds,
+                                                                      .update_id = 2});
+  };
+  EXPECT_EQ(of({{"orderId", "o-7"}}), Attribution::kItem);
+  EXPECT_EQ(of({{"orderId", "o-7"}, {"orderUpdateId", "2"}}), Attribution::kItem);
+  EXPECT_EQ(of({{"orderId", "o-7"}, {"orderUpdateId", "1"}}), Attribution::kOther);
+  EXPECT_EQ(of({{"orderId", "o-6"}, {"orderUpdateId", "2"}}), Attribution::kOther);
+  EXPECT_EQ(of({{"topic", "orders"}, {"headerId", "18"}}), Attribution::kHeaderId);
+  EXPECT_EQ(of({{"topic", "instantActions"}, {"headerId", "18"}}), Attribution::kOther);
 }
 
 }  // namespace

@@ -1,0 +1,26 @@
+// Looks around once: which robots the broker knows, and what they say.
+#pragma once
+
+#include <string>
+
+#include "base/result.h"
+#include "cli/global_options.h"
+#include "cli/listening.h"
+#include "vda5050/fleet_view.h"
+
+namespace fleetpub::cli {
+
+struct GatheringOptions {
+  FleetOptions fleet;
+  std::string discover = "300";
+  std::string state_wait = "2s";
+};
+
+void DeclareGatheringOptions(OptionSet& set, GatheringOptions& options);
+
+/// Warns of robots that are online and sent no state in time. Errors: ErrorKind::kUsage, kBroker;
+/// kPreflight when no robot is known.
+[[nodiscard]] Result<vda5050::FleetView> GatherFleet(const GatheringOptions& options,
+                                                     const Context& context);
+
+}  // namespace fleetpub::cli

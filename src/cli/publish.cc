@@ -1,0 +1,228 @@
+// `fleetpub publish TOPIC TARGET… -f FILE` sends a prepared message; `fleetpub respond` makes the
+// one that answers a robot's request.
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <memory>
+
+#include "base/file.h"
+#include "base/json.h"
+#include "base/text.h"
+#include "base/time.h"
+#include "cli/option_set.h"
+#include "cli/robot_sending.h"
+#include "cli/subcommand.h"
+#include "cli/vda_options.h"
+#include "vda5050/prepared_message.h"
+
+namespace fleetpub::cli {
+namespace {
+
+using vda5050::Dialect;
+using vda5050::RobotAddress;
+
+// What both commands take.
+struct PreparedOptions {
+  std::string header_id;
+  VdaOptions vda;
+  SendingOptions sending;
+  WaitingOptions waiting;
+};
+
+struct PublishOptions : PreparedOptions {
+  std::string topic;
+  std::vector<std::string> targets;
+  std::string file;
+  bool restamp = false;
+};
+
+struct RespondOptions : PreparedOptions {
+  std::string target;
+  std::string request;
+  std::string grant;
+  std::string lease_expiry;
+};
+
+class PreparedMessage final : public RobotMessage {
+ public:
+  PreparedMessage(std::string_view topic, std::shared_ptr<const rapidjson::Document> message,
+                  vda5050::ForeignHeader foreign)
+      : topic_(topic), message_(std::move(message)), foreign_(foreign) {}
+
+  [[nodiscard]] Result<dispatch::Command> Build(
+      const RobotAddress& robot, const Dialect& dialect,
+      std::optional<std::uint32_t> header_id) const override {
+    return vda5050::BuildPrepared(robot, dialect, topic_, *message_, foreign_, header_id);
+  }
+
+  [[nodiscard]] vda5050::PreflightFindings Check(const RobotAddress& robot, const Dialect& dialect,
+                                                 const vda5050::KnownRobot& known) const override {
+    const auto command = Build(robot, dialect, std::nullopt);
+    const std::size_t bytes =
+        command ? command->payload.Render(0, base::WallTime::clock::now()).size() : 0;
+    const auto actions = topic_ == "instantActions" ? vda5050::ActionsIn(*message_, dialect)
+                                                    : std::vector<vda5050::InstantAction>();
+    return vda5050::CheckRobot(robot, dialect, actions, known, bytes);
+  }
+
+  [[nodiscard]] Result<std::unique_ptr<dispatch::Confirmation>> Confirm(
+      const RobotAddress& robot, const Dialect& dialect, const dispatch::Command& /*command*/,
+      vda5050::WaitFor wait_for) const override {
+    return vda5050::ConfirmPrepared(robot, dialect, topic_, *message_, wait_for);
+  }
+
+ private:
+  std::string_view topic_;
+  std::shared_ptr<const rapidjson::Document> message_;
+  vda5050::ForeignHeader foreign_;
+};
+
+void DeclarePrepared(OptionSet& set, PreparedOptions& options) {
+  set.AddOption("--header-id", options.header_id, "The headerId, above the topic's last [the next]")
+      ->type_name("N")
+      ->group("Message");
+  DeclareSendingOptions(set, options.sending);
+  DeclareWaitingOptions(set, options.waiting);
+  DeclareVdaOptions(set, options.vda);
+}
+
+Result<ExitCode> Send(std::string_view topic, const std::vector<std::string>& targets,
+                      rapidjson::Document message, vda5050::ForeignHeader foreign,
+                      const PreparedOptions& options, const Context& context) {
+  RobotSending sending;
+  WaitingOptions waiting_options = options.waiting;
+  // An order may take hours: that the robot has it is what one usually waits for.
+  if (topic == "order" && waiting_options.wait && waiting_options.wait_for.empty()) {
+    waiting_options.wait_for = "accepted";
+  }
+  auto waiting = WaitingOf(waiting_options);
+  if (!waiting) return Fail(std::move(waiting.error()));
+  auto robots = RobotsOf(targets, context.output);
+  if (!robots) return Fail(std::move(robots.error()));
+  auto dialect = DialectOf(options.vda);
+  if (!dialect) return Fail(std::move(dialect.error()));
+  const auto said = vda5050::VersionSaidBy(message);
+  if (dialect->assumed && said) {
+    dialect->version = *said;
+    dialect->assumed = false;
+  }
+  const auto header_id = HeaderIdOf(options.header_id);
+  if (!header_id) return Fail(header_id.error());
+
+  const auto shared = std::make_shared<const rapidjson::Document>(std::move(message));
+  sending.robots = std::move(*robots);
+  sending.dialect = std::move(*dialect);
+  sending.automatic = options.vda.IsAutomatic();
+  sending.header_id = *header_id;
+  sending.make_message = [topic, shared, foreign] {
+    return std::make_unique<PreparedMessage>(topic, shared, foreign);
+  };
+  sending.options = options.sending;
+  sending.waiting = std::move(*waiting);
+  return SendToRobots(std::move(sending), context);
+}
+
+Result<rapidjson::Document> ReadMessage(const std::string& file) {
+  const auto text = base::ReadFile(file);
+  if (!text) return Fail(text.error());
+  auto message = base::ParseJson(*text);
+  if (!message) {
+    message.error().message =
+        fmt::format("{}: {}", file == "-" ? "standard input" : file, message.error().message);
+  }
+  return message;
+}
+
+Result<ExitCode> RunPublish(const PublishOptions& options, const Context& context) {
+  if (options.topic.empty()) {
+    return Fail(ErrorKind::kUsage,
+                "name the topic and the robots: fleetpub publish order KIT/0001 -f order.json");
+  }
+  const auto topic = vda5050::PublishedTopic(options.topic);
+  if (!topic) return Fail(topic.error());
+  if (options.file.empty()) {
+    return Fail(ErrorKind::kUsage,
+                "name the file with the message: --file FILE, or - for standard "
+                "input");
+  }
+  auto message = ReadMessage(options.file);
+  if (!message) return Fail(std::move(message.error()));
+  const auto foreign =
+      options.restamp ? vda5050::ForeignHeader::kReplace : vda5050::ForeignHeader::kRefuse;
+  return Send(*topic, options.targets, std::move(*message), foreign, options, context);
+}
+
+// `30s` from now, or a time.
+Result<base::WallTime> LeaseOf(const std::string& text) {
+  if (const auto time = base::ParseDateTime(text)) return *time;
+  const auto duration = base::ParseDuration(text);
+  if (duration) return base::WallTime::clock::now() + *duration;
+  return Fail(ErrorKind::kUsage, fmt::format("--lease-expiry takes a duration such as 30s, or a "
+                                             "time such as 2026-11-22T20:15:00Z, not '{}'",
+                                             base::Printable(text)));
+}
+
+Result<ExitCode> RunRespond(const RespondOptions& options, const Context& context) {
+  if (options.grant.empty()) {
+    return Fail(ErrorKind::kUsage,
+                "name the robot, its request and the answer: fleetpub respond KIT/0001 request-1 "
+                "GRANTED; fleetpub requests lists the requests");
+  }
+  std::string grant;
+  for (const std::string_view known : {"GRANTED", "QUEUED", "REVOKED", "REJECTED"}) {
+    if (base::EqualsIgnoringCase(known, options.grant)) grant = known;
+  }
+  if (grant.empty()) {
+    return Fail(ErrorKind::kUsage, fmt::format("the answer is GRANTED, QUEUED, REVOKED or "
+                                               "REJECTED, not '{}'",
+                                               base::Printable(options.grant)));
+  }
+  if (!base::IsUtf8(options.request)) {
+    return Fail(ErrorKind::kInvalid, "the requestId is not valid UTF-8");
+  }
+  vda5050::RequestResponse response{
+      .request_id = options.request, .grant_type = grant, .lease_expiry = {}};
+  if (!options.lease_expiry.empty()) {
+    const auto lease = LeaseOf(options.lease_expiry);
+    if (!lease) return Fail(lease.error());
+    response.lease_expiry = *lease;
+  }
+  return Send("responses", {options.target}, vda5050::ResponsesMessage(response),
+              vda5050::ForeignHeader::kRefuse, options, context);
+}
+
+}  // namespace
+
+Run DeclarePublish(OptionSet& set) {
+  const auto options = std::make_shared<PublishOptions>();
+  set.AddOption("topic", options->topic, "order, instantActions, zoneSet or responses")
+      ->type_name("TOPIC");
+  set.AddOption("targets", options->targets, "Robots: manufacturer/serialNumber")
+      ->type_name("TARGET");
+  set.AddOption("-f,--file", options->file, "The message as JSON; - reads standard input")
+      ->type_name("FILE")
+      ->group("Message");
+  set.AddFlag("--restamp", options->restamp,
+              "Replace a version, manufacturer or serialNumber of another robot in the message")
+      ->group("Message");
+  DeclarePrepared(set, *options);
+  return [options](const Context& context) { return RunPublish(*options, context); };
+}
+
+Run DeclareRespond(OptionSet& set) {
+  const auto options = std::make_shared<RespondOptions>();
+  set.AddOption("target", options->target, "The robot: manufacturer/serialNumber")
+      ->type_name("TARGET");
+  set.AddOption("request", options->request, "Its requestId, as fleetpub requests lists it")
+      ->type_name("REQUEST");
+  set.AddOption("grant", options->grant, "GRANTED, QUEUED, REVOKED or REJECTED")
+      ->type_name("ANSWER");
+  set.AddOption("--lease-expiry", options->lease_expiry,
+                "Until when it is granted: 30s from now, or a time")
+      ->type_name("TIME")
+      ->group("Message");
+  DeclarePrepared(set, *options);
+  return [options](const Context& context) { return RunRespond(*options, context); };
+}
+
+}  // namespace fleetpub::cli

@@ -1,0 +1,226 @@
+#include "cli/robot_sending.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <map>
+
+#include "base/text.h"
+#include "dispatch/collect.h"
+#include "dispatch/send.h"
+#include "mqtt/paho_transport.h"
+#include "vda5050/discovery.h"
+
+namespace fleetpub::cli {
+namespace {
+
+using dispatch::Command;
+using vda5050::Dialect;
+using vda5050::KnownRobot;
+using vda5050::RobotAddress;
+
+// In the order in which a broker hands them out: when the connection message is there, so is the
+// factsheet.
+constexpr std::array<std::string_view, 2> kRetainedTopics = {"factsheet", "connection"};
+
+// One robot on the way to its command.
+struct Addressee {
+  RobotAddress robot;
+  Dialect dialect;
+  std::unique_ptr<RobotMessage> message;
+  KnownRobot known = {};
+  bool unspeakable = false;  ///< it speaks a version that we do not
+};
+
+bool SaysOnline(const mqtt::Message& message) {
+  if (!message.topic.ends_with("/connection")) return false;
+  const auto connection = vda5050::ReadConnection(message.payload);
+  return connection && connection->connection_state == "ONLINE";
+}
+
+class RobotSender {
+ public:
+  RobotSender(RobotSending sending, const Context& context)
+      : sending_(std::move(sending)), waiting_(sending_.waiting), context_(context) {
+    addressees_.reserve(sending_.robots.size());
+    for (RobotAddress& robot : sending_.robots) {
+      addressees_.push_back({std::move(robot), sending_.dialect, sending_.make_message()});
+    }
+  }
+
+  Result<ExitCode> Run() {
+    const bool automatic = sending_.automatic;
+    if (!automatic) {  // what is invalid anyway costs no connection
+      if (auto ok = Build(); !ok) return Fail(ok.error());
+    }
+    const bool look = automatic || (waiting_.check && !sending_.options.dry_run);
+    if (look) {
+      if (auto ok = LookAround(); !ok) {
+        return Fail(
+            NothingSent(outgoing_.commands, dispatch::Verdict::kError, ok.error(), context_));
+      }
+      outgoing_.commands.clear();
+      outgoing_.validated = false;
+      if (waiting_.check || automatic) Check();
+      if (auto ok = Build(); !ok) return Fail(ok.error());
+    }
+    if (waiting_.wait_for) {
+      if (auto ok = AddConfirmations(); !ok) return Fail(ok.error());
+      outgoing_.wait = waiting_.wait;
+    }
+    for (const std::string& warning : warnings_) context_.output.Warn(warning);
+    addressees_ = std::vector<Addressee>();  // of ten thousand robots it is felt
+    return SendCommands(std::move(outgoing_), sending_.options, context_);
+  }
+
+ private:
+  Status Build() {
+    outgoing_.commands.reserve(addressees_.size());
+    for (const Addressee& addressee : addressees_) {
+      auto command =
+          addressee.message->Build(addressee.robot, addressee.dialect, sending_.header_id);
+      if (!command) return Fail(std::move(command.error()));
+      outgoing_.commands.push_back(std::move(*command));
+    }
+    auto warnings = ValidateAll(outgoing_.commands, context_);
+    if (!warnings) {
+      return Fail(
+          NothingSent(outgoing_.commands, dispatch::Verdict::kInvalid, warnings.error(), context_));
+    }
+    warnings_ = std::move(*warnings);
+    outgoing_.validated = true;
+    return {};
+  }
+
+  // Collects what the robots have said of themselves.
+  Status LookAround() {
+    const auto connect = ConnectOptionsOf(context_);
+    if (!connect) return Fail(connect.error());
+    auto transport = mqtt::ConnectPaho(*connect);
+    if (!transport) return Fail(transport.error());
+    outgoing_.transport = std::move(*transport);
+    std::vector<std::string> filters;
+    for (const Addressee& addressee : addressees_) {
+      const auto own = vda5050::DiscoveryFilters(
+          addressee.dialect.topics, {addressee.robot.manufacturer, addressee.robot.serial_number},
+          kRetainedTopics);
+      if (!own) return Fail(own.error());
+      filters.insert(filters.end(), own->begin(), own->end());
+    }
+    const auto messages = dispatch::Collect(
+        *outgoing_.transport, filters, waiting_.discover,
+        // A robot may have left messages under another version long ago: only ONLINE ends the
+        // search at once.
+        [online = std::size_t{0}, wanted = addressees_.size()](const auto& got) mutable {
+          if (!got.empty() && SaysOnline(got.back())) ++online;
+          return online >= wanted;
+        });
+    if (!messages) return Fail(messages.error());
+    Learn(*messages);
+    return {};
+  }
+
+  // What one robot has left at the broker.
+  struct Traces {
+    std::vector<vda5050::Discovered> found;
+    std::optional<vda5050::Factsheet> factsheet;
+  };
+
+  // What the messages tell; with `--vda auto` a robot is from now on spoken to as they say.
+  void Learn(const std::vector<mqtt::Message>& messages) {
+    std::map<RobotAddress, Traces> by_robot;
+    const Dialect base = addressees_.empty() ? Dialect() : addressees_.front().dialect;
+    for (const mqtt::Message& message : messages) {
+      auto discovered = vda5050::DialectFrom(base, message.topic, message.payload);
+      if (!discovered) continue;
+      Traces& traces = by_robot[discovered->robot];
+      if (discovered->topic_name == "factsheet") {
+        traces.factsheet = vda5050::ReadFactsheet(message.payload);
+      }
+      traces.found.push_back(std::move(*discovered));
+    }
+    for (Addressee& addressee : addressees_) {
+      const auto traces = by_robot.find(addressee.robot);
+      if (traces != by_robot.end()) Apply(std::move(traces->second), addressee);
+    }
+  }
+
+  void Apply(Traces traces, Addressee& addressee) const {
+    addressee.known.factsheet = std::move(traces.factsheet);
+    const vda5050::Discovered best = vda5050::OnePerRobot(std::move(traces.found)).front();
+    if (best.topic_name == "connection") {
+      addressee.known.connection = best.message;
+      addressee.known.connection_topic = best.topic;
+    }
+    addressee.unspeakable = !best.dialect;
+    if (sending_.automatic && best.dialect) addressee.dialect = *best.dialect;
+    if (addressee.known.factsheet) addressee.message->Suit(*addressee.known.factsheet);
+  }
+
+  // Sorts out the robots that cannot be expected to obey.
+  void Check() {
+    std::vector<Addressee> left;
+    for (Addressee& addressee : addressees_) {
+      const vda5050::PreflightFindings findings = FindingsOn(addressee);
+      for (const std::string& warning : findings.warnings) context_.output.Warn(warning);
+      if (findings.refusals.empty()) {
+        addressee.dialect.assumed = false;
+        left.push_back(std::move(addressee));
+      } else {
+        Refuse(addressee, findings.refusals.front());
+      }
+    }
+    addressees_ = std::move(left);
+  }
+
+  [[nodiscard]] vda5050::PreflightFindings FindingsOn(const Addressee& addressee) const {
+    if (sending_.automatic && addressee.unspeakable) {
+      return {{"it speaks a version of VDA 5050 that fleetpub does not: try one with --vda"}, {}};
+    }
+    if (!waiting_.check) {  // `--vda auto` alone: only the version must be known
+      if (addressee.known.connection || addressee.known.factsheet) return {};
+      return {{"no message of this robot is known to the broker, so its version cannot be told: "
+               "name it with --vda"},
+              {}};
+    }
+    return addressee.message->Check(addressee.robot, addressee.dialect, addressee.known);
+  }
+
+  void Refuse(const Addressee& addressee, const std::string& reason) {
+    const auto command =
+        addressee.message->Build(addressee.robot, addressee.dialect, sending_.header_id);
+    dispatch::Report report = command ? dispatch::ReportOn(*command) : dispatch::Report();
+    report.target = addressee.robot.ToString();
+    report.verdict = dispatch::Verdict::kRefused;
+    report.error = ErrorKind::kPreflight;
+    report.message = "not sent: " + reason;
+    outgoing_.refused.push_back(std::move(report));
+  }
+
+  Status AddConfirmations() {
+    for (std::size_t i = 0; i < outgoing_.commands.size(); ++i) {
+      Command& command = outgoing_.commands[i];
+      auto confirmation = addressees_[i].message->Confirm(
+          addressees_[i].robot, addressees_[i].dialect, command, *waiting_.wait_for);
+      if (!confirmation) return Fail(std::move(confirmation.error()));
+      command.confirmation = std::move(*confirmation);
+    }
+    return {};
+  }
+
+  RobotSending sending_;
+  const Waiting& waiting_;
+  const Context& context_;
+  std::vector<Addressee> addressees_;
+  std::vector<std::string> warnings_;
+  Outgoing outgoing_;
+};
+
+}  // namespace
+
+Result<ExitCode> SendToRobots(RobotSending sending, const Context& context) {
+  return RobotSender(std::move(sending), context).Run();
+}
+
+}  // namespace fleetpub::cli

@@ -1,0 +1,57 @@
+// Sends one message to each of several robots: learns how each is spoken to where that is asked,
+// checks it, sends, waits.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "base/result.h"
+#include "cli/exit_code.h"
+#include "cli/sending.h"
+#include "cli/wait_options.h"
+#include "dispatch/command.h"
+#include "vda5050/confirmation.h"
+#include "vda5050/instant_actions.h"
+#include "vda5050/preflight.h"
+
+namespace fleetpub::cli {
+
+/// What one robot is to be told.
+class RobotMessage {
+ public:
+  RobotMessage() = default;
+  RobotMessage(const RobotMessage&) = delete;
+  RobotMessage& operator=(const RobotMessage&) = delete;
+  virtual ~RobotMessage() = default;
+
+  /// Again when the dialect turns out to be another.
+  [[nodiscard]] virtual Result<dispatch::Command> Build(
+      const vda5050::RobotAddress& robot, const vda5050::Dialect& dialect,
+      std::optional<std::uint32_t> header_id) const = 0;
+  [[nodiscard]] virtual vda5050::PreflightFindings Check(
+      const vda5050::RobotAddress& robot, const vda5050::Dialect& dialect,
+      const vda5050::KnownRobot& known) const = 0;
+  [[nodiscard]] virtual Result<std::unique_ptr<dispatch::Confirmation>> Confirm(
+      const vda5050::RobotAddress& robot, const vda5050::Dialect& dialect,
+      const dispatch::Command& command, vda5050::WaitFor wait_for) const = 0;
+  /// The robot's limits, before it is built for the last time.
+  virtual void Suit(const vda5050::Factsheet& /*factsheet*/) {}
+};
+
+struct RobotSending {
+  std::vector<vda5050::RobotAddress> robots;
+  vda5050::Dialect dialect;  ///< that everybody is spoken to in at first
+  bool automatic = false;    ///< then in each robot's own
+  std::optional<std::uint32_t> header_id;
+  std::function<std::unique_ptr<RobotMessage>()> make_message;  ///< one for each robot
+  SendingOptions options;
+  Waiting waiting;
+};
+
+/// Sends to all of the robots, or to none when a message is invalid. Prints a result for each.
+[[nodiscard]] Result<ExitCode> SendToRobots(RobotSending sending, const Context& context);
+
+}  // namespace fleetpub::cli
