@@ -13,6 +13,7 @@
 #include "base/text.h"
 #include "cli/subcommand.h"
 #include "schema/schema.h"
+#include "schema/schema_files.h"
 #include "vda5050/text_rules.h"
 
 namespace fleetpub::cli {
@@ -29,15 +30,32 @@ struct Options {
   bool strict = false;
 };
 
-// A message's topic, told from the member that only this topic has.
+// A message's topic, told from a member that only this topic has, or has first in this order: a
+// position can stand in a state as well.
 struct Mark {
   std::string_view member;
   std::string_view topic;
 };
-constexpr std::array<Mark, 3> kMarks = {{
+constexpr std::array<Mark, 19> kMarks = {{
     {"actions", "instantActions"},
     {"instantActions", "instantActions"},
     {"connectionState", "connection"},
+    {"nodes", "order"},
+    {"edges", "order"},
+    {"nodeStates", "state"},
+    {"edgeStates", "state"},
+    {"actionStates", "state"},
+    {"operatingMode", "state"},
+    {"typeSpecification", "factsheet"},
+    {"physicalParameters", "factsheet"},
+    {"protocolLimits", "factsheet"},
+    {"protocolFeatures", "factsheet"},
+    {"responses", "responses"},
+    {"zoneSet", "zoneSet"},
+    {"referenceStateHeaderId", "visualization"},
+    {"agvPosition", "visualization"},
+    {"mobileRobotPosition", "visualization"},
+    {"velocity", "visualization"},
 }};
 
 // Validates message after message; each schema is compiled once.
@@ -77,7 +95,8 @@ class Validator {
 
  private:
   Status LoadFile() {
-    const auto text = base::ReadFile(options_.schema_file);
+    const auto text =
+        schema::ReadSchemaFile(options_.schema_file, schema::FilesBeside(options_.schema_file));
     if (!text) return Fail(text.error());
     auto schema = schema::Schema::Compile(*text, options_.schema_file);
     if (!schema) return Fail(std::move(schema.error()));
@@ -194,7 +213,7 @@ Run DeclareValidate(CLI::App& app) {
   app.add_option("file", options->file, "The message; - or nothing: standard input")
       ->type_name("FILE");
   add("--vda", options->version, "V", "Version [what the header says]")->envname("FLEETPUB_VDA");
-  add("--topic", options->topic, "TOPIC", "instantActions, connection [told from the message]");
+  add("--topic", options->topic, "TOPIC", "order, state, instantActions … [told from the message]");
   add("--schema", options->schema_file, "FILE", "A JSON Schema of your own (draft-07)");
   app.add_flag("--lines", options->lines, "One message per line (JSON Lines)")->group("Checking");
   app.add_flag("--strict", options->strict, "Rules of the specification's text are errors too")

@@ -32,17 +32,17 @@ class Bundler {
     }
   }
 
-  Status Run() {
+  Result<bool> Run() {
     Walk(root_, root_uri_);
     if (!error_.empty()) return Fail(ErrorKind::kInvalid, std::move(error_));
-    if (imported_.empty()) return {};
+    if (imported_.empty()) return false;
     if (base::FindMember(root_, "definitions") == nullptr) {
       root_.AddMember("definitions", Value(rapidjson::kObjectType), allocator_);
     }
     for (auto& [name, schema] : imported_) {
       root_["definitions"].AddMember(Value(name, allocator_), std::move(schema), allocator_);
     }
-    return {};
+    return true;
   }
 
  private:
@@ -59,12 +59,13 @@ class Bundler {
     }
     if (!value.IsObject()) return;
     const std::string here = BaseOf(value, base);
-    for (auto& member : value.GetObject()) {
-      const std::string_view name = ViewOf(member.name);
-      if (name == "$ref" && member.value.IsString()) {
-        Redirect(member.value, here);
+    const auto end = value.MemberEnd();
+    for (auto member = value.MemberBegin(); member < end; ++member) {
+      const std::string_view name = ViewOf(member->name);
+      if (name == "$ref" && member->value.IsString()) {
+        Redirect(member->value, here);
       } else if (std::find(kData.begin(), kData.end(), name) == kData.end()) {
-        Walk(member.value, here);
+        Walk(member->value, here);
       }
     }
   }
@@ -92,13 +93,13 @@ class Bundler {
       error_ = fmt::format("{} has no {}", base::Printable(uri), base::Printable(fragment));
       return {};
     }
-    const std::string name = NameFor(uri, fragment);
+    std::string name = NameFor(uri, fragment);
     known_.emplace(std::pair(uri, fragment), name);
     Value copy(*schema, allocator_);
     Walk(copy, BaseOf(*document, uri));
     if (copy.IsObject() && fragment.empty()) {
-      copy.RemoveMember("$schema");
-      copy.RemoveMember("$id");
+      copy.EraseMember("$schema");
+      copy.EraseMember("$id");
     }
     imported_.emplace_back(name, std::move(copy));
     return name;
@@ -127,8 +128,8 @@ class Bundler {
 
 }  // namespace
 
-Status Bundle(rapidjson::Document& document, std::string_view uri, const FindDocument& find) {
-  if (!document.IsObject()) return {};
+Result<bool> Bundle(rapidjson::Document& document, std::string_view uri, const FindDocument& find) {
+  if (!document.IsObject()) return false;
   return Bundler(document, uri, find).Run();
 }
 

@@ -21,8 +21,8 @@ using FindDocument = std::function<const rapidjson::Value*(std::string_view uri)
 /// those that they refer to in turn, and points the references there. `uri` is where the document
 /// stands; relative references are seen from there, or from its `$id`. A reference to a document
 /// that `find` does not know stays as it is. Errors: ErrorKind::kInvalid, when a document is there
-/// but not what is asked for in it.
-[[nodiscard]] Status Bundle(rapidjson::Document& document, std::string_view uri,
-                            const FindDocument& find);
+/// but not what is asked for in it. True when anything was copied.
+[[nodiscard]] Result<bool> Bundle(rapidjson::Document& document, std::string_view uri,
+                                  const FindDocument& find);
 
 }  // namespace fleetpub::schema
