@@ -10,6 +10,7 @@
 
 #include "base/file.h"
 #include "base/json.h"
+#include "base/line_reader.h"
 #include "base/text.h"
 #include "cli/subcommand.h"
 #include "schema/schema.h"
@@ -177,30 +178,33 @@ void Show(const Findings& findings, const std::string& name, std::size_t line, O
   if (findings.errors.empty()) output.PeopleLine(fmt::format("{}: valid", place));
 }
 
+// Line by line, as they arrive and however many they are.
+Result<ExitCode> CheckLines(Validator& validator, const std::string& file, const std::string& name,
+                            Output& output) {
+  auto reader = base::LineReader::Open(file);
+  if (!reader) return Fail(std::move(reader.error()));
+  ExitCode code = ExitCode::kDone;
+  for (std::size_t number = 1;; ++number) {
+    const auto line = reader->Next();
+    if (!line) return Fail(line.error());
+    if (!*line) return code;
+    if ((*line)->find_first_not_of(" \t\r") == std::string_view::npos) continue;
+    const Findings findings = validator.Check(**line);
+    Show(findings, name, number, output);
+    if (!findings.errors.empty()) code = ExitCode::kInvalid;
+  }
+}
+
 Result<ExitCode> RunValidate(const Options& options, const Context& context) {
   Validator validator(options, context);
   if (auto ready = validator.Prepare(); !ready) return Fail(ready.error());
+  const std::string name = options.file == "-" ? "standard input" : options.file;
+  if (options.lines) return CheckLines(validator, options.file, name, context.output);
   const auto content = base::ReadFile(options.file);
   if (!content) return Fail(content.error());
-  const std::string name = options.file == "-" ? "standard input" : options.file;
-  if (!options.lines) {
-    const Findings findings = validator.Check(*content);
-    Show(findings, name, 0, context.output);
-    return findings.errors.empty() ? ExitCode::kDone : ExitCode::kInvalid;
-  }
-  ExitCode code = ExitCode::kDone;
-  std::size_t number = 0;
-  std::string_view rest = *content;
-  while (!rest.empty()) {
-    const std::string_view line = rest.substr(0, rest.find('\n'));
-    rest.remove_prefix(std::min(line.size() + 1, rest.size()));
-    ++number;
-    if (line.find_first_not_of(" \t\r") == std::string_view::npos) continue;
-    const Findings findings = validator.Check(line);
-    Show(findings, name, number, context.output);
-    if (!findings.errors.empty()) code = ExitCode::kInvalid;
-  }
-  return code;
+  const Findings findings = validator.Check(*content);
+  Show(findings, name, 0, context.output);
+  return findings.errors.empty() ? ExitCode::kDone : ExitCode::kInvalid;
 }
 
 }  // namespace
