@@ -80,7 +80,12 @@ std::string TopicOf(std::string_view stem, const Known& known) {
 
 // All names of the file with this stem; the second is true for those that give way to a file that
 // is more specific.
-std::vector<std::pair<std::string, bool>> NamesOf(const std::string& stem, const Known& known) {
+std::vector<std::pair<std::string, bool>> NamesOf(std::string stem, const Known& known) {
+  // The official repository's own folder says nothing.
+  constexpr std::string_view kPublished = "json_schemas/";
+  const std::size_t at = stem.find(kPublished);
+  if (at != std::string::npos && (at == 0 || stem[at - 1] == '/'))
+    stem.erase(at, kPublished.size());
   std::string_view rest = stem;
   if (rest.starts_with(kProtocol)) rest.remove_prefix(kProtocol.size());
   const std::size_t slash = rest.find('/');

@@ -19,6 +19,7 @@ using SchemaFiles = std::map<std::string, std::filesystem::path, std::less<>>;
 ///
 ///  - `vda5050/` may be missing before a version;
 ///  - a version may be written `v3.0`, or have something behind it: `1.1.0-community`;
+///  - a folder `json_schemas`, as in the official repository, may be around the files;
 ///  - a topic may be written `instant-actions`;
 ///  - a topic's file in the folder itself is that topic's schema in every version that has no file
 ///    of its own there.

@@ -7,7 +7,8 @@ const COMMUNITY = "http://vda-5050-schema.org/v1.1/";
 
 // {dialect, schema, others, base, resolve}: others are documents that it refers to, resolve finds what a reference means.
 export function corrected(reference, version, topic) {
-  return version === "1.1.0" ? community(`${reference}/vda5050/1.1.0-community`, topic) : official(`${reference}/vda5050/${version}`, version, topic);
+  const folder = `${reference}/vda5050/${version}`;
+  return version === "1.1.0" ? community(`${folder}-community`, topic) : official(folder, version, topic);
 }
 
 function official(folder, version, topic) {
@@ -29,7 +30,8 @@ function official(folder, version, topic) {
 }
 
 function community(folder, topic) {
-  const read = (name) => JSON.parse(readFileSync(`${folder}/${name}.schema.json`, "utf8"), (_, value) => (value === 4294967296 ? 4294967295 : value));
+  const limited = (_, value) => (value === 4294967296 ? 4294967295 : value);
+  const read = (name) => JSON.parse(readFileSync(`${folder}/${name}.schema.json`, "utf8"), limited);
   const common = read("common");
   common.definitions.header.properties.headerId = HEADER_ID;
   const schema = read(topic === "instantActions" ? "instant-actions" : topic);

@@ -16,11 +16,16 @@ import { corrected } from "./published_schemas.mjs";
 const COUNT = 1000;
 const SEEDS = { ours: 5050, theirs: 3339 };
 const OLD = ["connection", "instantActions", "order", "state", "visualization"];
-const TOPICS = { "1.1.0": OLD, "2.0.0": [...OLD, "factsheet"], "2.1.0": [...OLD, "factsheet"], "3.0.0": [...OLD, "factsheet", "responses", "zoneSet"] };
+const TOPICS = {
+  "1.1.0": OLD,
+  "2.0.0": [...OLD, "factsheet"],
+  "2.1.0": [...OLD, "factsheet"],
+  "3.0.0": [...OLD, "factsheet", "responses", "zoneSet"],
+};
 
 const [binary, verdictsFile, reference, mode] = process.argv.slice(2);
 const fleetpub = process.env.FLEETPUB_BINARY ?? binary;
-const haveReference = reference !== undefined && existsSync(`${reference}/vda5050`);
+const haveReference = reference !== undefined;
 const recorded = existsSync(verdictsFile) ? JSON.parse(readFileSync(verdictsFile, "utf8")) : {};
 const fresh = {};
 const problems = [];
@@ -69,8 +74,8 @@ function untouched(generator, messages) {
   const left = new Set(generator.places.map(({ at }) => at));
   for (const message of messages) {
     if (validate(JSON.parse(message))) continue;
-    for (const { schemaPath, params } of validate.errors) {
-      left.delete(params.missingProperty === undefined ? decodeURIComponent(schemaPath) : `${schemaPath}/${params.missingProperty}`);
+    for (const { schemaPath, params: { missingProperty: missing } } of validate.errors) {
+      left.delete(missing === undefined ? decodeURIComponent(schemaPath) : `${schemaPath}/${missing}`);
     }
   }
   return [...left];
@@ -114,7 +119,7 @@ for (const [version, topics] of Object.entries(TOPICS)) {
     if (!haveReference) {
       const known = recorded[pair];
       if (known?.messages === hash(messages)) compare(pair, messages, ours, fromBits(known.valid));
-      else problems.push(`${pair}: the schema means something else than when the verdicts were recorded; compare and record with the published files`);
+      else problems.push(`${pair}: means something else than when verdicts were recorded: compare with the published files and record`);
       continue;
     }
     const published = corrected(reference, version, topic);
@@ -123,13 +128,18 @@ for (const [version, topics] of Object.entries(TOPICS)) {
     const theirs = messages.map(judge);
     compare(pair, messages, ours, theirs);
     fresh[pair] = { messages: hash(messages), valid: bits(theirs) };
-    const others = makeMessages(`${pair} as published`, normalForm(published.schema, published.resolve, published.base), SEEDS.theirs);
+    const form = normalForm(published.schema, published.resolve, published.base);
+    const others = makeMessages(`${pair} as published`, form, SEEDS.theirs);
     compare(pair, others, ourVerdicts(version, topic, others), others.map(judge));
     judged += others.length;
   }
 }
 
-const listed = (verdicts) => `{\n${Object.entries(verdicts).map(([pair, each]) => `  ${JSON.stringify(pair)}: ${JSON.stringify(each)}`).join(",\n")}\n}\n`;
+// A line for each pair.
+const listed = (verdicts) => {
+  const lines = Object.entries(verdicts).map(([pair, each]) => `  ${JSON.stringify(pair)}: ${JSON.stringify(each)}`);
+  return `{\n${lines.join(",\n")}\n}\n`;
+};
 if (haveReference && mode === "record" && problems.length === 0) writeFileSync(verdictsFile, listed(fresh));
 else if (haveReference && listed(fresh) !== listed(recorded)) problems.push(`${verdictsFile} is out of date: run again with "record"`);
 

@@ -28,6 +28,7 @@ TEST(SchemaFiles, HaveTheNamesOfWhatTheyStandFor) {
       {"3.0.0/order.schema", "vda5050/3.0.0/order"},
       {"v3.0/zone-set.schema.json", "vda5050/3.0.0/zoneSet"},
       {"1.1.0-community/instant-actions.schema.json", "vda5050/1.1.0/instantActions"},
+      {"3.0.0/json_schemas/state.schema", "vda5050/3.0.0/state"},
       {"2.1/common.schema.json", "vda5050/2.1.0/common"},
       {"4.0.0/order.schema", "vda5050/4.0.0/order"},
       {"site/robot.schema.json", "site/robot"},
@@ -41,13 +42,15 @@ TEST(SchemaFiles, HaveTheNamesOfWhatTheyStandFor) {
 TEST(SchemaFiles, OfATopicAloneStandForItInEveryVersionWithoutItsOwn) {
   const TemporaryFolder folder;
   const auto common = folder.Write("instantActions.schema", "true");
+  const auto order = folder.Write("json_schemas/order.schema", "true");
   const auto own = folder.Write("2.1.0/instantActions.schema", "false");
   const auto files = ScanSchemaFolder(folder.path());
   ASSERT_TRUE(files) << files.error().message;
   EXPECT_EQ(files->at("vda5050/3.0.0/instantActions"), common);
   EXPECT_EQ(files->at("vda5050/1.1.0/instantActions"), common);
   EXPECT_EQ(files->at("vda5050/2.1.0/instantActions"), own);
-  EXPECT_EQ(files->count("vda5050/3.0.0/order"), 0U);
+  EXPECT_EQ(files->at("vda5050/3.0.0/order"), order);
+  EXPECT_EQ(files->count("vda5050/3.0.0/state"), 0U);
 }
 
 TEST(SchemaFiles, AreRefusedWhenTwoStandForOneName) {
