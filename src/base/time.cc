@@ -72,6 +72,12 @@ bool ScanOffset(Scanner& scanner, std::chrono::minutes& offset) {
   return true;
 }
 
+// A leap second ends a month in UTC (RFC 3339 §5.7).
+bool BeginsMonth(std::chrono::sys_time<std::chrono::minutes> time) {
+  const auto days = std::chrono::floor<std::chrono::days>(time);
+  return time == days && std::chrono::year_month_day(days).day() == std::chrono::day(1);
+}
+
 // Nanoseconds in 64 bits reach from 1677 to 2262; a time beyond becomes the end of that range.
 WallTime ToWallTime(std::chrono::sys_time<microseconds> time) {
   constexpr auto kFirst = std::chrono::ceil<microseconds>(WallTime::min());
@@ -126,11 +132,7 @@ std::optional<WallTime> ParseDateTime(std::string_view text) {
   if (!date.ok() || hour > 23 || minute > 59 || second > 60) return std::nullopt;
   const auto utc_minute =
       sys_days(date) + std::chrono::hours(hour) + std::chrono::minutes(minute) - offset;
-  // A leap second ends a UTC day (RFC 3339 §5.7).
-  if (second == 60 && utc_minute - std::chrono::floor<std::chrono::days>(utc_minute) !=
-                          std::chrono::hours(23) + std::chrono::minutes(59)) {
-    return std::nullopt;
-  }
+  if (second == 60 && !BeginsMonth(utc_minute + std::chrono::minutes(1))) return std::nullopt;
   return ToWallTime(utc_minute + std::chrono::seconds(second) + fraction);
 }
 

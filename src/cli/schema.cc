@@ -32,7 +32,10 @@ Result<ExitCode> RunShow(const std::string& name, const Context& context) {
   const auto text = registry.Text(name);
   if (!text) return Fail(text.error());
   const auto document = base::ParseJson(*text);
-  if (!document) return Fail(document.error());
+  if (!document) {
+    return Fail(document.error().kind,
+                fmt::format("schema {}: {}", registry.OriginOf(name), document.error().message));
+  }
   context.output.Line(base::ToPrettyJson(*document));
   return ExitCode::kDone;
 }

@@ -10,10 +10,12 @@
 
 #include "base/file.h"
 #include "base/json.h"
+#include "base/line_reader.h"
 #include "base/text.h"
 #include "cli/option_set.h"
 #include "cli/subcommand.h"
 #include "schema/schema.h"
+#include "schema/schema_files.h"
 #include "vda5050/text_rules.h"
 
 namespace fleetpub::cli {
@@ -30,15 +32,32 @@ struct Options {
   bool strict = false;
 };
 
-// A message's topic, told from the member that only this topic has.
+// A message's topic, told from a member that only this topic has, or has first in this order: a
+// position can stand in a state as well.
 struct Mark {
   std::string_view member;
   std::string_view topic;
 };
-constexpr std::array<Mark, 3> kMarks = {{
+constexpr std::array<Mark, 19> kMarks = {{
     {"actions", "instantActions"},
     {"instantActions", "instantActions"},
     {"connectionState", "connection"},
+    {"nodes", "order"},
+    {"edges", "order"},
+    {"nodeStates", "state"},
+    {"edgeStates", "state"},
+    {"actionStates", "state"},
+    {"operatingMode", "state"},
+    {"typeSpecification", "factsheet"},
+    {"physicalParameters", "factsheet"},
+    {"protocolLimits", "factsheet"},
+    {"protocolFeatures", "factsheet"},
+    {"responses", "responses"},
+    {"zoneSet", "zoneSet"},
+    {"referenceStateHeaderId", "visualization"},
+    {"agvPosition", "visualization"},
+    {"mobileRobotPosition", "visualization"},
+    {"velocity", "visualization"},
 }};
 
 // Validates message after message; each schema is compiled once.
@@ -78,7 +97,8 @@ class Validator {
 
  private:
   Status LoadFile() {
-    const auto text = base::ReadFile(options_.schema_file);
+    const auto text =
+        schema::ReadSchemaFile(options_.schema_file, schema::FilesBeside(options_.schema_file));
     if (!text) return Fail(text.error());
     auto schema = schema::Schema::Compile(*text, options_.schema_file);
     if (!schema) return Fail(std::move(schema.error()));
@@ -159,30 +179,33 @@ void Show(const Findings& findings, const std::string& name, std::size_t line, O
   if (findings.errors.empty()) output.PeopleLine(fmt::format("{}: valid", place));
 }
 
+// Line by line, as they arrive and however many they are.
+Result<ExitCode> CheckLines(Validator& validator, const std::string& file, const std::string& name,
+                            Output& output) {
+  auto reader = base::LineReader::Open(file);
+  if (!reader) return Fail(std::move(reader.error()));
+  ExitCode code = ExitCode::kDone;
+  for (std::size_t number = 1;; ++number) {
+    const auto line = reader->Next();
+    if (!line) return Fail(line.error());
+    if (!*line) return code;
+    if ((*line)->find_first_not_of(" \t\r") == std::string_view::npos) continue;
+    const Findings findings = validator.Check(**line);
+    Show(findings, name, number, output);
+    if (!findings.errors.empty()) code = ExitCode::kInvalid;
+  }
+}
+
 Result<ExitCode> RunValidate(const Options& options, const Context& context) {
   Validator validator(options, context);
   if (auto ready = validator.Prepare(); !ready) return Fail(ready.error());
+  const std::string name = options.file == "-" ? "standard input" : options.file;
+  if (options.lines) return CheckLines(validator, options.file, name, context.output);
   const auto content = base::ReadFile(options.file);
   if (!content) return Fail(content.error());
-  const std::string name = options.file == "-" ? "standard input" : options.file;
-  if (!options.lines) {
-    const Findings findings = validator.Check(*content);
-    Show(findings, name, 0, context.output);
-    return findings.errors.empty() ? ExitCode::kDone : ExitCode::kInvalid;
-  }
-  ExitCode code = ExitCode::kDone;
-  std::size_t number = 0;
-  std::string_view rest = *content;
-  while (!rest.empty()) {
-    const std::string_view line = rest.substr(0, rest.find('\n'));
-    rest.remove_prefix(std::min(line.size() + 1, rest.size()));
-    ++number;
-    if (line.find_first_not_of(" \t\r") == std::string_view::npos) continue;
-    const Findings findings = validator.Check(line);
-    Show(findings, name, number, context.output);
-    if (!findings.errors.empty()) code = ExitCode::kInvalid;
-  }
-  return code;
+  const Findings findings = validator.Check(*content);
+  Show(findings, name, 0, context.output);
+  return findings.errors.empty() ? ExitCode::kDone : ExitCode::kInvalid;
 }
 
 }  // namespace
@@ -195,7 +218,7 @@ Run DeclareValidate(OptionSet& set) {
   set.AddOption("file", options->file, "The message; - or nothing: standard input")
       ->type_name("FILE");
   add("--vda", options->version, "V", "Version [what the header says]")->envname("FLEETPUB_VDA");
-  add("--topic", options->topic, "TOPIC", "instantActions, connection [told from the message]");
+  add("--topic", options->topic, "TOPIC", "order, state, instantActions … [told from the message]");
   add("--schema", options->schema_file, "FILE", "A JSON Schema of your own (draft-07)");
   set.AddFlag("--lines", options->lines, "One message per line (JSON Lines)")->group("Checking");
   set.AddFlag("--strict", options->strict, "Rules of the specification's text are errors too")

@@ -74,15 +74,13 @@ struct Embedded {
 /// Finds schemas by name and compiles each once.
 class Registry {
  public:
-  /// A file `vda5050/3.0.0/instantActions.schema.json` below `directory` stands before the built-in
-  /// of that name. Taken as well are a folder named like a version without `vda5050/` around it,
-  /// and `.schema` at the end: the official repository's `json_schemas` copied to
-  /// `<directory>/3.0.0` works as it is. Any other file of such an ending can be found by its path
-  /// without the ending. An empty `directory` means built-in ones only; one that cannot be read
-  /// makes Text and Find fail with ErrorKind::kUsage.
-  explicit Registry(std::filesystem::path directory = {});
+  /// The schema files of `directory` (schema_files.h says which file holds which schema) stand
+  /// before the built-in ones. An empty `directory` means built-in ones only; one that cannot be
+  /// taken makes Text and Find fail with ErrorKind::kUsage.
+  explicit Registry(const std::filesystem::path& directory = {});
 
-  /// The text as it stands in the file, for `schema show`. Unknown name: ErrorKind::kUsage, naming
+  /// The text, for `schema show`: complete, with a copy of what it refers to in other files.
+  /// Unknown name: ErrorKind::kUsage, naming
   /// what is close.
   [[nodiscard]] Result<std::string> Text(std::string_view name) const;
 
@@ -90,12 +88,14 @@ class Registry {
   /// pointer: `soar/1.0/messages#/components/schemas/MESSAGE`. Errors: as Text and Schema::Compile.
   [[nodiscard]] Result<const Schema*> Find(std::string_view name);
 
+  /// Where it comes from: `built-in` or a path.
+  [[nodiscard]] std::string OriginOf(std::string_view name) const;
+
   /// Every name that Find accepts, sorted, with where it comes from ("built-in" or a path).
   [[nodiscard]] std::vector<std::pair<std::string, std::string>> List() const;
 
  private:
-  std::filesystem::path directory_;
-  std::map<std::string, std::filesystem::path, std::less<>> files_;
+  std::map<std::string, std::filesystem::path, std::less<>> files_;  // SchemaFiles
   Status scanned_;
   std::map<std::string, Schema, std::less<>> compiled_;
 };

@@ -35,6 +35,45 @@ TEST_F(Looking, ValidatesWhatItBuilt) {
   }
 }
 
+TEST_F(Looking, TellsTheTopicFromTheMessage) {
+  const std::pair<const char*, const char*> table[] = {
+      {R"("version":"3.0.0","nodes":[])", "orderId, orderUpdateId, edges are required"},
+      {R"("version":"2.1.0","agvPosition":{},"operatingMode":"MANUAL")", "lastNodeId"},
+      {R"("version":"2.0.0","velocity":{})", "serialNumber are required but missing\n"},
+      {R"("version":"2.0.0","protocolLimits":{})", "agvGeometry"},
+      {R"("version":"3.0.0","responses":[{}])", "requestId, grantType are required"},
+      {R"("version":"3.0.0","zoneSet":{})", "/zoneSet: mapId, zoneSetId, zones are required"},
+      {R"("version":"3.0.0","note":1)", "name it with --topic"},
+  };
+  for (const auto& [members, complaint] : table) {
+    Command command = operator_.Prepare({"validate"});
+    command.input = "{" + std::string(members) + "}";
+    const Finished run = testing::Run(command);
+    EXPECT_EQ(run.exit_code, 3);
+    EXPECT_THAT(run.output, HasSubstr(complaint)) << members;
+  }
+}
+
+TEST_F(Looking, PutsSchemasOfAFolderBeforeItsOwn) {
+  operator_.home().Write("published/3.0/order.schema", R"({"required":["mine"]})");
+  operator_.home().Write("published/3.0/state.schema", "{\n  \"type\": \"object\",\n}");
+  const auto folder = (operator_.home() / "published").string();
+  const auto validate = [&](const char* topic) {
+    Command command =
+        operator_.Prepare({"validate", "--schema-dir", folder, "--vda", "3", "--topic", topic});
+    command.input = "{}";
+    return testing::Run(command);
+  };
+  EXPECT_EQ(validate("order").output, "standard input: mine is required but missing\n");
+  EXPECT_THAT(validate("visualization").output, HasSubstr("referenceStateHeaderId"));
+  EXPECT_THAT(validate("state").errors,
+              HasSubstr("published/3.0/state.schema: not valid JSON at line 3, column 1"));
+  const Finished show = Fleetpub({"schema", "show", "vda5050/3.0.0/state", "--schema-dir", folder});
+  EXPECT_THAT(show.errors, HasSubstr("state.schema: not valid JSON at line 3, column 1"));
+  const Finished pause = Fleetpub({"pause", "KIT/0001", "-n", "--schema-dir", folder + "/3.0"});
+  EXPECT_EQ(pause.exit_code, 0) << pause.errors;
+}
+
 TEST_F(Looking, ListsEveryViolationWithItsPlace) {
   const auto file = operator_.home().Write(
       "message.json", R"({"headerId":-1,"timestamp":"2023-02-29T00:00:00Z","version":"3.0.0",)"

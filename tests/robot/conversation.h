@@ -56,6 +56,9 @@ class Conversation {
   [[nodiscard]] const std::string& will() const { return will_; }
   [[nodiscard]] const std::vector<Remark>& remarks() const { return remarks_; }
 
+  /// Everything it has said so far.
+  [[nodiscard]] const Utterances& said() const { return said_; }
+
   /// How often it has spoken on the topic.
   [[nodiscard]] std::size_t Times(std::string_view topic) const {
     std::size_t times = 0;
