@@ -25,6 +25,9 @@ struct SendingOptions {
 
 void DeclareSendingOptions(OptionSet& set, SendingOptions& options);
 
+/// Errors: ErrorKind::kUsage.
+[[nodiscard]] Result<mqtt::Qos> QosOf(const std::string& text);
+
 /// What is to be sent, and how.
 struct Outgoing {
   std::vector<dispatch::Command> commands;
