@@ -34,6 +34,7 @@ struct Subcommand {
 [[nodiscard]] Run DeclareAction(OptionSet& set);
 [[nodiscard]] Run DeclareActions(OptionSet& set);
 [[nodiscard]] Run DeclareAwait(OptionSet& set);
+[[nodiscard]] Run DeclareBatch(OptionSet& set);
 [[nodiscard]] Run DeclareFleet(OptionSet& set);
 [[nodiscard]] Run DeclareHistory(OptionSet& set);
 [[nodiscard]] Run DeclareHistoryPrune(OptionSet& set);
