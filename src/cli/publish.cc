@@ -101,8 +101,7 @@ Result<ExitCode> Send(std::string_view topic, const std::vector<std::string>& ta
   if (!robots) return Fail(std::move(robots.error()));
   auto dialect = DialectOf(options.vda);
   if (!dialect) return Fail(std::move(dialect.error()));
-  const auto said = vda5050::VersionSaidBy(message);
-  if (dialect->assumed && said) {
+  if (const auto said = vda5050::VersionSaidBy(message); dialect->assumed && said) {
     dialect->version = *said;
     dialect->assumed = false;
   }

@@ -91,7 +91,8 @@ class Validator {
     if (!topic) return OneError(topic.error().message);
     const auto schema = registry_.Find(SchemaName(*version, *topic));
     if (!schema) return OneError(schema.error().message);
-    Findings findings = dispatch::Check(*message, **schema, RulesOf(*version, *topic));
+    Findings findings =
+        dispatch::Check(*message, **schema, vda5050::TextRulesFor(*topic, *version));
     return options_.strict ? findings : Softened(std::move(findings));
   }
 
@@ -110,13 +111,6 @@ class Validator {
 
   static std::string SchemaName(vda5050::Version version, std::string_view topic) {
     return fmt::format("vda5050/{}/{}", vda5050::FactsOf(version).name, topic);
-  }
-
-  static dispatch::TextRules RulesOf(vda5050::Version version, std::string_view topic) {
-    if (topic != "instantActions") return {};
-    return [version](const rapidjson::Value& message) {
-      return vda5050::CheckInstantActions(message, version);
-    };
   }
 
   // The text's rules are no schema rules: they warn here, and fail with --strict.
