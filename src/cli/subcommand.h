@@ -44,6 +44,11 @@ struct Subcommand {
 [[nodiscard]] Run DeclareSchemaList(CLI::App& app);
 [[nodiscard]] Run DeclareSchemaShow(CLI::App& app);
 [[nodiscard]] Run DeclareSimulate(CLI::App& app);
+[[nodiscard]] Run DeclareSoarAcknowledge(CLI::App& app);
+[[nodiscard]] Run DeclareSoarMissionPlan(CLI::App& app);
+[[nodiscard]] Run DeclareSoarObservation(CLI::App& app);
+[[nodiscard]] Run DeclareSoarPlanningConfiguration(CLI::App& app);
+[[nodiscard]] Run DeclareSoarPlatformStatus(CLI::App& app);
 [[nodiscard]] Run DeclareValidate(CLI::App& app);
 [[nodiscard]] Run DeclareWatch(CLI::App& app);
 

@@ -13,6 +13,27 @@ constexpr auto kSubcommands = std::to_array<Subcommand>({
      "action beep KIT/0001 -P duration:=3 -P mode=loud\n"
      "action customScan KIT/0001 KIT/0002 -P area:=@area.json --vda 2.1",
      DeclareAction},
+    {"soar mission-plan", kSoar, "DESTINATION", "what the autonomy engine wants a platform to do",
+     "soar mission-plan soar.planet-ocean.ecosub.eco1 --plan-id 3 --platform-id 1 "
+     "--waypoint lat=50.3707,lon=-4.1872,depth=15,action=move --wait\n"
+     "soar mission-plan soar.noc.autosub.ah1 --plan-id 4 --platform-id 2 --plan route.geojson",
+     DeclareSoarMissionPlan},
+    {"soar planning-configuration", kSoar, "DESTINATION",
+     "squads, platforms and zones to plan with",
+     "soar planning-configuration autonomy_engine --file squads.toml\n"
+     "soar planning-configuration --broadcast --file squads.json --strict",
+     DeclareSoarPlanningConfiguration},
+    {"soar acknowledge", kSoar, "DESTINATION", "how far a message has come",
+     "soar acknowledge soar.noc.autosub.ah1 --message-id ID --status executed",
+     DeclareSoarAcknowledge},
+    {"soar observation", kSoar, "DESTINATION", "what a platform has found",
+     "soar observation soar.noc.autosub.ah1 --platform-id 2 --point "
+     "lat=50.37,lon=-4.19,quality=0.98",
+     DeclareSoarObservation},
+    {"soar platform-status", kSoar, "DESTINATION", "where a platform is and how it does",
+     "soar platform-status soar.noc.autosub.ah1 --platform-id 2 --status-source onboard_platform "
+     "--latitude 50.37 --longitude -4.19 --battery 80",
+     DeclareSoarPlatformStatus},
     {"fleet", kLooking, "[PATTERN]", "the robots known to the broker, and how they are",
      "fleet\n"
      "fleet 'KIT/*' -o json",

@@ -1,0 +1,29 @@
+// Sends one SoAR message and, when asked, waits until it is acknowledged.
+#pragma once
+
+#include <string_view>
+
+#include "base/result.h"
+#include "cli/exit_code.h"
+#include "cli/sending.h"
+#include "cli/soar_options.h"
+
+namespace fleetpub::cli {
+
+/// Everything that a SoAR command takes besides its payload.
+struct SoarSendingOptions {
+  SoarOptions soar;
+  SendingOptions sending;
+  SoarWaitingOptions waiting;
+};
+
+void DeclareSoarSending(CLI::App& app, SoarSendingOptions& options);
+/// For what nobody acknowledges.
+void DeclareSoarSendingOnly(CLI::App& app, SoarSendingOptions& options);
+
+/// `payload` is JSON.
+[[nodiscard]] Result<ExitCode> SendSoarMessage(const SoarSendingOptions& options,
+                                               soar::MessageType type, std::string_view payload,
+                                               const Context& context);
+
+}  // namespace fleetpub::cli
