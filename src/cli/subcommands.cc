@@ -63,7 +63,8 @@ constexpr auto kSubcommands = std::to_array<Subcommand>({
      "validate message.json\n"
      "validate --vda 2.1 --topic instantActions message.json\n"
      "validate --lines -o json < messages.jsonl\n"
-     "validate --schema my.schema.json message.json",
+     "validate --schema my.schema.json message.json\n"
+     "validate --protocol soar --message-type mission_plan plan.json",
      DeclareValidate},
     {"schema list", kChecking, "", "the schemas that there are", "schema list", DeclareSchemaList},
     {"schema show", kChecking, "NAME", "print a schema", "schema show vda5050/3.0.0/instantActions",
@@ -71,7 +72,8 @@ constexpr auto kSubcommands = std::to_array<Subcommand>({
     {"simulate", kChecking, "TARGET...", "virtual robots that answer, with faults on demand",
      "simulate KIT/0001\n"
      "simulate KIT/0001 --count 100 --vda 2.1 --state-interval 5s\n"
-     "simulate KIT/0001 --delay 3s --fail startCharging --reject pause",
+     "simulate KIT/0001 --delay 3s --fail startCharging --reject pause\n"
+     "simulate --protocol soar soar.planet-ocean.ecosub.eco1 --delay 3s",
      DeclareSimulate},
     {"ping", kChecking, "", "can the broker be reached with these settings, and what does it grant",
      "ping\n"

@@ -11,6 +11,7 @@
 #include "base/file.h"
 #include "base/json.h"
 #include "base/text.h"
+#include "cli/soar_validate.h"
 #include "cli/subcommand.h"
 #include "schema/schema.h"
 #include "vda5050/text_rules.h"
@@ -25,6 +26,8 @@ struct Options {
   std::string version;
   std::string topic;
   std::string schema_file;
+  std::string protocol = "vda5050";
+  std::string message_type;
   bool lines = false;
   bool strict = false;
 };
@@ -49,6 +52,7 @@ class Validator {
   // Errors: the options or the schema, not a message.
   Status Prepare() {
     if (!options_.schema_file.empty()) return LoadFile();
+    if (auto soar = PrepareSoar(); !soar || soar_) return soar;
     if (!options_.version.empty()) {
       const auto version = vda5050::ParseVersion(options_.version);
       if (!version) return Fail(version.error());
@@ -65,6 +69,7 @@ class Validator {
     const auto message = base::ParseJson(text);
     if (!message) return OneError(message.error().message);
     if (own_schema_) return dispatch::Check(*message, *own_schema_, {});
+    if (soar_) return soar_->Check(*message, registry_);
     const auto version = VersionOf(*message);
     if (!version) return OneError(version.error().message);
     const auto topic = TopicOf(*message);
@@ -76,6 +81,22 @@ class Validator {
   }
 
  private:
+  Status PrepareSoar() {
+    const auto is_soar = IsSoar(options_.protocol);
+    if (!is_soar) return Fail(is_soar.error());
+    if (!*is_soar && options_.message_type.empty()) return {};
+    if (!*is_soar) return Fail(ErrorKind::kUsage, "--message-type belongs to --protocol soar");
+    if (!options_.topic.empty()) {
+      return Fail(ErrorKind::kUsage, "--topic belongs to VDA 5050: name a --message-type");
+    }
+    const auto validator =
+        SoarValidator::Make(options_.message_type,
+                            options_.strict ? soar::Strictness::kRefuse : soar::Strictness::kWarn);
+    if (!validator) return Fail(validator.error());
+    soar_ = *validator;
+    return {};
+  }
+
   Status LoadFile() {
     const auto text = base::ReadFile(options_.schema_file);
     if (!text) return Fail(text.error());
@@ -129,6 +150,7 @@ class Validator {
   schema::Registry registry_;
   std::optional<vda5050::Version> version_;
   std::optional<schema::Schema> own_schema_;
+  std::optional<SoarValidator> soar_;
 };
 
 std::string ListJson(const std::vector<schema::Violation>& violations) {
@@ -195,6 +217,9 @@ Run DeclareValidate(CLI::App& app) {
       ->type_name("FILE");
   add("--vda", options->version, "V", "Version [what the header says]")->envname("FLEETPUB_VDA");
   add("--topic", options->topic, "TOPIC", "instantActions, connection [told from the message]");
+  add("--protocol", options->protocol, "NAME", "vda5050 or soar [vda5050]");
+  add("--message-type", options->message_type, "TYPE",
+      "With --protocol soar: the payload must be of this type, and may stand alone");
   add("--schema", options->schema_file, "FILE", "A JSON Schema of your own (draft-07)");
   app.add_flag("--lines", options->lines, "One message per line (JSON Lines)")->group("Checking");
   app.add_flag("--strict", options->strict, "Rules of the specification's text are errors too")
