@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "dispatch/topic_filter.h"
+
 namespace fleetpub::dispatch {
 
 Follower::Follower(const WaitOptions& options, EndHook ended)
@@ -9,13 +11,17 @@ Follower::Follower(const WaitOptions& options, EndHook ended)
 
 void Follower::Watch(std::size_t index, Confirmation* confirmation) {
   watched_[index].confirmation = confirmation;
-  for (const std::string& topic : confirmation->Topics()) by_topic_[topic].push_back(index);
+  for (const std::string& topic : confirmation->Topics()) {
+    auto& indices = HasWildcard(topic) ? by_filter_[topic] : by_topic_[topic];
+    indices.push_back(index);
+  }
 }
 
 std::vector<std::string> Follower::Topics() const {
   std::vector<std::string> topics;
-  topics.reserve(by_topic_.size());
+  topics.reserve(by_topic_.size() + by_filter_.size());
   for (const auto& [topic, indices] : by_topic_) topics.push_back(topic);
+  for (const auto& [filter, indices] : by_filter_) topics.push_back(filter);
   return topics;
 }
 
@@ -38,8 +44,14 @@ void Follower::Published(std::size_t index, Report report) {
 
 void Follower::Deliver(const mqtt::Message& message) {
   const auto found = by_topic_.find(message.topic);
-  if (found == by_topic_.end()) return;
-  for (const std::size_t index : found->second) {
+  if (found != by_topic_.end()) DeliverTo(found->second, message);
+  for (const auto& [filter, indices] : by_filter_) {
+    if (Matches(filter, message.topic)) DeliverTo(indices, message);
+  }
+}
+
+void Follower::DeliverTo(const std::vector<std::size_t>& indices, const mqtt::Message& message) {
+  for (const std::size_t index : indices) {
     Watched& watched = watched_.at(index);
     watched.confirmation->Receive({message.topic, message.payload, message.retained});
     if (watched.open) Look(watched);

@@ -42,7 +42,7 @@ class Follower {
   /// Registers a command under the caller's index before it is published. Keeps the pointer.
   void Watch(std::size_t index, Confirmation* confirmation);
 
-  /// The topics of the watched commands, each once.
+  /// The topics and filters of the watched commands, each once.
   [[nodiscard]] std::vector<std::string> Topics() const;
 
   /// The command left; `report` says how, and is completed when the end is known.
@@ -72,6 +72,7 @@ class Follower {
     bool seen = false;
   };
 
+  void DeliverTo(const std::vector<std::size_t>& indices, const mqtt::Message& message);
   void Look(Watched& watched);
   void End(Watched& watched, Verdict verdict, const std::string& message);
   [[nodiscard]] std::chrono::milliseconds PatienceToBeSeen() const;
@@ -80,6 +81,7 @@ class Follower {
   EndHook ended_;
   std::unordered_map<std::size_t, Watched> watched_;
   std::unordered_map<std::string, std::vector<std::size_t>> by_topic_;
+  std::unordered_map<std::string, std::vector<std::size_t>> by_filter_;  // with wildcards
   std::size_t waiting_ = 0;
 };
 

@@ -43,6 +43,10 @@ std::set<std::string> Options() {
   }
   text += Help({"history", "show"}) + Help({"history", "prune"});
   text += Help({"schema", "list"}) + Help({"schema", "show"});
+  for (const char* command : {"mission-plan", "planning-configuration", "acknowledge",
+                              "observation", "platform-status"}) {
+    text += Help({"soar", command});
+  }
   const std::regex line("(?:^|\n)  ((?:-[a-zA-Z],)?--[a-z-]+)");
   std::set<std::string> options;
   for (const std::string& names : Matches(text, line)) {
@@ -70,7 +74,8 @@ TEST(TheManual, DocumentsNoOptionThatIsNotThere) {
 TEST(TheManual, DocumentsEveryVariable) {
   const std::string manual = Manual();
   std::set<std::string> variables;
-  for (const char* file : {"global_options.cc", "vda_options.cc", "sending.cc", "password.cc"}) {
+  for (const char* file :
+       {"global_options.cc", "vda_options.cc", "sending.cc", "password.cc", "soar_options.cc"}) {
     std::ifstream source(std::string(FLEETPUB_SOURCE_DIR "/src/cli/") + file);
     std::ostringstream text;
     text << source.rdbuf();

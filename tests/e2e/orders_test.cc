@@ -93,7 +93,7 @@ TEST_F(Orders, ComeThroughAPipe) {
   const Subscriber subscriber(broker_, "#");
   Command command = operator_.Prepare({"publish", "order", "KIT/0001", "-f", "-", "--vda", "2.1"});
   command.input = Order("o-3", R"("version":"2.1.0","manufacturer":"KIT")");
-  const Finished run = Run(command);
+  const Finished run = testing::Run(command);
   EXPECT_EQ(run.exit_code, 0) << run.errors;
   const auto received = subscriber.Await(1);
   ASSERT_EQ(received.size(), 1U);
