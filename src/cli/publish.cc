@@ -108,6 +108,12 @@ Result<ExitCode> Send(std::string_view topic, const std::vector<std::string>& ta
   const auto header_id = HeaderIdOf(options.header_id);
   if (!header_id) return Fail(header_id.error());
 
+  if (waiting->wait_for) {  // what cannot be waited for costs no connection
+    const auto possible =
+        vda5050::ConfirmPrepared(robots->front(), *dialect, topic, message, *waiting->wait_for);
+    if (!possible) return Fail(possible.error());
+  }
+
   const auto shared = std::make_shared<const rapidjson::Document>(std::move(message));
   sending.robots = std::move(*robots);
   sending.dialect = std::move(*dialect);
