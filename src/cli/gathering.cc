@@ -108,7 +108,8 @@ Error NoRobot(const std::string& broker, const std::string& pattern) {
 void DeclareGatheringOptions(OptionSet& set, GatheringOptions& options) {
   DeclareFleetOptions(set, options.fleet);
   set.AddOption("--state-wait", options.state_wait,
-                "How long to wait for the states of robots that are online [2s]")
+                fmt::format("How long to wait for the states of robots that are online [{}]",
+                            options.state_wait))
       ->type_name("TIME")
       ->group("Waiting");
   set.AddOption("--discover", options.discover,

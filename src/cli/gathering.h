@@ -18,8 +18,8 @@ struct GatheringOptions {
 
 void DeclareGatheringOptions(OptionSet& set, GatheringOptions& options);
 
-/// Warns of robots that are online and sent no state in time. Errors: ErrorKind::kUsage, kBroker;
-/// kPreflight when no robot is known.
+/// Waits until every robot that is online has sent a state, and warns of those that did not in
+/// time. Errors: ErrorKind::kUsage, kBroker; kPreflight when no robot is known.
 [[nodiscard]] Result<vda5050::FleetView> GatherFleet(const GatheringOptions& options,
                                                      const Context& context);
 

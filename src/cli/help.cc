@@ -132,7 +132,8 @@ std::string Indented(std::string_view examples) {
 
 constexpr std::string_view kWhatItIs =
     "fleetpub sends the commands of a fleet's master control to mobile robots\n"
-    "(VDA 5050 over MQTT): built, validated, stamped, recorded, published, confirmed.\n"
+    "(VDA 5050) and marine platforms (SoAR) over MQTT: built, validated, stamped,\n"
+    "recorded, published, confirmed.\n"
     "It is no safety function and no emergency stop.\n";
 
 }  // namespace
@@ -154,6 +155,7 @@ std::string GeneralHelp(const CLI::App& app) {
       "{}\n"
       "Usage: fleetpub COMMAND [TARGET...] [OPTIONS]\n\n"
       "Instant actions (TARGET is manufacturer/serialNumber):\n{}{}\n"
+      "SoAR (DESTINATION is prefix.operator.platform_type.identifier, or a word):\n{}\n"
       "Looking:\n{}\n"
       "Checking:\n{}{}\n"
       "Examples:\n"
@@ -164,8 +166,8 @@ std::string GeneralHelp(const CLI::App& app) {
       "Exit codes: 0 done, 2 usage, 3 invalid message, 4 broker, 5 the robot refused or\n"
       "failed, 6 not confirmed, 7 refused by the check, 8 ledger or file, 1 unexpected,\n"
       "130 interrupted. fleetpub COMMAND --help explains a command.\n",
-      kWhatItIs, ActionLines(), CommandLines(HelpGroup::kRobots), CommandLines(HelpGroup::kLooking),
-      CommandLines(HelpGroup::kChecking),
+      kWhatItIs, ActionLines(), CommandLines(HelpGroup::kRobots), CommandLines(HelpGroup::kSoar),
+      CommandLines(HelpGroup::kLooking), CommandLines(HelpGroup::kChecking),
       OptionLines(app, [](const std::string& group) { return IsGlobalGroup(group); }));
 }
 

@@ -33,7 +33,11 @@ OptionSet::OptionSet(CLI::App& app, Extent extent, std::span<const std::string> 
   for (const std::string& argument : arguments) Mention(argument);
   for (char** variable = environ; variable != nullptr && *variable != nullptr; ++variable) {
     if (std::string_view(*variable).starts_with(kVariablePrefix)) {
-      long_names_.insert(OptionFor(*variable));
+      const std::string name = OptionFor(*variable);
+      long_names_.insert(name);
+      if (const auto hyphen = name.find('-'); hyphen != std::string::npos) {
+        long_names_.insert(name.substr(hyphen + 1));  // FLEETPUB_SOAR_SOURCE: --source
+      }
     }
   }
 }

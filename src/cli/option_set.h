@@ -32,8 +32,8 @@ class OptionSet {
 
   /// As CLI::App::add_option: `-b,--broker`, or a name without dashes for the words that are no
   /// options, which are always declared. An option's environment variable is `FLEETPUB_` and its
-  /// long name in capitals. The result may be passed to CLI11 only; it is empty when nobody gave
-  /// the option.
+  /// long name in capitals, perhaps with a word before it (`FLEETPUB_SOAR_SOURCE`). The result may
+  /// be passed to CLI11 only; it is empty when nobody gave the option.
   template <class T>
   CLI::Option* AddOption(const std::string& names, T& value, const std::string& help);
   CLI::Option* AddFlag(const std::string& names, bool& value, const std::string& help);

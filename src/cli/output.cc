@@ -58,6 +58,10 @@ void Output::Warn(std::string_view text) {
   if (!settings_.quiet) Print(stderr, fmt::format("fleetpub: warning: {}\n", text));
 }
 
+void Output::Tell(std::string_view text) {
+  if (!settings_.quiet) Print(stderr, fmt::format("fleetpub: {}\n", text));
+}
+
 void Output::Note(std::string_view text) {
   if (settings_.verbose) Print(stderr, fmt::format("fleetpub: {}\n", text));
 }

@@ -35,6 +35,8 @@ class Output {
   void PeopleLine(std::string_view text);
 
   void Warn(std::string_view text);
+  /// What happens meanwhile; on standard error, suppressed by `--quiet`.
+  void Tell(std::string_view text);
   void Note(std::string_view text);  ///< with `--verbose` only
   void Trace(std::string_view line);
   void Complain(const Error& error);

@@ -101,13 +101,18 @@ Result<ExitCode> Send(std::string_view topic, const std::vector<std::string>& ta
   if (!robots) return Fail(std::move(robots.error()));
   auto dialect = DialectOf(options.vda);
   if (!dialect) return Fail(std::move(dialect.error()));
-  const auto said = vda5050::VersionSaidBy(message);
-  if (dialect->assumed && said) {
+  if (const auto said = vda5050::VersionSaidBy(message); dialect->assumed && said) {
     dialect->version = *said;
     dialect->assumed = false;
   }
   const auto header_id = HeaderIdOf(options.header_id);
   if (!header_id) return Fail(header_id.error());
+
+  if (waiting->wait_for) {  // what cannot be waited for costs no connection
+    const auto possible =
+        vda5050::ConfirmPrepared(robots->front(), *dialect, topic, message, *waiting->wait_for);
+    if (!possible) return Fail(possible.error());
+  }
 
   const auto shared = std::make_shared<const rapidjson::Document>(std::move(message));
   sending.robots = std::move(*robots);

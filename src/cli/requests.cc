@@ -63,7 +63,7 @@ Result<ExitCode> RunRequests(const GatheringOptions& options, const Context& con
   }
   if (context.output.json()) return ExitCode::kDone;
   if (rows.empty()) {
-    context.output.PeopleLine("no robot asks for anything");
+    context.output.PeopleLine("no robot that sent a state asks for anything");
     return ExitCode::kDone;
   }
   rows.insert(rows.begin(), {{"ROBOT"}, {"REQUEST"}, {"TYPE"}, {"ABOUT"}, {"STATUS"}});
@@ -77,6 +77,8 @@ Result<ExitCode> RunRequests(const GatheringOptions& options, const Context& con
 
 Run DeclareRequests(OptionSet& set) {
   const auto options = std::make_shared<GatheringOptions>();
+  // Requests stand in states only, which a robot may send no more often than every 30 s.
+  options->state_wait = "35s";
   DeclareGatheringOptions(set, *options);
   return [options](const Context& context) { return RunRequests(*options, context); };
 }

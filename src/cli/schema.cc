@@ -4,9 +4,11 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <memory>
 
 #include "base/json.h"
+#include "base/text.h"
 #include "cli/option_set.h"
 #include "cli/subcommand.h"
 
@@ -24,19 +26,41 @@ Result<ExitCode> RunList(const Context& context) {
   return ExitCode::kDone;
 }
 
+// `soar` means the only schema below it; a part is named behind `#`.
+Result<std::string> TextOf(const schema::Registry& registry, const std::string& document) {
+  auto text = registry.Text(document);
+  if (text) return text;
+  std::string only;
+  for (const auto& [name, origin] : registry.List()) {
+    if (!name.starts_with(document + "/")) continue;
+    if (!only.empty()) return text;
+    only = name;
+  }
+  return only.empty() ? text : registry.Text(only);
+}
+
 Result<ExitCode> RunShow(const std::string& name, const Context& context) {
   if (name.empty()) {
     return Fail(ErrorKind::kUsage, "name a schema: fleetpub schema list shows them");
   }
   const schema::Registry registry(context.options.schema_directory);
-  const auto text = registry.Text(name);
+  const auto hash = std::min(name.find('#'), name.size());
+  const auto text = TextOf(registry, name.substr(0, hash));
   if (!text) return Fail(text.error());
   const auto document = base::ParseJson(*text);
   if (!document) {
     return Fail(document.error().kind,
                 fmt::format("schema {}: {}", registry.OriginOf(name), document.error().message));
   }
-  context.output.Line(base::ToPrettyJson(*document));
+  const std::string pointer = name.substr(std::min(hash + 1, name.size()));
+  const rapidjson::Pointer way(pointer.data(), pointer.size());
+  const rapidjson::Value* part = way.IsValid() ? way.Get(*document) : nullptr;
+  if (part == nullptr) {
+    return Fail(ErrorKind::kUsage,
+                fmt::format("{} has no part {}", base::Printable(name.substr(0, hash)),
+                            base::Printable(pointer)));
+  }
+  context.output.Line(base::ToPrettyJson(*part));
   return ExitCode::kDone;
 }
 
@@ -46,7 +70,8 @@ Run DeclareSchemaList(OptionSet&) { return RunList; }
 
 Run DeclareSchemaShow(OptionSet& set) {
   const auto name = std::make_shared<std::string>();
-  set.AddOption("name", *name, "As schema list prints it")->type_name("NAME");
+  set.AddOption("name", *name, "As schema list prints it; a part of it behind #")
+      ->type_name("NAME");
   return [name](const Context& context) { return RunShow(*name, context); };
 }
 

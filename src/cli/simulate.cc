@@ -11,6 +11,9 @@
 #include "base/text.h"
 #include "base/time.h"
 #include "cli/option_set.h"
+#include "cli/soar_options.h"
+#include "cli/soar_simulate.h"
+#include "cli/soar_validate.h"
 #include "cli/subcommand.h"
 #include "cli/vda_options.h"
 #include "robot/runner.h"
@@ -44,6 +47,10 @@ struct Options {
   bool silent = false;
   std::string drop = "0";
   std::string seed = "1";
+
+  std::string protocol = "vda5050";
+  std::string prefix = "soar";
+  std::string stop_at;
 };
 
 // A number from 0 to `most`.
@@ -199,7 +206,39 @@ void Show(std::string_view robot, const robot::Remark& remark, Output& output) {
   }
 }
 
+// What only robots have, and was asked of platforms.
+Status RefuseRobotOptions(const Options& o) {
+  const Options none;
+  const bool any = o.interface_name != none.interface_name ||
+                   o.topic_template != none.topic_template || o.actions_key != none.actions_key ||
+                   o.count != none.count || o.mode != none.mode || o.with_order ||
+                   o.order_time != none.order_time || !o.fail.empty() || !o.reject.empty() ||
+                   !o.reject_style.empty() || !o.retriable.empty() || o.drop != none.drop;
+  if (!any) return {};
+  return Fail(ErrorKind::kUsage,
+              "with --protocol soar there are --prefix, --delay, --stop-at, --silent, "
+              "--state-interval and --for; the other options are for VDA 5050");
+}
+
+Result<ExitCode> RunPlatforms(const Options& o, const Context& context) {
+  if (auto ok = RefuseRobotOptions(o); !ok) return Fail(ok.error());
+  return RunSoarSimulation({.destinations = o.targets,
+                            .prefix = o.prefix,
+                            .stop_at = o.stop_at,
+                            .delay = o.delay,
+                            .status_interval = o.state_interval,
+                            .duration = o.duration,
+                            .silent = o.silent,
+                            .stopped = [] { return g_stopped != 0; },
+                            .on_ready = StopOnSignals},
+                           context);
+}
+
 Result<ExitCode> RunSimulate(const Options& o, const Context& context) {
+  const auto is_soar = IsSoar(o.protocol);
+  if (!is_soar) return Fail(is_soar.error());
+  if (*is_soar) return RunPlatforms(o, context);
+  if (!o.stop_at.empty()) return Fail(ErrorKind::kUsage, "--stop-at belongs to --protocol soar");
   Output& output = context.output;
   auto settings = SettingsOf(o);
   if (!settings) return Fail(std::move(settings.error()));
@@ -239,7 +278,8 @@ void DeclareRobots(OptionSet& set, Options& o) {
   const auto add = [&](const char* names, std::string& value, const char* type, const char* help) {
     return set.AddOption(names, value, help)->type_name(type)->group(kRobots);
   };
-  set.AddOption("targets", o.targets, "Robots: manufacturer/serialNumber")->type_name("TARGET");
+  set.AddOption("targets", o.targets, "Robots: manufacturer/serialNumber; platforms")
+      ->type_name("TARGET");
   add("--count", o.count, "N", "So many per target, counting up the number at its end [1]");
   add("--vda", o.version, "V", "Version that they speak [3.0.0]")->envname("FLEETPUB_VDA");
   add("--interface", o.interface_name, "NAME",
@@ -248,11 +288,23 @@ void DeclareRobots(OptionSet& set, Options& o) {
   add("--topic-template", o.topic_template, "TEMPLATE",
       "The topic, with its placeholders in braces (see the manual)");
   add("--actions-key", o.actions_key, "KEY", "actions or instantActions: what they expect");
-  add("--state-interval", o.state_interval, "TIME", "Longest time between two states [30s]");
+  add("--state-interval", o.state_interval, "TIME",
+      "Longest time between two states or statuses [30s]");
   add("--mode", o.mode, "MODE", "Their operatingMode [AUTOMATIC]");
   set.AddFlag("--with-order", o.with_order, "They are under way with an order")->group(kRobots);
   add("--order-time", o.order_time, "TIME", "An order takes so long [until it is cancelled]");
   add("--for", o.duration, "TIME", "End after this time [on Ctrl-C]");
+}
+
+void DeclarePlatforms(OptionSet& set, Options& o) {
+  set.AddOption("--protocol", o.protocol, "vda5050, or soar: the targets are platforms [vda5050]")
+      ->type_name("NAME")
+      ->group("SoAR");
+  DeclarePrefix(set, o.prefix);
+  set.AddOption("--stop-at", o.stop_at,
+                "Acknowledge no further than c2_received, operator_approved_and_sent, executed")
+      ->type_name("LEVEL")
+      ->group("SoAR");
 }
 
 void DeclareFaults(OptionSet& set, Options& o) {
@@ -263,13 +315,14 @@ void DeclareFaults(OptionSet& set, Options& o) {
   const auto add_types = [&](const char* name, std::vector<std::string>& types, const char* help) {
     set.AddOption(name, types, help)->type_name("TYPE")->allow_extra_args(false)->group(kFaults);
   };
-  add("--delay", o.delay, "TIME", "An action takes so long [0]");
+  add("--delay", o.delay, "TIME", "An action takes so long; a platform, from level to level [0]");
   add_types("--fail", o.fail, "Actions of this type end FAILED; repeatable");
   add_types("--reject", o.reject, "Actions of this type are refused; repeatable");
   add("--reject-style", o.reject_style, "STYLE",
       "state: an action state FAILED and an error; error: an error only [state from 3.0]");
   add_types("--retriable", o.retriable, "Actions of this type become RETRIABLE; repeatable");
-  set.AddFlag("--silent", o.silent, "Never report a state")->group(kFaults);
+  set.AddFlag("--silent", o.silent, "Never report a state; a platform says nothing")
+      ->group(kFaults);
   add("--drop", o.drop, "PERCENT", "Ignore this share of the messages [0]");
   add("--seed", o.seed, "N", "Another choice of what is dropped [1]");
 }
@@ -280,6 +333,7 @@ Run DeclareSimulate(OptionSet& set) {
   const auto options = std::make_shared<Options>();
   DeclareRobots(set, *options);
   DeclareFaults(set, *options);
+  DeclarePlatforms(set, *options);
   return [options](const Context& context) { return RunSimulate(*options, context); };
 }
 

@@ -46,6 +46,11 @@ struct Subcommand {
 [[nodiscard]] Run DeclareSchemaList(OptionSet& set);
 [[nodiscard]] Run DeclareSchemaShow(OptionSet& set);
 [[nodiscard]] Run DeclareSimulate(OptionSet& set);
+[[nodiscard]] Run DeclareSoarAcknowledge(OptionSet& set);
+[[nodiscard]] Run DeclareSoarMissionPlan(OptionSet& set);
+[[nodiscard]] Run DeclareSoarObservation(OptionSet& set);
+[[nodiscard]] Run DeclareSoarPlanningConfiguration(OptionSet& set);
+[[nodiscard]] Run DeclareSoarPlatformStatus(OptionSet& set);
 [[nodiscard]] Run DeclareValidate(OptionSet& set);
 [[nodiscard]] Run DeclareWatch(OptionSet& set);
 

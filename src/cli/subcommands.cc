@@ -16,7 +16,7 @@ constexpr auto kSubcommands = std::to_array<Subcommand>({
     {"publish", kRobots, "TOPIC TARGET...", "send a prepared order, zoneSet, responses message ...",
      "publish order KIT/0001 -f order.json --wait\n"
      "publish zoneSet KIT/0001 KIT/0002 -f hall-1.json\n"
-     "make-order | fleetpub publish order KIT/0001 -f - --wait-for finished",
+     "publish order KIT/0001 -f - --wait-for finished < order.json",
      DeclarePublish},
     {"respond", kRobots, "TARGET REQUEST ANSWER",
      "answer a robot's request: GRANTED, QUEUED, REVOKED, REJECTED",
@@ -32,6 +32,27 @@ constexpr auto kSubcommands = std::to_array<Subcommand>({
      "requests\n"
      "requests 'KIT/*' -o json",
      DeclareRequests},
+    {"soar mission-plan", kSoar, "DESTINATION", "what the autonomy engine wants a platform to do",
+     "soar mission-plan soar.planet-ocean.ecosub.eco1 --plan-id 3 --platform-id 1 "
+     "--waypoint lat=50.3707,lon=-4.1872,depth=15,action=move --wait\n"
+     "soar mission-plan soar.noc.autosub.ah1 --plan-id 4 --platform-id 2 --plan route.geojson",
+     DeclareSoarMissionPlan},
+    {"soar planning-configuration", kSoar, "DESTINATION",
+     "squads, platforms and zones to plan with",
+     "soar planning-configuration autonomy_engine --file squads.toml\n"
+     "soar planning-configuration --broadcast --file squads.json --strict",
+     DeclareSoarPlanningConfiguration},
+    {"soar acknowledge", kSoar, "DESTINATION", "how far a message has come",
+     "soar acknowledge soar.noc.autosub.ah1 --message-id ID --status executed",
+     DeclareSoarAcknowledge},
+    {"soar observation", kSoar, "DESTINATION", "what a platform has found",
+     "soar observation soar.noc.autosub.ah1 --platform-id 2 --point "
+     "lat=50.37,lon=-4.19,quality=0.98",
+     DeclareSoarObservation},
+    {"soar platform-status", kSoar, "DESTINATION", "where a platform is and how it does",
+     "soar platform-status soar.noc.autosub.ah1 --platform-id 2 --status-source onboard_platform "
+     "--latitude 50.37 --longitude -4.19 --battery 80",
+     DeclareSoarPlatformStatus},
     {"fleet", kLooking, "[PATTERN]", "the robots known to the broker, and how they are",
      "fleet\n"
      "fleet 'KIT/*' -o json",
@@ -61,7 +82,8 @@ constexpr auto kSubcommands = std::to_array<Subcommand>({
      "validate message.json\n"
      "validate --vda 2.1 --topic instantActions message.json\n"
      "validate --lines -o json < messages.jsonl\n"
-     "validate --schema my.schema.json message.json",
+     "validate --schema my.schema.json message.json\n"
+     "validate --protocol soar --message-type mission_plan plan.json",
      DeclareValidate},
     {"schema list", kChecking, "", "the schemas that there are", "schema list", DeclareSchemaList},
     {"schema show", kChecking, "NAME", "print a schema", "schema show vda5050/3.0.0/instantActions",
@@ -69,7 +91,8 @@ constexpr auto kSubcommands = std::to_array<Subcommand>({
     {"simulate", kChecking, "TARGET...", "virtual robots that answer, with faults on demand",
      "simulate KIT/0001\n"
      "simulate KIT/0001 --count 100 --vda 2.1 --state-interval 5s\n"
-     "simulate KIT/0001 --delay 3s --fail startCharging --reject pause",
+     "simulate KIT/0001 --delay 3s --fail startCharging --reject pause\n"
+     "simulate --protocol soar soar.planet-ocean.ecosub.eco1 --delay 3s",
      DeclareSimulate},
     {"ping", kChecking, "", "can the broker be reached with these settings, and what does it grant",
      "ping\n"

@@ -13,6 +13,7 @@
 #include "base/line_reader.h"
 #include "base/text.h"
 #include "cli/option_set.h"
+#include "cli/soar_validate.h"
 #include "cli/subcommand.h"
 #include "schema/schema.h"
 #include "schema/schema_files.h"
@@ -28,6 +29,8 @@ struct Options {
   std::string version;
   std::string topic;
   std::string schema_file;
+  std::string protocol = "vda5050";
+  std::string message_type;
   bool lines = false;
   bool strict = false;
 };
@@ -69,6 +72,7 @@ class Validator {
   // Errors: the options or the schema, not a message.
   Status Prepare() {
     if (!options_.schema_file.empty()) return LoadFile();
+    if (auto soar = PrepareSoar(); !soar || soar_) return soar;
     if (!options_.version.empty()) {
       const auto version = vda5050::ParseVersion(options_.version);
       if (!version) return Fail(version.error());
@@ -85,17 +89,35 @@ class Validator {
     const auto message = base::ParseJson(text);
     if (!message) return OneError(message.error().message);
     if (own_schema_) return dispatch::Check(*message, *own_schema_, {});
+    if (soar_) return soar_->Check(*message, registry_);
     const auto version = VersionOf(*message);
     if (!version) return OneError(version.error().message);
     const auto topic = TopicOf(*message);
     if (!topic) return OneError(topic.error().message);
     const auto schema = registry_.Find(SchemaName(*version, *topic));
     if (!schema) return OneError(schema.error().message);
-    Findings findings = dispatch::Check(*message, **schema, RulesOf(*version, *topic));
+    Findings findings =
+        dispatch::Check(*message, **schema, vda5050::TextRulesFor(*topic, *version));
     return options_.strict ? findings : Softened(std::move(findings));
   }
 
  private:
+  Status PrepareSoar() {
+    const auto is_soar = IsSoar(options_.protocol);
+    if (!is_soar) return Fail(is_soar.error());
+    if (!*is_soar && options_.message_type.empty()) return {};
+    if (!*is_soar) return Fail(ErrorKind::kUsage, "--message-type belongs to --protocol soar");
+    if (!options_.topic.empty()) {
+      return Fail(ErrorKind::kUsage, "--topic belongs to VDA 5050: name a --message-type");
+    }
+    const auto validator =
+        SoarValidator::Make(options_.message_type,
+                            options_.strict ? soar::Strictness::kRefuse : soar::Strictness::kWarn);
+    if (!validator) return Fail(validator.error());
+    soar_ = *validator;
+    return {};
+  }
+
   Status LoadFile() {
     const auto text =
         schema::ReadSchemaFile(options_.schema_file, schema::FilesBeside(options_.schema_file));
@@ -110,13 +132,6 @@ class Validator {
 
   static std::string SchemaName(vda5050::Version version, std::string_view topic) {
     return fmt::format("vda5050/{}/{}", vda5050::FactsOf(version).name, topic);
-  }
-
-  static dispatch::TextRules RulesOf(vda5050::Version version, std::string_view topic) {
-    if (topic != "instantActions") return {};
-    return [version](const rapidjson::Value& message) {
-      return vda5050::CheckInstantActions(message, version);
-    };
   }
 
   // The text's rules are no schema rules: they warn here, and fail with --strict.
@@ -150,6 +165,7 @@ class Validator {
   schema::Registry registry_;
   std::optional<vda5050::Version> version_;
   std::optional<schema::Schema> own_schema_;
+  std::optional<SoarValidator> soar_;
 };
 
 std::string ListJson(const std::vector<schema::Violation>& violations) {
@@ -219,6 +235,9 @@ Run DeclareValidate(OptionSet& set) {
       ->type_name("FILE");
   add("--vda", options->version, "V", "Version [what the header says]")->envname("FLEETPUB_VDA");
   add("--topic", options->topic, "TOPIC", "order, state, instantActions … [told from the message]");
+  add("--protocol", options->protocol, "NAME", "vda5050 or soar [vda5050]");
+  add("--message-type", options->message_type, "TYPE",
+      "With --protocol soar: the payload must be of this type, and may stand alone");
   add("--schema", options->schema_file, "FILE", "A JSON Schema of your own (draft-07)");
   set.AddFlag("--lines", options->lines, "One message per line (JSON Lines)")->group("Checking");
   set.AddFlag("--strict", options->strict, "Rules of the specification's text are errors too")

@@ -39,7 +39,8 @@ class Confirmation {
   Confirmation& operator=(const Confirmation&) = delete;
   virtual ~Confirmation() = default;
 
-  /// The exact topics to be subscribed, with the SUBACK awaited, before the command is published.
+  /// The topics to be subscribed, with the SUBACK awaited, before the command is published: exact
+  /// ones, or filters where the answer's topic is not known beforehand.
   [[nodiscard]] virtual std::vector<std::string> Topics() const = 0;
 
   /// The command was published with this header id (again, when it is repeated). Messages that were

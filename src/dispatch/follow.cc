@@ -2,13 +2,19 @@
 
 #include <algorithm>
 
+#include "dispatch/topic_filter.h"
+
 namespace fleetpub::dispatch {
 
 Follower::Follower(const WaitOptions& options, EndHook ended)
     : options_(options), ended_(std::move(ended)) {}
 
+Follower::KeysByTopic& Follower::MapFor(const std::string& topic) {
+  return HasWildcard(topic) ? by_filter_ : by_topic_;
+}
+
 void Follower::Watch(Key key, std::shared_ptr<Confirmation> confirmation) {
-  for (const std::string& topic : confirmation->Topics()) by_topic_[topic].insert(key);
+  for (const std::string& topic : confirmation->Topics()) MapFor(topic)[topic].insert(key);
   watched_[key].confirmation = std::move(confirmation);
 }
 
@@ -16,10 +22,11 @@ void Follower::Forget(Key key) {
   const auto found = watched_.find(key);
   if (found == watched_.end()) return;
   for (const std::string& topic : found->second.confirmation->Topics()) {
-    const auto keys = by_topic_.find(topic);
-    if (keys == by_topic_.end()) continue;
+    KeysByTopic& map = MapFor(topic);
+    const auto keys = map.find(topic);
+    if (keys == map.end()) continue;
     keys->second.erase(key);
-    if (keys->second.empty()) by_topic_.erase(keys);
+    if (keys->second.empty()) map.erase(keys);
   }
   limits_.erase({found->second.limit, key});
   if (found->second.open) --waiting_;
@@ -28,8 +35,9 @@ void Follower::Forget(Key key) {
 
 std::vector<std::string> Follower::Topics() const {
   std::vector<std::string> topics;
-  topics.reserve(by_topic_.size());
+  topics.reserve(by_topic_.size() + by_filter_.size());
   for (const auto& [topic, keys] : by_topic_) topics.push_back(topic);
+  for (const auto& [filter, keys] : by_filter_) topics.push_back(filter);
   return topics;
 }
 
@@ -59,14 +67,18 @@ void Follower::SetLimit(Entry& entry, Clock::time_point limit) {
 }
 
 void Follower::Deliver(const mqtt::Message& message) {
-  const auto listeners = by_topic_.find(message.topic);
-  if (listeners == by_topic_.end()) return;
-  // Who ends is taken out of the set.
-  const std::vector<Key> keys(listeners->second.begin(), listeners->second.end());
+  // Who ends is taken out of the maps.
+  std::vector<Key> keys;
+  const auto exact = by_topic_.find(message.topic);
+  if (exact != by_topic_.end()) keys.assign(exact->second.begin(), exact->second.end());
+  for (const auto& [filter, listeners] : by_filter_) {
+    if (Matches(filter, message.topic)) keys.insert(keys.end(), listeners.begin(), listeners.end());
+  }
   for (const Key key : keys) {
-    Entry& entry = *watched_.find(key);
-    entry.second.confirmation->Receive({message.topic, message.payload, message.retained});
-    if (entry.second.open) Look(entry);
+    const auto found = watched_.find(key);
+    if (found == watched_.end()) continue;
+    found->second.confirmation->Receive({message.topic, message.payload, message.retained});
+    if (found->second.open) Look(*found);
   }
 }
 

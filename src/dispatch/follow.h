@@ -49,7 +49,7 @@ class Follower {
   /// The command did not leave.
   void Forget(Key key);
 
-  /// The topics of the watched commands, each once.
+  /// The topics and filters of the watched commands, each once.
   [[nodiscard]] std::vector<std::string> Topics() const;
 
   /// The command left; `report` says how, and is completed when the end is known.
@@ -83,6 +83,8 @@ class Follower {
   };
   using Entry = std::unordered_map<Key, Watched>::value_type;
 
+  using KeysByTopic = std::unordered_map<std::string, std::set<Key>>;
+  KeysByTopic& MapFor(const std::string& topic);
   void Look(Entry& entry);
   void SetLimit(Entry& entry, Clock::time_point limit);
   void End(Entry& entry, Verdict verdict, std::optional<ErrorKind> error, std::string message);
@@ -91,7 +93,8 @@ class Follower {
   WaitOptions options_;
   EndHook ended_;
   std::unordered_map<Key, Watched> watched_;
-  std::unordered_map<std::string, std::set<Key>> by_topic_;
+  KeysByTopic by_topic_;
+  KeysByTopic by_filter_;                               // with wildcards
   std::set<std::pair<Clock::time_point, Key>> limits_;  // of those that are waited for
   std::size_t waiting_ = 0;
 };

@@ -35,7 +35,7 @@ struct Violation {
 /// A compiled schema: JSON Schema draft-07, with `date-time` asserted (RFC 3339, real calendar) and
 /// every other `format` an annotation. `pattern` is matched by RE2 in linear time. A schema that
 /// names draft-06, 2019-09 or 2020-12 in `$schema` is taken as well when it uses nothing that
-/// draft-07 does not have.
+/// draft-07 does not have, and so is a part of an OpenAPI 3.0 document (schema/openapi.h).
 class Schema {
  public:
   /// Compiles. A schema that is no valid schema, uses a keyword that we do not check, refers to

@@ -12,6 +12,7 @@
 
 #include "base/json.h"
 #include "base/text.h"
+#include "schema/openapi.h"
 #include "schema/references.h"
 #include "schema/values.h"
 
@@ -36,7 +37,7 @@ class Vetter {
     root.prefix = pointer;
     vetted_.root = Follow(vetted_.document, pointer);
     if (vetted_.root == nullptr) return Refuse(root, "is not there");
-    if (pointer.empty() && base::FindMember(vetted_.document, "openapi") != nullptr) {
+    if (pointer.empty() && IsOpenApi(vetted_.document)) {
       return Refuse(
           top,
           "is an OpenAPI document: one of its schemas must be named, with #/components/schemas/…");
@@ -353,6 +354,10 @@ Result<std::unique_ptr<const Vetted>> Vet(std::string_view text, std::string_vie
   if (!document) return Fail(std::move(document.error()));
   auto vetted = std::make_unique<Vetted>();
   vetted->document = std::move(*document);
+  if (IsOpenApi(vetted->document)) {
+    auto translated = TranslateOpenApi(vetted->document);
+    if (!translated) return Fail(ErrorKind::kInvalid, std::move(translated.error()));
+  }
   Vetter vetter(*vetted);
   if (!vetter.Run(pointer)) return Fail(vetter.TakeError());
   return vetted;

@@ -68,23 +68,30 @@ class ItemConfirmation final : public dispatch::Confirmation {
   [[nodiscard]] const Progress& progress() const override { return progress_; }
 
  private:
+  // A new error comes before what the state shows: a robot that refuses an order or a zone set of
+  // an id that it has goes on showing the old one. Once ours is shown, errors are of its way.
   void OnState(const RobotState& state) {
+    if (!progress_.seen) {
+      const std::string refusal = RefusalIn(state);
+      if (!refusal.empty()) return End(Verdict::kRejected, refusal);
+    }
     if (auto shown = item_.look(state)) {
       progress_ = std::move(*shown);
-      progress_.seen = true;
-      return;
+    } else if (progress_.seen) {
+      End(Verdict::kVanished,
+          fmt::format("the robot's state no longer shows {} {}", item_.id_key, Shown(item_.id)));
+    } else {
+      progress_.message = fmt::format("the robot's state does not show {} {}; it is of {}",
+                                      item_.id_key, Shown(item_.id), Shown(state.header.timestamp));
     }
+  }
+
+  [[nodiscard]] std::string RefusalIn(const RobotState& state) const {
     std::string told;
     for (const RobotError& error : state.errors) {
       if (IsOurs(error)) told += (told.empty() ? "" : "; ") + Told(error);
     }
-    if (!told.empty()) return End(Verdict::kRejected, told);
-    if (progress_.seen) {
-      return End(Verdict::kVanished, fmt::format("the robot's state no longer shows {} {}",
-                                                 item_.id_key, Shown(item_.id)));
-    }
-    progress_.message = fmt::format("the robot's state does not show {} {}; it is of {}",
-                                    item_.id_key, Shown(item_.id), Shown(state.header.timestamp));
+    return told;
   }
 
   [[nodiscard]] bool IsOurs(const RobotError& error) const {

@@ -32,6 +32,13 @@ constexpr std::array<Topic, 4> kTopics = {{{"order", Version::k110},
 constexpr std::array<std::string_view, 5> kHeader = {"headerId", "timestamp", "version",
                                                      "manufacturer", "serialNumber"};
 
+Version SinceWhen(std::string_view name) {
+  for (const Topic& topic : kTopics) {
+    if (topic.name == name) return topic.since;
+  }
+  return Version::k110;
+}
+
 bool IsHeader(std::string_view name) {
   return std::find(kHeader.begin(), kHeader.end(), name) != kHeader.end();
 }
@@ -130,10 +137,10 @@ Result<dispatch::Command> BuildPrepared(const RobotAddress& robot, const Dialect
                                         ForeignHeader foreign,
                                         std::optional<std::uint32_t> header_id) {
   const VersionFacts& facts = FactsOf(dialect.version);
-  for (const Topic& known : kTopics) {
-    if (known.name != topic || dialect.version >= known.since) continue;
+  const Version since = SinceWhen(topic);
+  if (dialect.version < since) {
     return Fail(ErrorKind::kUsage, fmt::format("{} exists from version {} on, not in {}", topic,
-                                               FactsOf(known.since).name, facts.name));
+                                               FactsOf(since).name, facts.name));
   }
   if (!message.IsObject()) return Fail(ErrorKind::kInvalid, "the message must be a JSON object");
   const OwnHeader own = HeaderFor(robot, dialect);
@@ -147,7 +154,7 @@ Result<dispatch::Command> BuildPrepared(const RobotAddress& robot, const Dialect
   command.target = robot.ToString();
   command.protocol = "vda5050";
   command.version = facts.name;
-  command.version_assumed = dialect.assumed;
+  command.version_assumed = dialect.assumed && since != kVersions.back();  // else no other has it
   command.topic = std::move(*full);
   command.schema = fmt::format("vda5050/{}/{}", facts.name, topic);
   command.text_rules = TextRulesFor(topic, dialect.version);

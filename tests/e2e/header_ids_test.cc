@@ -56,7 +56,7 @@ TEST_F(HeaderIds, NeverRepeatOrFallThoughProcessesAreKilledAtRandom) {
   const auto last_has_come = [](const auto& messages) {
     return !messages.empty() && messages.back().topic.find("/last/") != std::string::npos;
   };
-  auto messages = subscriber.Await(501);
+  auto messages = subscriber.Await(481);
   while (!last_has_come(messages)) messages = subscriber.Await(messages.size() + 1);
 
   // Nothing arrived that was not recorded, nothing twice; and on each topic the ledger's ids rise
@@ -77,7 +77,7 @@ TEST_F(HeaderIds, NeverRepeatOrFallThoughProcessesAreKilledAtRandom) {
     EXPECT_TRUE(recorded.contains(message.payload)) << message.payload;
     EXPECT_TRUE(received.insert(message.payload).second) << "twice: " << message.payload;
   }
-  EXPECT_GE(received.size(), 501U);
+  EXPECT_GE(received.size(), 481U) << "twelve of each thread were not killed, and the last one";
 }
 
 }  // namespace

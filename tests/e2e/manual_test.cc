@@ -37,12 +37,16 @@ std::string Help(std::vector<std::string> words) {
 // Every option of every command, parameters of actions aside: those are in the command's own help.
 std::set<std::string> Options() {
   std::string text = Help({}) + Help({"pause"});
-  for (const char* command : {"action", "actions", "await", "fleet", "history", "ping", "simulate",
-                              "validate", "watch"}) {
+  for (const char* command : {"action", "actions", "await", "fleet", "history", "ping", "publish",
+                              "requests", "respond", "simulate", "validate", "watch"}) {
     text += Help({command});
   }
   text += Help({"history", "show"}) + Help({"history", "prune"});
   text += Help({"schema", "list"}) + Help({"schema", "show"});
+  for (const char* command : {"mission-plan", "planning-configuration", "acknowledge",
+                              "observation", "platform-status"}) {
+    text += Help({"soar", command});
+  }
   const std::regex line("(?:^|\n)  ((?:-[a-zA-Z],)?--[a-z-]+)");
   std::set<std::string> options;
   for (const std::string& names : Matches(text, line)) {
@@ -70,7 +74,8 @@ TEST(TheManual, DocumentsNoOptionThatIsNotThere) {
 TEST(TheManual, DocumentsEveryVariable) {
   const std::string manual = Manual();
   std::set<std::string> variables;
-  for (const char* file : {"global_options.cc", "vda_options.cc", "sending.cc", "password.cc"}) {
+  for (const char* file :
+       {"global_options.cc", "vda_options.cc", "sending.cc", "password.cc", "soar_options.cc"}) {
     std::ifstream source(std::string(FLEETPUB_SOURCE_DIR "/src/cli/") + file);
     std::ostringstream text;
     text << source.rdbuf();

@@ -22,6 +22,8 @@ Command Operator::Prepare(std::vector<std::string> arguments) const {
       {"FLEETPUB_LEDGER", LedgerPath().string()},
       {"FLEETPUB_VDA", std::nullopt},
       {"FLEETPUB_PASSWORD", std::nullopt},
+      {"FLEETPUB_SOAR_PREFIX", std::nullopt},
+      {"FLEETPUB_SOAR_SOURCE", std::nullopt},
       {"FLEETPUB_BROKER", broker_.empty() ? std::nullopt : std::optional(broker_)}};
   return command;
 }

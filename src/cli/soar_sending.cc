@@ -1,0 +1,75 @@
+#include "cli/soar_sending.h"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <chrono>
+
+#include "base/text.h"
+#include "base/time.h"
+#include "cli/option_set.h"
+#include "soar/confirmation.h"
+
+namespace fleetpub::cli {
+namespace {
+
+using std::chrono::steady_clock;
+
+// Shows each level that somebody reaches while the command waits for its end.
+class LevelTeller {
+ public:
+  LevelTeller(std::string target, Output& output) : target_(std::move(target)), output_(output) {}
+
+  void operator()(const soar::Acknowledgement& said) const {
+    output_.Tell(fmt::format("{}: {}  {}", base::Printable(said.from.empty() ? target_ : said.from),
+                             soar::NameOf(said.level),
+                             base::FormatElapsed(steady_clock::now() - started_)));
+  }
+
+ private:
+  std::string target_;
+  Output& output_;
+  steady_clock::time_point started_ = steady_clock::now();
+};
+
+}  // namespace
+
+void DeclareSoarSendingOnly(OptionSet& set, SoarSendingOptions& options) {
+  DeclareSendingOptions(set, options.sending);
+  DeclareSoarOptions(set, options.soar);
+}
+
+void DeclareSoarSending(OptionSet& set, SoarSendingOptions& options) {
+  DeclareSendingOptions(set, options.sending);
+  DeclareSoarWaiting(set, options.waiting);
+  DeclareSoarOptions(set, options.soar);
+}
+
+Result<ExitCode> SendSoarMessage(const SoarSendingOptions& options, soar::MessageType type,
+                                 std::string_view payload, const Context& context) {
+  const auto sender = SenderOf(options.soar);
+  if (!sender) return Fail(sender.error());
+  const auto destination = DestinationOf(options.soar, *sender, type);
+  if (!destination) return Fail(destination.error());
+  const auto waiting = SoarWaitingOf(options.waiting, *destination);
+  if (!waiting) return Fail(waiting.error());
+
+  dispatch::Command command = soar::BuildMessage(type, *destination, *sender, payload);
+  Outgoing outgoing;
+  if (waiting->wait_for) {
+    outgoing.wait = waiting->wait;
+    command.confirmation = soar::ConfirmMessage(
+        {.message_id = command.actions.front().id,
+         .topics = waiting->topics.empty()
+                       ? soar::AcknowledgementTopics(*destination, sender->prefix, sender->source)
+                       : waiting->topics,
+         .prefix = sender->prefix,
+         .wait_for = *waiting->wait_for,
+         .count = waiting->count,
+         .on_level = LevelTeller(destination->name, context.output)});
+  }
+  outgoing.commands.push_back(std::move(command));
+  return SendCommands(std::move(outgoing), options.sending, context);
+}
+
+}  // namespace fleetpub::cli

@@ -1,0 +1,41 @@
+// The five payloads of the SoAR backbone, named as the format spells them.
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+
+namespace fleetpub::soar {
+
+/// In the order of the schema document.
+enum class MessageType {
+  kAcknowledgement,
+  kMissionPlan,
+  kObservation,
+  kPlanningConfiguration,
+  kPlatformStatus,
+};
+
+[[nodiscard]] std::span<const MessageType> AllMessageTypes();
+
+/// `mission_plan`
+[[nodiscard]] std::string_view NameOf(MessageType type);
+/// The type of exactly this name.
+[[nodiscard]] std::optional<MessageType> ParseMessageType(std::string_view name);
+/// All names, for messages: `acknowledgement, mission_plan, …`
+[[nodiscard]] std::string MessageTypeNames();
+
+/// The level before the message type in a platform's topics: `to_platform` for what a platform is
+/// told, `from_platform` for what it tells.
+[[nodiscard]] std::string_view DirectionOf(MessageType type);
+
+/// How far a message has come, in order.
+enum class Level { kC2Received, kOperatorApprovedAndSent, kExecuted };
+
+[[nodiscard]] std::span<const Level> AllLevels();
+/// `c2_received`
+[[nodiscard]] std::string_view NameOf(Level level);
+[[nodiscard]] std::optional<Level> ParseLevel(std::string_view name);
+
+}  // namespace fleetpub::soar

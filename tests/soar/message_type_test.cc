@@ -1,0 +1,27 @@
+#include "soar/message_type.h"
+
+#include <gtest/gtest.h>
+
+namespace fleetpub::soar {
+namespace {
+
+TEST(MessageType, HasAName) {
+  for (const MessageType type : AllMessageTypes()) {
+    EXPECT_EQ(ParseMessageType(NameOf(type)), type);
+  }
+  EXPECT_EQ(NameOf(MessageType::kPlanningConfiguration), "planning_configuration");
+  EXPECT_FALSE(ParseMessageType("Mission_Plan"));
+  EXPECT_FALSE(ParseMessageType(""));
+  EXPECT_EQ(MessageTypeNames(),
+            "acknowledgement, mission_plan, observation, planning_configuration, platform_status");
+}
+
+TEST(Level, HasAnOrderAndAName) {
+  EXPECT_LT(Level::kC2Received, Level::kOperatorApprovedAndSent);
+  EXPECT_LT(Level::kOperatorApprovedAndSent, Level::kExecuted);
+  for (const Level level : AllLevels()) EXPECT_EQ(ParseLevel(NameOf(level)), level);
+  EXPECT_FALSE(ParseLevel("EXECUTED"));
+}
+
+}  // namespace
+}  // namespace fleetpub::soar
