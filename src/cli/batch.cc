@@ -17,6 +17,7 @@
 #include "cli/listening.h"
 #include "cli/option_set.h"
 #include "cli/sending.h"
+#include "cli/soar_options.h"
 #include "cli/stop_signal.h"
 #include "cli/subcommand.h"
 #include "cli/vda_options.h"
@@ -43,6 +44,8 @@ struct Options {
   std::string rate;
   std::string reconnect = "60s";
   bool stop_on_error = false;
+  std::string prefix = "soar";
+  std::string source = "fleetpub";
   WaitingOptions waiting;
   SendingOptions sending;
   VdaOptions vda;
@@ -360,6 +363,12 @@ Result<Plan> PlanOf(const Options& options) {
     if (!total) return Fail(total.error());
     plan.wait.total = *total;
   }
+  SoarOptions soar;
+  soar.prefix = options.prefix;
+  soar.source = options.source;
+  auto sender = SenderOf(soar);
+  if (!sender) return Fail(std::move(sender.error()));
+  plan.defaults.soar = std::move(*sender);
   const auto qos = QosOf(options.sending.qos);
   if (!qos) return Fail(qos.error());
   plan.send.qos = *qos;
@@ -406,6 +415,8 @@ Run DeclareBatch(OptionSet& set) {
   DeclareSendingOptions(set, options->sending);
   DeclareWaitOptions(set, options->waiting);
   DeclareVdaOptions(set, options->vda);
+  DeclarePrefix(set, options->prefix);
+  DeclareSource(set, options->source);
   return [options](const Context& context) { return RunBatch(*options, context); };
 }
 

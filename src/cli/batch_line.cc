@@ -1,6 +1,7 @@
 #include "cli/batch_line.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>
@@ -9,6 +10,7 @@
 #include "base/json.h"
 #include "base/text.h"
 #include "dispatch/validate.h"
+#include "soar/confirmation.h"
 #include "vda5050/preflight.h"
 #include "vda5050/prepared_message.h"
 
@@ -25,7 +27,7 @@ using vda5050::RobotAddress;
 using vda5050::WaitFor;
 
 enum class Kind { kText, kTexts, kId, kWait, kObject, kNumber, kFlag };
-enum class Use { kAll, kAction, kMessage };
+enum class Use { kAll, kVda, kAction, kMessage, kPayload, kSoar };
 
 struct Member {
   std::string_view name;
@@ -36,17 +38,18 @@ struct Member {
 constexpr auto kMembers = std::to_array<Member>({
     {"id", Kind::kId},
     {"target", Kind::kTexts},
-    {"vda", Kind::kText},
     {"wait", Kind::kWait},
-    {"headerId", Kind::kNumber},
+    {"vda", Kind::kText, Use::kVda},
+    {"headerId", Kind::kNumber, Use::kVda},
     {"action", Kind::kText, Use::kAction},
     {"parameters", Kind::kObject, Use::kAction},
     {"actionId", Kind::kText, Use::kAction},
     {"descriptor", Kind::kText, Use::kAction},
     {"blockingType", Kind::kText, Use::kAction},
     {"topic", Kind::kText, Use::kMessage},
-    {"payload", Kind::kObject, Use::kMessage},
     {"restamp", Kind::kFlag, Use::kMessage},
+    {"soar", Kind::kText, Use::kSoar},
+    {"payload", Kind::kObject, Use::kPayload},
 });
 
 bool IsOfKind(const Value& value, Kind kind) {
@@ -60,7 +63,7 @@ bool IsOfKind(const Value& value, Kind kind) {
     case Kind::kId:
       return value.IsString() || value.IsNumber();
     case Kind::kWait:
-      return value.IsBool() || value == "accepted" || value == "finished";
+      return value.IsBool() || value.IsString();
     case Kind::kObject:
       return value.IsObject();
     case Kind::kNumber:
@@ -80,7 +83,7 @@ std::string_view Described(Kind kind) {
     case Kind::kId:
       return "a text or a number";
     case Kind::kWait:
-      return "true, false, \"accepted\" or \"finished\"";
+      return "true, false, or the end to wait for";
     case Kind::kObject:
       return "an object";
     case Kind::kNumber:
@@ -103,8 +106,31 @@ tl::unexpected<Error> UnknownMember(std::string_view name) {
   return Wrong(fmt::format(
       "'{}' is not understood: {}", Printable(name),
       nearest ? fmt::format("did you mean {}?", *nearest)
-              : "a line has id, target, vda, wait, headerId, and action, parameters, actionId, "
-                "descriptor, blockingType, or topic, payload, restamp"));
+              : fmt::format("a line has {}", fmt::join(names, ", "))));
+}
+
+// What a line is about.
+struct Shape {
+  bool action = false;
+  bool message = false;
+  bool soar = false;
+};
+
+std::string_view WhyUnfit(Use use, const Shape& shape) {
+  switch (use) {
+    case Use::kAction:
+      return shape.action ? "" : "needs an action beside it";
+    case Use::kMessage:
+      return shape.message ? "" : "needs a topic beside it";
+    case Use::kPayload:
+      return shape.message || shape.soar ? "" : "needs a topic, or soar, beside it";
+    case Use::kVda:
+      return shape.soar ? "belongs to VDA 5050, not to soar" : "";
+    case Use::kSoar:
+    case Use::kAll:
+      return "";
+  }
+  return "";
 }
 
 // `at line 1, column 7`: it is always the first of its text, and another of the input.
@@ -114,71 +140,62 @@ std::string WithoutLine(std::string message) {
   return message;
 }
 
-Status CheckMembers(const Value& line) {
-  const bool is_action = FindMember(line, "action") != nullptr;
-  const bool is_message = FindMember(line, "topic") != nullptr;
+Status CheckMember(std::string_view name, const Value& value, const Shape& shape) {
+  const auto* const member = std::find_if(kMembers.begin(), kMembers.end(),
+                                          [name](const Member& one) { return one.name == name; });
+  if (member == kMembers.end()) return UnknownMember(name);
+  if (!IsOfKind(value, member->kind)) {
+    return Wrong(fmt::format("{} must be {}", name, Described(member->kind)));
+  }
+  const std::string_view unfit = WhyUnfit(member->use, shape);
+  if (!unfit.empty()) return Wrong(fmt::format("{} {}", name, unfit));
+  return {};
+}
+
+Status CheckMembers(const Value& line, const Shape& shape) {
   for (const auto& [name, value] : line.GetObject()) {
-    const auto* const member =
-        std::find_if(kMembers.begin(), kMembers.end(), [key = base::ViewOf(name)](const auto& one) {
-          return one.name == key;
-        });
-    if (member == kMembers.end()) return UnknownMember(base::ViewOf(name));
-    if (!IsOfKind(value, member->kind)) {
-      return Wrong(fmt::format("{} must be {}", member->name, Described(member->kind)));
-    }
-    if (member->use == Use::kMessage && !is_message) {
-      return Wrong(fmt::format("{} needs a topic beside it", member->name));
-    }
-    if (member->use == Use::kAction && !is_action) {
-      return Wrong(fmt::format("{} needs an action beside it", member->name));
-    }
+    if (auto ok = CheckMember(base::ViewOf(name), value, shape); !ok) return ok;
   }
-  if (is_action && is_message) return Wrong("action and topic exclude each other");
-  if (!is_action && !is_message) {
-    return Wrong("there is neither an action nor a topic with its payload");
-  }
-  if (is_message && FindMember(line, "payload") == nullptr) {
-    return Wrong("topic needs a payload beside it");
+  const int kinds = int{shape.action} + int{shape.message} + int{shape.soar};
+  if (kinds > 1) return Wrong("action, topic and soar exclude each other");
+  if (kinds == 0) return Wrong("there is neither an action, nor a topic, nor soar");
+  if (!shape.action && FindMember(line, "payload") == nullptr) {
+    return Wrong(fmt::format("{} needs a payload beside it", shape.soar ? "soar" : "topic"));
   }
   if (FindMember(line, "target") == nullptr) {
-    return Wrong("there is no target: name the robot as manufacturer/serialNumber");
+    return Wrong(shape.soar ? "there is no target: name the destination, or broadcast"
+                            : "there is no target: name the robot as manufacturer/serialNumber");
   }
   return {};
 }
 
-Result<std::vector<RobotAddress>> TargetsOf(const Value& target) {
-  std::vector<RobotAddress> robots;
-  const auto add = [&robots](const Value& text) -> Status {
-    auto robot = vda5050::ParseRobotAddress(base::ViewOf(text));
-    if (!robot) return Fail(std::move(robot.error()));
-    if (std::find(robots.begin(), robots.end(), *robot) != robots.end()) {
-      return Wrong(fmt::format("target names {} twice", Printable(robot->ToString())));
+Result<std::vector<std::string_view>> TargetsOf(const Value& target) {
+  std::vector<std::string_view> targets;
+  if (target.IsString()) return targets = {base::ViewOf(target)}, targets;
+  for (const Value& text : target.GetArray()) {
+    const std::string_view name = base::ViewOf(text);
+    if (std::find(targets.begin(), targets.end(), name) != targets.end()) {
+      return Wrong(fmt::format("target names {} twice", Printable(name)));
     }
-    robots.push_back(std::move(*robot));
-    return {};
-  };
-  if (target.IsString()) {
-    if (auto ok = add(target); !ok) return Fail(std::move(ok.error()));
-  } else {
-    for (const Value& text : target.GetArray()) {
-      if (auto ok = add(text); !ok) return Fail(std::move(ok.error()));
-    }
+    targets.push_back(name);
   }
-  return robots;
+  return targets;
 }
 
-std::optional<WaitFor> WaitOf(const Value& line, const LineDefaults& defaults) {
+Result<std::optional<WaitFor>> WaitOf(const Value& line, const LineDefaults& defaults) {
+  using Waits = std::optional<WaitFor>;
   const Value* wait = FindMember(line, "wait");
-  const bool is_order = StringMember(line, "topic") == "order";
-  if (wait == nullptr) {
-    if (defaults.wait_for && !defaults.names_end && is_order) return WaitFor::kAccepted;
-    return defaults.wait_for;
-  }
-  if (wait->IsString()) return *wait == "accepted" ? WaitFor::kAccepted : WaitFor::kFinished;
-  if (wait->IsFalse()) return std::nullopt;
-  if (defaults.names_end) return defaults.wait_for;
+  const bool is_order = base::EqualsIgnoringCase(StringMember(line, "topic"), "order");
   // An order may take hours: that the robot has it is what one usually waits for.
-  return is_order ? WaitFor::kAccepted : WaitFor::kFinished;
+  const WaitFor usual = is_order ? WaitFor::kAccepted : WaitFor::kFinished;
+  if (wait == nullptr || wait->IsTrue()) {
+    if (defaults.names_end || (wait == nullptr && !defaults.wait_for)) return defaults.wait_for;
+    return Waits(usual);
+  }
+  if (wait->IsFalse()) return Waits();
+  if (*wait == "accepted") return Waits(WaitFor::kAccepted);
+  if (*wait == "finished") return Waits(WaitFor::kFinished);
+  return Wrong("wait must be true, false, \"accepted\" or \"finished\"");
 }
 
 Result<Dialect> DialectOf(const Value& line, const Dialect& base) {
@@ -210,6 +227,12 @@ struct Request {
   const Value& line;
   Dialect dialect;
   std::optional<WaitFor> wait_for;
+
+  [[nodiscard]] Result<Command> For(std::string_view target) const {
+    const auto robot = vda5050::ParseRobotAddress(target);
+    if (!robot) return Fail(robot.error());
+    return FindMember(line, "action") != nullptr ? ActionFor(*robot) : MessageFor(*robot);
+  }
 
   [[nodiscard]] Result<Command> ActionFor(const RobotAddress& robot) const {
     vda5050::InstantAction action{.type = std::string(StringMember(line, "action")),
@@ -251,6 +274,64 @@ struct Request {
   }
 };
 
+// SoAR's: by target as well.
+struct SoarRequest {
+  const Value& line;
+  const LineDefaults& defaults;
+  soar::MessageType type{};
+  std::string payload = {};
+  std::optional<soar::Level> wait_for = {};
+
+  // Errors: the line is wrong.
+  [[nodiscard]] Status Read() {
+    std::string name(StringMember(line, "soar"));
+    std::replace(name.begin(), name.end(), '-', '_');
+    const auto known = soar::ParseMessageType(name);
+    if (!known) {
+      return Wrong(fmt::format("soar must be one of {}", soar::MessageTypeNames()));
+    }
+    type = *known;
+    std::vector<soar::Member> members;
+    for (const auto& [key, value] : FindMember(line, "payload")->GetObject()) {
+      if (base::ViewOf(key) != "message_type") {
+        members.push_back({std::string(base::ViewOf(key)), base::ToJson(value)});
+      } else if (value != soar::NameOf(type).data()) {
+        return Wrong("the payload's message_type is another one than soar");
+      }
+    }
+    payload = soar::PayloadOf(type, members);
+    const Value* wait = FindMember(line, "wait");
+    if (wait == nullptr ? defaults.wait_for.has_value() : wait->IsTrue()) {
+      wait_for = soar::Level::kExecuted;
+    } else if (wait != nullptr && wait->IsString()) {
+      wait_for = soar::ParseLevel(base::ViewOf(*wait));
+      if (!wait_for) {
+        return Wrong("wait must be true, false, \"c2_received\", \"operator_approved_and_sent\" "
+                     "or \"executed\"");
+      }
+    }
+    return {};
+  }
+
+  [[nodiscard]] Result<Command> For(std::string_view target) const {
+    const soar::Sender& sender = defaults.soar;
+    const auto destination = target == "broadcast"
+                                 ? Result<soar::Destination>(soar::Broadcast(sender.prefix))
+                                 : soar::ParseDestination(target, sender.prefix, type);
+    if (!destination) return Fail(destination.error());
+    Command command = soar::BuildMessage(type, *destination, sender, payload);
+    if (!wait_for) return command;
+    command.confirmation = soar::ConfirmMessage(
+        {.message_id = command.actions.front().id,
+         .topics = soar::AcknowledgementTopics(*destination, sender.prefix, sender.source),
+         .prefix = sender.prefix,
+         .wait_for = *wait_for,
+         .count = 1,
+         .on_level = {}});
+    return command;
+  }
+};
+
 }  // namespace
 
 LineParser::LineParser(LineDefaults defaults, const std::string& schema_directory)
@@ -264,19 +345,31 @@ Result<LineCommands> LineParser::Parse(std::string_view text, LineOrigin& origin
     origin.id = base::ToJson(*id);
   }
   origin.target = StringMember(*line, "target");
-  if (auto ok = CheckMembers(*line); !ok) return Fail(std::move(ok.error()));
-  const auto robots = TargetsOf(*FindMember(*line, "target"));
-  if (!robots) return Fail(robots.error());
+  const Shape shape{FindMember(*line, "action") != nullptr, FindMember(*line, "topic") != nullptr,
+                    FindMember(*line, "soar") != nullptr};
+  if (auto ok = CheckMembers(*line, shape); !ok) return Fail(std::move(ok.error()));
+  if (shape.soar) {
+    SoarRequest request{*line, defaults_};
+    if (auto ok = request.Read(); !ok) return Fail(std::move(ok.error()));
+    return ForEach(*line, request);
+  }
   auto dialect = DialectOf(*line, defaults_.dialect);
   if (!dialect) return Fail(std::move(dialect.error()));
-  const bool is_action = FindMember(*line, "action") != nullptr;
-  if (robots->size() > 1 && FindMember(*line, "actionId") != nullptr) {
+  const auto wait_for = WaitOf(*line, defaults_);
+  if (!wait_for) return Fail(wait_for.error());
+  return ForEach(*line, Request{*line, std::move(*dialect), *wait_for});
+}
+
+template <class Request>
+Result<LineCommands> LineParser::ForEach(const Value& line, const Request& request) {
+  const auto targets = TargetsOf(*FindMember(line, "target"));
+  if (!targets) return Fail(targets.error());
+  if (targets->size() > 1 && FindMember(line, "actionId") != nullptr) {
     return Wrong("actionId names one action: give one target with it");
   }
-  const Request request{*line, std::move(*dialect), WaitOf(*line, defaults_)};
   LineCommands result;
-  for (const RobotAddress& robot : *robots) {
-    auto command = is_action ? request.ActionFor(robot) : request.MessageFor(robot);
+  for (const std::string_view target : *targets) {
+    auto command = request.For(target);
     if (!command) return Fail(std::move(command.error()));
     if (auto ok = Validate(*command, result.warnings); !ok) return Fail(std::move(ok.error()));
     result.commands.push_back(std::move(*command));

@@ -9,6 +9,7 @@
 #include "base/result.h"
 #include "dispatch/command.h"
 #include "schema/schema.h"
+#include "soar/message.h"
 #include "vda5050/confirmation.h"
 #include "vda5050/instant_actions.h"
 
@@ -20,6 +21,7 @@ struct LineDefaults {
   std::optional<vda5050::WaitFor> wait_for;  ///< nothing: do not wait
   /// Somebody has named the end to wait for; else an order is done when the robot has it.
   bool names_end = false;
+  soar::Sender soar;
 };
 
 /// What is known of a line even when it is wrong.
@@ -42,6 +44,8 @@ class LineParser {
   [[nodiscard]] Result<LineCommands> Parse(std::string_view text, LineOrigin& origin);
 
  private:
+  template <class Request>
+  Result<LineCommands> ForEach(const rapidjson::Value& line, const Request& request);
   Status Validate(const dispatch::Command& command, std::vector<std::string>& warnings);
 
   LineDefaults defaults_;

@@ -105,6 +105,13 @@ void DeclarePrefix(OptionSet& set, std::string& prefix) {
       ->group(kSoar);
 }
 
+void DeclareSource(OptionSet& set, std::string& source) {
+  set.AddOption("--source", source, "Who sends SoAR messages [fleetpub]")
+      ->type_name("TEXT")
+      ->envname("FLEETPUB_SOAR_SOURCE")
+      ->group(kSoar);
+}
+
 void DeclareSoarOptions(OptionSet& set, SoarOptions& o) {
   const auto add = [&](const char* names, std::string& value, const char* type, const char* help) {
     return set.AddOption(names, value, help)->type_name(type)->group(kSoar);
@@ -112,7 +119,7 @@ void DeclareSoarOptions(OptionSet& set, SoarOptions& o) {
   set.AddOption("destination", o.destination, "Whom it is for: soar.planet-ocean.ecosub.eco1")
       ->type_name("DESTINATION");
   set.AddFlag("--broadcast", o.broadcast, "To everybody, instead of a destination")->group(kSoar);
-  add("--source", o.source, "TEXT", "Who sends [fleetpub]")->envname("FLEETPUB_SOAR_SOURCE");
+  DeclareSource(set, o.source);
   DeclarePrefix(set, o.prefix);
   add("--header-version", o.header_version, "N", "The header's version [1.0]");
   set.AddFlag("--strict", o.strict, "What makes no sense is an error, not a warning")->group(kSoar);
