@@ -95,8 +95,8 @@ void LineReader::Fill() {
   buffer_.resize(kept + static_cast<std::size_t>(std::max<ssize_t>(count, 0)));
   ended_ = count <= 0;
   if (count >= 0) return;
-  trouble_ = Error{ErrorKind::kLedger,
-                   fmt::format("cannot read {}: {}", name_, std::strerror(reason))};
+  trouble_ =
+      Error{ErrorKind::kLedger, fmt::format("cannot read {}: {}", name_, std::strerror(reason))};
 }
 
 }  // namespace fleetpub::base

@@ -1,5 +1,6 @@
 // `fleetpub batch [FILE]`: commands in, results out, a JSON object per line each, over one
-// connection. As a co-process it answers line by line; lines that are there together leave together.
+// connection. As a co-process it answers line by line; lines that are there together leave
+// together.
 #include <fmt/format.h>
 #include <poll.h>
 
@@ -225,8 +226,7 @@ class Batch {
   }
 
   [[nodiscard]] bool MayRead(const dispatch::Stream& stream) const {
-    return !input_.ended() && stopped_.empty() && !stream.lost() &&
-           stream.waiting() < kMostWaiting;
+    return !input_.ended() && stopped_.empty() && !stream.lost() && stream.waiting() < kMostWaiting;
   }
 
   void SendWhatIsThere(dispatch::Stream& stream) {
@@ -286,10 +286,10 @@ class Batch {
     if (gave_up_) code = Worse(code, ExitCode::kBroker);
     if (!stopped_.empty() && !input_.ended()) {
       context_.output.Complain(
-          {ErrorKind::kUnexpected, fmt::format("{}: {} message{} sent; nothing was sent from line "
-                                               "{} on",
-                                               stopped_, sent_, sent_ == 1 ? " was" : "s were",
-                                               input_.number() + 1)});
+          {ErrorKind::kUnexpected,
+           fmt::format("{}: {} message{} sent; nothing was sent from line "
+                       "{} on",
+                       stopped_, sent_, sent_ == 1 ? " was" : "s were", input_.number() + 1)});
     }
     return code;
   }

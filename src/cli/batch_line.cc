@@ -103,10 +103,9 @@ tl::unexpected<Error> UnknownMember(std::string_view name) {
   std::transform(kMembers.begin(), kMembers.end(), names.begin(),
                  [](const Member& member) { return member.name; });
   const auto nearest = base::Nearest(name, names);
-  return Wrong(fmt::format(
-      "'{}' is not understood: {}", Printable(name),
-      nearest ? fmt::format("did you mean {}?", *nearest)
-              : fmt::format("a line has {}", fmt::join(names, ", "))));
+  return Wrong(fmt::format("'{}' is not understood: {}", Printable(name),
+                           nearest ? fmt::format("did you mean {}?", *nearest)
+                                   : fmt::format("a line has {}", fmt::join(names, ", "))));
 }
 
 // What a line is about.
@@ -306,8 +305,9 @@ struct SoarRequest {
     } else if (wait != nullptr && wait->IsString()) {
       wait_for = soar::ParseLevel(base::ViewOf(*wait));
       if (!wait_for) {
-        return Wrong("wait must be true, false, \"c2_received\", \"operator_approved_and_sent\" "
-                     "or \"executed\"");
+        return Wrong(
+            "wait must be true, false, \"c2_received\", \"operator_approved_and_sent\" "
+            "or \"executed\"");
       }
     }
     return {};

@@ -90,8 +90,8 @@ void Follower::Look(Entry& entry) {
   }
   if (progress.seen && !watched.seen) {
     watched.seen = true;
-    SetLimit(entry, options_.total ? watched.published + *options_.total
-                                   : Clock::now() + options_.done);
+    SetLimit(entry,
+             options_.total ? watched.published + *options_.total : Clock::now() + options_.done);
   }
 }
 

@@ -91,7 +91,8 @@ Status Stream::Bracket(std::span<const Command> commands) {
   // What was retained or sent before our command must not be taken for an answer.
   while (!lost_ && ReadOne(steady_clock::now())) {
   }
-  auto result = lost_ ? Fail(*lost_) : SendBatch(commands, *transport_, ledger_, send_, hooks_.sent);
+  auto result =
+      lost_ ? Fail(*lost_) : SendBatch(commands, *transport_, ledger_, send_, hooks_.sent);
   if (!result) {
     for (std::size_t i = 0; i < commands.size(); ++i) follower_.Forget(first_key + i);
     // One header id that was asked for must not keep the others from leaving.
