@@ -54,13 +54,21 @@ struct Plan {
   dispatch::WaitOptions wait;
   dispatch::SendOptions send;
   dispatch::Pace pace;
+  bool is_paced = false;
   std::chrono::milliseconds reconnect{};
   bool stop_on_error = false;
 
   [[nodiscard]] AfterBadLine after_bad_line() const {
     return stop_on_error ? AfterBadLine::kPause : AfterBadLine::kGoOn;
   }
+  [[nodiscard]] bool ReadsAhead() const { return !stop_on_error && !is_paced; }
 };
+
+// What is to be said of lines before anything is sent.
+void Tell(const LineGroup& group, BatchResults& results, Output& output) {
+  for (const std::string& warning : group.warnings) output.Warn(warning);
+  for (const Report& bad : group.bad) results.Show(bad);
+}
 
 class Batch {
  public:
@@ -70,7 +78,8 @@ class Batch {
         connect_(connect),
         context_(context),
         results_(context.output),
-        input_(std::move(reader), plan_.defaults, plan_.after_bad_line(), context, results_) {}
+        input_(std::move(reader), plan_.defaults, plan_.after_bad_line(),
+               context.options.schema_directory) {}
 
   // Errors: nothing was sent.
   Result<ExitCode> Run() {
@@ -115,15 +124,20 @@ class Batch {
   }
 
   [[nodiscard]] bool MayRead(const dispatch::Stream& stream) const {
-    return !input_.ended() && stopped_.empty() && !stream.lost() && stream.waiting() < kMostWaiting;
+    return !input_.ended() && stopped_.empty() && !StopSignal::Noted() && !stream.lost() &&
+           stream.waiting() < kMostWaiting;
   }
 
   void SendWhatIsThere(dispatch::Stream& stream) {
     const auto allowed = plan_.pace.Allowance(steady_clock::now());
-    const auto commands = input_.Take(std::min(allowed, plan_.send.batch));
-    plan_.pace.Took(commands.size(), steady_clock::now());
+    const std::size_t most = std::min(allowed, plan_.send.batch);
+    const LineGroup group = input_.Take(most);
+    // While the ledger waits for the disk and the broker for us, the next lines are made ready.
+    if (plan_.ReadsAhead() && group.commands.size() >= most) input_.ReadAhead(most);
+    plan_.pace.Took(group.commands.size(), steady_clock::now());
+    Tell(group, results_, context_.output);
     // A line with many targets may make more than a bracket holds.
-    std::span<const Command> left = commands;
+    std::span<const Command> left = group.commands;
     while (!left.empty()) {
       const auto some = left.first(std::min(left.size(), plan_.send.batch));
       static_cast<void>(stream.Send(some));  // the reports say it
@@ -198,17 +212,21 @@ class Batch {
 
 Result<ExitCode> ShowOnly(base::LineReader reader, const Plan& plan, const Context& context) {
   BatchResults results(context.output);
-  BatchInput input(std::move(reader), plan.defaults, plan.after_bad_line(), context, results);
+  BatchInput input(std::move(reader), plan.defaults, plan.after_bad_line(),
+                   context.options.schema_directory);
   auto dry_run = DryRun::Open(context);
   if (!dry_run) return Fail(std::move(dry_run.error()));
   while (!input.ended() && !(plan.stop_on_error && results.worst() != ExitCode::kDone)) {
     input.Await();
-    for (const Command& command : input.Take(plan.send.batch)) {
+    const LineGroup group = input.Take(plan.send.batch);
+    Tell(group, results, context.output);
+    for (const Command& command : group.commands) {
       const auto report = dry_run->Report(command);
       if (report) {
         results.Show(*report);
       } else {
-        results.ShowBad(command.reference, {.id = {}, .target = command.target}, report.error());
+        results.Show(
+            BadLineReport(command.reference, {.id = {}, .target = command.target}, report.error()));
       }
     }
     if (auto flushed = context.output.Flush(); !flushed) return Fail(std::move(flushed.error()));
@@ -267,6 +285,7 @@ Result<Plan> PlanOf(const Options& options) {
   const auto pace = PaceOf(options.rate);
   if (!pace) return Fail(pace.error());
   plan.pace = *pace;
+  plan.is_paced = !options.rate.empty();
   const auto reconnect = base::ParseDuration(options.reconnect);
   if (!reconnect) return Fail(reconnect.error());
   plan.reconnect = *reconnect;

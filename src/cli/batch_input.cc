@@ -17,6 +17,11 @@ constexpr std::size_t kLongestLine = base::JsonLimits{}.bytes;
 // More text than that is not read before what there is has left.
 constexpr std::size_t kGroupBytes = std::size_t{1024} * 1024;
 
+std::string ReferenceOf(std::size_t line, const LineOrigin& origin) {
+  return origin.id.empty() ? fmt::format(R"("line":{})", line)
+                           : fmt::format(R"("line":{},"id":{})", line, origin.id);
+}
+
 }  // namespace
 
 void BatchResults::Show(const dispatch::Report& report) {
@@ -26,7 +31,8 @@ void BatchResults::Show(const dispatch::Report& report) {
                ReportJson(report).replace(0, 1, ","));
 }
 
-void BatchResults::ShowBad(std::string reference, const LineOrigin& origin, const Error& error) {
+dispatch::Report BadLineReport(std::string reference, const LineOrigin& origin,
+                               const Error& error) {
   dispatch::Report report;
   report.reference = std::move(reference);
   report.target = origin.target;
@@ -35,31 +41,40 @@ void BatchResults::ShowBad(std::string reference, const LineOrigin& origin, cons
   const bool is_line = error.kind == ErrorKind::kInvalid || error.kind == ErrorKind::kUsage;
   report.verdict = is_line ? Verdict::kInvalid : Verdict::kError;
   report.error = is_line ? ErrorKind::kInvalid : error.kind;
-  Show(report);
+  return report;
 }
 
 BatchInput::BatchInput(base::LineReader reader, LineDefaults defaults, AfterBadLine after_bad_line,
-                       const Context& context, BatchResults& results)
+                       const std::string& schema_directory)
     : reader_(std::move(reader)),
       after_bad_line_(after_bad_line),
-      output_(context.output),
-      results_(results),
-      parser_(std::move(defaults), context.options.schema_directory) {}
+      parser_(std::move(defaults), schema_directory) {}
 
-std::vector<Command> BatchInput::Take(std::size_t most) {
-  std::vector<Command> commands;
+LineGroup BatchInput::Take(std::size_t most) {
+  LineGroup group = ahead_.valid() ? ahead_.get() : Read(most);
+  number_ = group.last_line;
+  ended_ = group.is_last;
+  return group;
+}
+
+void BatchInput::ReadAhead(std::size_t most) {
+  if (ended_ || ahead_.valid() || !reader_.Ready(kLongestLine)) return;
+  ahead_ = std::async(std::launch::async, [this, most] { return Read(most); });
+}
+
+LineGroup BatchInput::Read(std::size_t most) {
+  LineGroup group;
   std::size_t bytes = 0;
-  while (!ended_ && commands.size() < most && bytes < kGroupBytes && Ready()) {
+  while (group.commands.size() < most && bytes < kGroupBytes && reader_.Ready(kLongestLine)) {
     const auto line = reader_.Next(kLongestLine);
-    if (line && !*line) {
-      ended_ = true;
-      break;
-    }
-    ++number_;
+    group.is_last = line && !*line;
+    if (group.is_last) break;
+    ++read_;
     if (line) bytes += (*line)->size();
-    if (!TakeLine(line, commands) && after_bad_line_ == AfterBadLine::kPause) break;
+    if (!ReadLine(line, group) && after_bad_line_ == AfterBadLine::kPause) break;
   }
-  return commands;
+  group.last_line = read_;
+  return group;
 }
 
 void BatchInput::Await() const {
@@ -67,35 +82,26 @@ void BatchInput::Await() const {
   poll(&arrived, 1, -1);
 }
 
-bool BatchInput::Ready() { return reader_.Ready(kLongestLine); }
+bool BatchInput::Ready() { return ahead_.valid() || reader_.Ready(kLongestLine); }
 
 // False: it was bad.
-bool BatchInput::TakeLine(const Result<std::optional<std::string_view>>& line,
-                          std::vector<Command>& commands) {
+bool BatchInput::ReadLine(const Result<std::optional<std::string_view>>& line, LineGroup& group) {
   LineOrigin origin;
-  if (!line) {
-    results_.ShowBad(ReferenceOf(origin), origin, line.error());
-    return false;
-  }
-  if ((*line)->find_first_not_of(" \t\r") == std::string_view::npos) return true;
-  auto parsed = parser_.Parse(**line, origin);
+  if (line && (*line)->find_first_not_of(" \t\r") == std::string_view::npos) return true;
+  auto parsed = line ? parser_.Parse(**line, origin) : Fail(line.error());
+  const std::string reference = ReferenceOf(read_, origin);
   if (!parsed) {
-    results_.ShowBad(ReferenceOf(origin), origin, parsed.error());
+    group.bad.push_back(BadLineReport(reference, origin, parsed.error()));
     return false;
   }
   for (const std::string& warning : parsed->warnings) {
-    output_.Warn(fmt::format("line {}: {}", number_, warning));
+    group.warnings.push_back(fmt::format("line {}: {}", read_, warning));
   }
   for (Command& command : parsed->commands) {
-    command.reference = ReferenceOf(origin);
-    commands.push_back(std::move(command));
+    command.reference = reference;
+    group.commands.push_back(std::move(command));
   }
   return true;
-}
-
-std::string BatchInput::ReferenceOf(const LineOrigin& origin) const {
-  return origin.id.empty() ? fmt::format(R"("line":{})", number_)
-                           : fmt::format(R"("line":{},"id":{})", number_, origin.id);
 }
 
 }  // namespace fleetpub::cli
