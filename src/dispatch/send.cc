@@ -75,6 +75,14 @@ class Batch {
 
   void Publish(const SentHook& sent) {
     const auto deadline = steady_clock::now() + options_.acknowledge_timeout;
+    // At QoS 1 and 2 a full window would wait for what is held back.
+    const bool is_burst = options_.qos == mqtt::Qos::kAtMostOnce && reports_.size() > 1;
+    if (is_burst) transport_.Cork(true);
+    PublishEach(sent, deadline);
+    if (is_burst) transport_.Cork(false);
+  }
+
+  void PublishEach(const SentHook& sent, mqtt::Deadline deadline) {
     for (Report& report : reports_) {
       if (broken_) {
         SetError(report, *broken_, "not sent: ");

@@ -2,6 +2,8 @@
 
 #include <MQTTClient.h>
 #include <fmt/format.h>
+#include <netinet/in.h>
+#include <netinet/tcp.h>
 #include <poll.h>
 #include <sys/socket.h>
 
@@ -236,6 +238,12 @@ Result<int> PahoSession::Publish(const Message& message, Retain retain, Deadline
     if (early == token) Acknowledge(early, reason);
   }
   return token;
+}
+
+void PahoSession::Cork(bool on) const {
+  if (connection_.descriptor < 0) return;
+  const int value = on ? 1 : 0;
+  setsockopt(connection_.descriptor, IPPROTO_TCP, TCP_CORK, &value, sizeof value);
 }
 
 int PahoSession::PahoPublish(const Message& message, Retain retain, int& token) {

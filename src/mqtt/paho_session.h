@@ -53,6 +53,7 @@ class PahoSession {
   /// The token, 0 at QoS 0. The caller has seen to room and writability: Paho would wait for them
   /// without an end.
   [[nodiscard]] Result<int> Publish(const Message& message, Retain retain, Deadline deadline);
+  void Cork(bool on) const;
   /// One SUBSCRIBE packet and its SUBACK.
   [[nodiscard]] Status Subscribe(std::span<const std::string> filters, Qos qos, Deadline deadline);
   void Disconnect();

@@ -91,6 +91,8 @@ class PahoTransport final : public RobotTransport {
     return message;
   }
 
+  void Cork(bool on) override { session_.Cork(on); }
+
   void WakeOn(std::span<const int> descriptors) override {
     wake_.assign(descriptors.begin(), descriptors.end());
   }
