@@ -108,42 +108,52 @@ class RobotSender {
       if (!own) return Fail(own.error());
       filters.insert(filters.end(), own->begin(), own->end());
     }
-    const auto messages = dispatch::Collect(
-        *outgoing_.transport, filters, waiting_.discover,
-        // A robot may have left messages under another version long ago: only ONLINE ends the
-        // search at once.
-        [online = std::size_t{0}, wanted = addressees_.size()](const auto& got) mutable {
-          if (!got.empty() && SaysOnline(got.back())) ++online;
-          return online >= wanted;
-        });
-    if (!messages) return Fail(messages.error());
-    Learn(*messages);
+    // A robot may have left messages under another version long ago: only ONLINE ends the search at
+    // once.
+    std::map<RobotAddress, Traces> by_robot;
+    std::size_t online = 0;
+    const auto taken = dispatch::Collect(*outgoing_.transport, filters, waiting_.discover,
+                                         [&](const mqtt::Message& message) {
+                                           Note(message, by_robot);
+                                           if (SaysOnline(message)) ++online;
+                                           return online >= addressees_.size();
+                                         });
+    if (!taken) return taken;
+    for (Addressee& addressee : addressees_) {
+      const auto traces = by_robot.find(addressee.robot);
+      if (traces != by_robot.end()) Apply(std::move(traces->second), addressee);
+    }
     return {};
   }
 
   // What one robot has left at the broker.
   struct Traces {
     std::vector<vda5050::Discovered> found;
-    std::optional<vda5050::Factsheet> factsheet;
+    std::shared_ptr<const vda5050::Factsheet> factsheet;
   };
 
-  // What the messages tell; with `--vda auto` a robot is from now on spoken to as they say.
-  void Learn(const std::vector<mqtt::Message>& messages) {
-    std::map<RobotAddress, Traces> by_robot;
+  // What a message tells; with `--vda auto` a robot is from now on spoken to as they say.
+  void Note(const mqtt::Message& message, std::map<RobotAddress, Traces>& by_robot) {
     const Dialect base = addressees_.empty() ? Dialect() : addressees_.front().dialect;
-    for (const mqtt::Message& message : messages) {
-      auto discovered = vda5050::DialectFrom(base, message.topic, message.payload);
-      if (!discovered) continue;
-      Traces& traces = by_robot[discovered->robot];
-      if (discovered->topic_name == "factsheet") {
-        traces.factsheet = vda5050::ReadFactsheet(message.payload);
-      }
-      traces.found.push_back(std::move(*discovered));
+    auto discovered = vda5050::DialectFrom(base, message.topic, message.payload);
+    if (!discovered) return;
+    Traces& traces = by_robot[discovered->robot];
+    if (discovered->topic_name == "factsheet") {
+      traces.factsheet = Share(vda5050::ReadFactsheet(message.payload));
     }
-    for (Addressee& addressee : addressees_) {
-      const auto traces = by_robot.find(addressee.robot);
-      if (traces != by_robot.end()) Apply(std::move(traces->second), addressee);
+    traces.found.push_back(std::move(*discovered));
+  }
+
+  // Thousands of robots of one make have said the same.
+  std::shared_ptr<const vda5050::Factsheet> Share(std::optional<vda5050::Factsheet> factsheet) {
+    if (!factsheet) return nullptr;
+    for (const auto& known : factsheets_) {
+      if (known->actions == factsheet->actions && known->limits == factsheet->limits) return known;
     }
+    constexpr std::size_t kMakes = 16;
+    auto shared = std::make_shared<const vda5050::Factsheet>(std::move(*factsheet));
+    if (factsheets_.size() < kMakes) factsheets_.push_back(shared);
+    return shared;
   }
 
   void Apply(Traces traces, Addressee& addressee) const {
@@ -166,6 +176,7 @@ class RobotSender {
       for (const std::string& warning : findings.warnings) context_.output.Warn(warning);
       if (findings.refusals.empty()) {
         addressee.dialect.assumed = false;
+        addressee.known = {};
         left.push_back(std::move(addressee));
       } else {
         Refuse(addressee, findings.refusals.front());
@@ -213,6 +224,7 @@ class RobotSender {
   const Waiting& waiting_;
   const Context& context_;
   std::vector<Addressee> addressees_;
+  std::vector<std::shared_ptr<const vda5050::Factsheet>> factsheets_;
   std::vector<std::string> warnings_;
   Outgoing outgoing_;
 };
