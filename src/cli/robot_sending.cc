@@ -128,7 +128,7 @@ class RobotSender {
 
   // What one robot has left at the broker.
   struct Traces {
-    std::vector<vda5050::Discovered> found;
+    std::vector<vda5050::Discovered> best;  ///< one, once there is any
     std::shared_ptr<const vda5050::Factsheet> factsheet;
   };
 
@@ -141,7 +141,8 @@ class RobotSender {
     if (discovered->topic_name == "factsheet") {
       traces.factsheet = Share(vda5050::ReadFactsheet(message.payload));
     }
-    traces.found.push_back(std::move(*discovered));
+    traces.best.push_back(std::move(*discovered));
+    traces.best = vda5050::OnePerRobot(std::move(traces.best));
   }
 
   // Thousands of robots of one make have said the same.
@@ -158,7 +159,7 @@ class RobotSender {
 
   void Apply(Traces traces, Addressee& addressee) const {
     addressee.known.factsheet = std::move(traces.factsheet);
-    const vda5050::Discovered best = vda5050::OnePerRobot(std::move(traces.found)).front();
+    const vda5050::Discovered best = std::move(traces.best.front());
     if (best.topic_name == "connection") {
       addressee.known.connection = best.message;
       addressee.known.connection_topic = best.topic;
