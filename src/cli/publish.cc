@@ -123,7 +123,7 @@ Result<ExitCode> Send(std::string_view topic, const std::vector<std::string>& ta
     return std::make_unique<PreparedMessage>(topic, shared, foreign);
   };
   sending.options = options.sending;
-  sending.waiting = std::move(*waiting);
+  sending.waiting = *waiting;
   return SendToRobots(std::move(sending), context);
 }
 

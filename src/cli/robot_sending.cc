@@ -112,12 +112,12 @@ class RobotSender {
     // once.
     std::map<RobotAddress, Traces> by_robot;
     std::size_t online = 0;
-    const auto taken = dispatch::Collect(*outgoing_.transport, filters, waiting_.discover,
-                                         [&](const mqtt::Message& message) {
-                                           Note(message, by_robot);
-                                           if (SaysOnline(message)) ++online;
-                                           return online >= addressees_.size();
-                                         });
+    auto taken = dispatch::Collect(*outgoing_.transport, filters, waiting_.discover,
+                                   [&](const mqtt::Message& message) {
+                                     Note(message, by_robot);
+                                     if (SaysOnline(message)) ++online;
+                                     return online >= addressees_.size();
+                                   });
     if (!taken) return taken;
     for (Addressee& addressee : addressees_) {
       const auto traces = by_robot.find(addressee.robot);
