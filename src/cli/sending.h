@@ -24,6 +24,8 @@ struct SendingOptions {
 };
 
 void DeclareSendingOptions(OptionSet& set, SendingOptions& options);
+/// `--qos` alone.
+void DeclareQos(OptionSet& set, std::string& qos);
 
 /// What is to be sent, and how.
 struct Outgoing {
