@@ -102,6 +102,10 @@ Result<ExitCode> RunHistory(Options options, const Context& context) {
     if (!until) return Fail(until.error());
     options.filter.until = *until;
   }
+  const auto& aliases = context.config.aliases;
+  if (const auto alias = aliases.find(options.filter.target); alias != aliases.end()) {
+    options.filter.target = alias->second.ToString();
+  }
   const auto ledger = OpenLedger(context, ledger::OpenMode::kReadOnly);
   if (!ledger) return Fail(ledger.error());
   const auto records = (*ledger)->History(options.filter);

@@ -28,6 +28,7 @@ constexpr std::array<std::string_view, 2> kRetainedTopics = {"factsheet", "conne
 struct Addressee {
   RobotAddress robot;
   Dialect dialect;
+  bool automatic;  ///< its own dialect is to be learnt
   std::unique_ptr<RobotMessage> message;
   KnownRobot known = {};
   bool unspeakable = false;  ///< it speaks a version that we do not
@@ -39,22 +40,27 @@ bool SaysOnline(const mqtt::Message& message) {
   return connection && connection->connection_state == "ONLINE";
 }
 
+bool IsSame(const vda5050::TopicScheme& a, const vda5050::TopicScheme& b) {
+  return a.interface_name == b.interface_name && a.topic_template == b.topic_template;
+}
+
 class RobotSender {
  public:
   RobotSender(RobotSending sending, const Context& context)
       : sending_(std::move(sending)), waiting_(sending_.waiting), context_(context) {
     addressees_.reserve(sending_.robots.size());
-    for (RobotAddress& robot : sending_.robots) {
-      addressees_.push_back({std::move(robot), sending_.dialect, sending_.make_message()});
+    for (auto& [robot, dialect, is_automatic] : sending_.robots) {
+      automatic_ = automatic_ || is_automatic;
+      addressees_.push_back(
+          {std::move(robot), std::move(dialect), is_automatic, sending_.make_message()});
     }
   }
 
   Result<ExitCode> Run() {
-    const bool automatic = sending_.automatic;
-    if (!automatic) {  // what is invalid anyway costs no connection
+    if (!automatic_) {  // what is invalid anyway costs no connection
       if (auto ok = Build(); !ok) return Fail(ok.error());
     }
-    const bool look = automatic || (waiting_.check && !sending_.options.dry_run);
+    const bool look = automatic_ || (waiting_.check && !sending_.options.dry_run);
     if (look) {
       if (auto ok = LookAround(); !ok) {
         return Fail(
@@ -62,7 +68,7 @@ class RobotSender {
       }
       outgoing_.commands.clear();
       outgoing_.validated = false;
-      if (waiting_.check || automatic) Check();
+      Check();
       if (auto ok = Build(); !ok) return Fail(ok.error());
     }
     if (waiting_.wait_for) {
@@ -101,21 +107,24 @@ class RobotSender {
     if (!transport) return Fail(transport.error());
     outgoing_.transport = std::move(*transport);
     std::vector<std::string> filters;
+    std::size_t wanted = 0;
     for (const Addressee& addressee : addressees_) {
+      if (!IsLookedFor(addressee)) continue;
+      ++wanted;
       const auto own = vda5050::DiscoveryFilters(
           addressee.dialect.topics, {addressee.robot.manufacturer, addressee.robot.serial_number},
           kRetainedTopics);
       if (!own) return Fail(own.error());
       filters.insert(filters.end(), own->begin(), own->end());
     }
-    const auto messages = dispatch::Collect(
-        *outgoing_.transport, filters, waiting_.discover,
-        // A robot may have left messages under another version long ago: only ONLINE ends the
-        // search at once.
-        [online = std::size_t{0}, wanted = addressees_.size()](const auto& got) mutable {
-          if (!got.empty() && SaysOnline(got.back())) ++online;
-          return online >= wanted;
-        });
+    const auto messages =
+        dispatch::Collect(*outgoing_.transport, filters, waiting_.discover,
+                          // A robot may have left messages under another version long ago: only
+                          // ONLINE ends the search at once.
+                          [online = std::size_t{0}, wanted](const auto& got) mutable {
+                            if (!got.empty() && SaysOnline(got.back())) ++online;
+                            return online >= wanted;
+                          });
     if (!messages) return Fail(messages.error());
     Learn(*messages);
     return {};
@@ -127,23 +136,52 @@ class RobotSender {
     std::optional<vda5050::Factsheet> factsheet;
   };
 
+  // The topics' shapes among the robots: few, however many robots there are.
+  [[nodiscard]] std::vector<vda5050::TopicScheme> Schemes() const {
+    std::vector<vda5050::TopicScheme> schemes;
+    for (const Addressee& addressee : addressees_) {
+      const auto same = [&](const auto& scheme) {
+        return IsSame(scheme, addressee.dialect.topics);
+      };
+      if (std::none_of(schemes.begin(), schemes.end(), same)) {
+        schemes.push_back(addressee.dialect.topics);
+      }
+    }
+    return schemes;
+  }
+
   // What the messages tell; with `--vda auto` a robot is from now on spoken to as they say.
   void Learn(const std::vector<mqtt::Message>& messages) {
+    std::map<RobotAddress, const Dialect*> dialects;
+    for (const Addressee& addressee : addressees_) {
+      if (IsLookedFor(addressee)) dialects.emplace(addressee.robot, &addressee.dialect);
+    }
     std::map<RobotAddress, Traces> by_robot;
-    const Dialect base = addressees_.empty() ? Dialect() : addressees_.front().dialect;
+    const auto schemes = Schemes();
     for (const mqtt::Message& message : messages) {
-      auto discovered = vda5050::DialectFrom(base, message.topic, message.payload);
-      if (!discovered) continue;
-      Traces& traces = by_robot[discovered->robot];
-      if (discovered->topic_name == "factsheet") {
-        traces.factsheet = vda5050::ReadFactsheet(message.payload);
+      for (const vda5050::TopicScheme& scheme : schemes) {
+        const auto levels = vda5050::ReadTopic(scheme, message.topic);
+        if (!levels) continue;
+        const auto dialect = dialects.find(levels->robot);
+        if (dialect == dialects.end() || !IsSame(dialect->second->topics, scheme)) continue;
+        Note(message, *dialect->second, by_robot[levels->robot]);
       }
-      traces.found.push_back(std::move(*discovered));
     }
     for (Addressee& addressee : addressees_) {
       const auto traces = by_robot.find(addressee.robot);
-      if (traces != by_robot.end()) Apply(std::move(traces->second), addressee);
+      if (traces != by_robot.end() && !traces->second.found.empty()) {
+        Apply(std::move(traces->second), addressee);
+      }
     }
+  }
+
+  static void Note(const mqtt::Message& message, const Dialect& base, Traces& traces) {
+    auto discovered = vda5050::DialectFrom(base, message.topic, message.payload);
+    if (!discovered) return;
+    if (discovered->topic_name == "factsheet") {
+      traces.factsheet = vda5050::ReadFactsheet(message.payload);
+    }
+    traces.found.push_back(std::move(*discovered));
   }
 
   void Apply(Traces traces, Addressee& addressee) const {
@@ -154,7 +192,7 @@ class RobotSender {
       addressee.known.connection_topic = best.topic;
     }
     addressee.unspeakable = !best.dialect;
-    if (sending_.automatic && best.dialect) addressee.dialect = *best.dialect;
+    if (addressee.automatic && best.dialect) addressee.dialect = *best.dialect;
     if (addressee.known.factsheet) addressee.message->Suit(*addressee.known.factsheet);
   }
 
@@ -162,6 +200,10 @@ class RobotSender {
   void Check() {
     std::vector<Addressee> left;
     for (Addressee& addressee : addressees_) {
+      if (!IsLookedFor(addressee)) {
+        left.push_back(std::move(addressee));
+        continue;
+      }
       const vda5050::PreflightFindings findings = FindingsOn(addressee);
       for (const std::string& warning : findings.warnings) context_.output.Warn(warning);
       if (findings.refusals.empty()) {
@@ -175,7 +217,7 @@ class RobotSender {
   }
 
   [[nodiscard]] vda5050::PreflightFindings FindingsOn(const Addressee& addressee) const {
-    if (sending_.automatic && addressee.unspeakable) {
+    if (addressee.automatic && addressee.unspeakable) {
       return {{"it speaks a version of VDA 5050 that fleetpub does not: try one with --vda"}, {}};
     }
     if (!waiting_.check) {  // `--vda auto` alone: only the version must be known
@@ -209,10 +251,15 @@ class RobotSender {
     return {};
   }
 
+  [[nodiscard]] bool IsLookedFor(const Addressee& addressee) const {
+    return waiting_.check || addressee.automatic;
+  }
+
   RobotSending sending_;
   const Waiting& waiting_;
   const Context& context_;
   std::vector<Addressee> addressees_;
+  bool automatic_ = false;  ///< of at least one
   std::vector<std::string> warnings_;
   Outgoing outgoing_;
 };

@@ -221,6 +221,11 @@ void DeclareSendingOptions(OptionSet& set, SendingOptions& options) {
   DeclareQos(set, options.qos);
 }
 
+void DeclareYes(OptionSet& set, SendingOptions& options) {
+  set.AddFlag("--yes", options.yes, "Send to all robots of a @group without asking")
+      ->group("Sending");
+}
+
 void DeclareQos(OptionSet& set, std::string& qos) {
   set.bindings().Bind("qos",
                       set.AddOption("-q,--qos", qos,
