@@ -19,12 +19,14 @@ std::string Hint(std::string_view word, const std::vector<std::string_view>& nam
   }
   if (names.empty()) return fmt::format(": {}", none);
   std::vector<std::string> printable;
+  printable.reserve(names.size());
   for (const std::string_view name : names) printable.push_back(base::Printable(name));
   return fmt::format("; there are {}", base::Join(printable, ", "));
 }
 
 std::vector<std::string_view> NamesIn(const auto& map) {
   std::vector<std::string_view> names;
+  names.reserve(map.size());
   for (const auto& entry : map) names.push_back(entry.first);
   return names;
 }

@@ -17,6 +17,7 @@ using vda5050::RobotAddress;
 
 std::vector<std::string_view> NamesIn(const auto& map) {
   std::vector<std::string_view> names;
+  names.reserve(map.size());
   for (const auto& entry : map) names.push_back(entry.first);
   return names;
 }
@@ -45,10 +46,11 @@ Result<std::vector<RobotAddress>> Resolve(const std::string& word, const Config&
   auto robot = vda5050::ParseRobotAddress(word);
   if (robot) return std::vector{*std::move(robot)};
   if (word.find('/') == std::string::npos && !config.aliases.empty()) {
-    return Fail(ErrorKind::kUsage,
-                fmt::format("target '{}': there is no robot with this alias{}; a robot is named by "
-                            "its alias or as manufacturer/serialNumber",
-                            base::Printable(word), Nearby(word, NamesIn(config.aliases), "")));
+    const std::string hint = Nearby(word, NamesIn(config.aliases), "");
+    return Fail(
+        ErrorKind::kUsage,
+        fmt::format("target '{}': there is no robot with this alias{}", base::Printable(word),
+                    hint.empty() ? ": name it as manufacturer/serialNumber" : hint));
   }
   return Fail(std::move(robot.error()));
 }
