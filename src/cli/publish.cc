@@ -109,8 +109,15 @@ Result<ExitCode> Send(std::string_view topic, const std::vector<std::string>& wo
   const auto header_id = HeaderIdOf(options.header_id);
   if (!header_id) return Fail(header_id.error());
 
+  if (waiting->wait_for) {  // what cannot be waited for costs no connection
+    const AddressedRobot& first = targets->robots.front();
+    const auto possible =
+        vda5050::ConfirmPrepared(first.robot, first.dialect, topic, message, *waiting->wait_for);
+    if (!possible) return Fail(possible.error());
+  }
   const bool unasked = options.sending.yes || options.sending.dry_run;
   if (auto ok = Consent(*targets, Harm::kPossible, unasked); !ok) return Fail(ok.error());
+
   const auto shared = std::make_shared<const rapidjson::Document>(std::move(message));
   sending.robots = std::move(targets->robots);
   sending.header_id = *header_id;

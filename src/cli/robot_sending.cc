@@ -117,24 +117,42 @@ class RobotSender {
       if (!own) return Fail(own.error());
       filters.insert(filters.end(), own->begin(), own->end());
     }
-    const auto messages =
-        dispatch::Collect(*outgoing_.transport, filters, waiting_.discover,
-                          // A robot may have left messages under another version long ago: only
-                          // ONLINE ends the search at once.
-                          [online = std::size_t{0}, wanted](const auto& got) mutable {
-                            if (!got.empty() && SaysOnline(got.back())) ++online;
-                            return online >= wanted;
-                          });
-    if (!messages) return Fail(messages.error());
-    Learn(*messages);
+    // A robot may have left messages under another version long ago: only ONLINE ends the search at
+    // once.
+    auto heard = Ears();
+    const auto schemes = Schemes();
+    std::size_t online = 0;
+    const auto taken = dispatch::Collect(*outgoing_.transport, filters, waiting_.discover,
+                                         [&](const mqtt::Message& message) {
+                                           Hear(message, schemes, heard);
+                                           if (SaysOnline(message)) ++online;
+                                           return online >= wanted;
+                                         });
+    if (!taken) return taken;
+    for (Addressee& addressee : addressees_) {
+      const auto traces = heard.find(addressee.robot);
+      if (traces == heard.end() || traces->second.best.empty()) continue;
+      Apply(std::move(traces->second), addressee);
+    }
     return {};
   }
 
   // What one robot has left at the broker.
   struct Traces {
-    std::vector<vda5050::Discovered> found;
-    std::optional<vda5050::Factsheet> factsheet;
+    const Dialect* dialect = nullptr;       ///< that it is spoken to in at first
+    std::vector<vda5050::Discovered> best;  ///< one, once there is any
+    std::shared_ptr<const vda5050::Factsheet> factsheet;
   };
+
+  using Heard = std::map<RobotAddress, Traces>;
+
+  [[nodiscard]] Heard Ears() const {
+    Heard heard;
+    for (const Addressee& addressee : addressees_) {
+      if (IsLookedFor(addressee)) heard[addressee.robot].dialect = &addressee.dialect;
+    }
+    return heard;
+  }
 
   // The topics' shapes among the robots: few, however many robots there are.
   [[nodiscard]] std::vector<vda5050::TopicScheme> Schemes() const {
@@ -150,43 +168,45 @@ class RobotSender {
     return schemes;
   }
 
-  // What the messages tell; with `--vda auto` a robot is from now on spoken to as they say.
-  void Learn(const std::vector<mqtt::Message>& messages) {
-    std::map<RobotAddress, const Dialect*> dialects;
-    for (const Addressee& addressee : addressees_) {
-      if (IsLookedFor(addressee)) dialects.emplace(addressee.robot, &addressee.dialect);
-    }
-    std::map<RobotAddress, Traces> by_robot;
-    const auto schemes = Schemes();
-    for (const mqtt::Message& message : messages) {
-      for (const vda5050::TopicScheme& scheme : schemes) {
-        const auto levels = vda5050::ReadTopic(scheme, message.topic);
-        if (!levels) continue;
-        const auto dialect = dialects.find(levels->robot);
-        if (dialect == dialects.end() || !IsSame(dialect->second->topics, scheme)) continue;
-        Note(message, *dialect->second, by_robot[levels->robot]);
-      }
-    }
-    for (Addressee& addressee : addressees_) {
-      const auto traces = by_robot.find(addressee.robot);
-      if (traces != by_robot.end() && !traces->second.found.empty()) {
-        Apply(std::move(traces->second), addressee);
-      }
+  // Finds out whose message this is, by the shape of each robot's own topics.
+  void Hear(const mqtt::Message& message, const std::vector<vda5050::TopicScheme>& schemes,
+            Heard& heard) {
+    for (const vda5050::TopicScheme& scheme : schemes) {
+      const auto levels = vda5050::ReadTopic(scheme, message.topic);
+      if (!levels) continue;
+      const auto traces = heard.find(levels->robot);
+      if (traces == heard.end() || !IsSame(traces->second.dialect->topics, scheme)) continue;
+      Note(message, traces->second);
+      return;
     }
   }
 
-  static void Note(const mqtt::Message& message, const Dialect& base, Traces& traces) {
-    auto discovered = vda5050::DialectFrom(base, message.topic, message.payload);
+  // What a message tells; with `--vda auto` a robot is from now on spoken to as they say.
+  void Note(const mqtt::Message& message, Traces& traces) {
+    auto discovered = vda5050::DialectFrom(*traces.dialect, message.topic, message.payload);
     if (!discovered) return;
     if (discovered->topic_name == "factsheet") {
-      traces.factsheet = vda5050::ReadFactsheet(message.payload);
+      traces.factsheet = Share(vda5050::ReadFactsheet(message.payload));
     }
-    traces.found.push_back(std::move(*discovered));
+    traces.best.push_back(std::move(*discovered));
+    traces.best = vda5050::OnePerRobot(std::move(traces.best));
+  }
+
+  // Thousands of robots of one make have said the same.
+  std::shared_ptr<const vda5050::Factsheet> Share(std::optional<vda5050::Factsheet> factsheet) {
+    if (!factsheet) return nullptr;
+    for (const auto& known : factsheets_) {
+      if (known->actions == factsheet->actions && known->limits == factsheet->limits) return known;
+    }
+    constexpr std::size_t kMakes = 16;
+    auto shared = std::make_shared<const vda5050::Factsheet>(std::move(*factsheet));
+    if (factsheets_.size() < kMakes) factsheets_.push_back(shared);
+    return shared;
   }
 
   void Apply(Traces traces, Addressee& addressee) const {
     addressee.known.factsheet = std::move(traces.factsheet);
-    const vda5050::Discovered best = vda5050::OnePerRobot(std::move(traces.found)).front();
+    const vda5050::Discovered best = std::move(traces.best.front());
     if (best.topic_name == "connection") {
       addressee.known.connection = best.message;
       addressee.known.connection_topic = best.topic;
@@ -208,6 +228,7 @@ class RobotSender {
       for (const std::string& warning : findings.warnings) context_.output.Warn(warning);
       if (findings.refusals.empty()) {
         addressee.dialect.assumed = false;
+        addressee.known = {};
         left.push_back(std::move(addressee));
       } else {
         Refuse(addressee, findings.refusals.front());
@@ -260,6 +281,7 @@ class RobotSender {
   const Context& context_;
   std::vector<Addressee> addressees_;
   bool automatic_ = false;  ///< of at least one
+  std::vector<std::shared_ptr<const vda5050::Factsheet>> factsheets_;
   std::vector<std::string> warnings_;
   Outgoing outgoing_;
 };

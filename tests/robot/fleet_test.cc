@@ -67,8 +67,8 @@ TEST_F(Fleets, DeliverToTheRobotThatIsMeant) {
   fleet->Receive(Pause("0009"), now_, out_);
   EXPECT_THAT(out_, SizeIs(1));
   EXPECT_THAT(fleet->Subscriptions(),
-              AllOf(SizeIs(6), Contains("vda5050/v3/KIT/0003/instantActions"),
-                    Contains("vda5050/v3/KIT/0003/order")));
+              AllOf(SizeIs(12), Contains("vda5050/v3/KIT/0003/instantActions"),
+                    Contains("vda5050/v3/KIT/0003/responses")));
 }
 
 TEST_F(Fleets, RemarkOnARetainedCommand) {

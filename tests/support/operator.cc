@@ -83,4 +83,11 @@ std::vector<std::string> Lines(std::string_view text) {
   return lines;
 }
 
+std::unique_ptr<Process> EndToEnd::Robot(std::vector<std::string> arguments) const {
+  arguments.insert(arguments.begin(), "simulate");
+  auto robot = std::make_unique<Process>(operator_.Prepare(std::move(arguments)));
+  EXPECT_TRUE(robot->AwaitErrors("online")) << robot->Errors();
+  return robot;
+}
+
 }  // namespace fleetpub::testing
