@@ -98,7 +98,7 @@ void DeclareGatheringOptions(OptionSet& set, GatheringOptions& options) {
 }
 
 Result<FleetView> GatherFleet(const GatheringOptions& o, const Context& context) {
-  auto view = FleetViewOf(o.fleet);
+  auto view = FleetViewOf(o.fleet, context);
   if (!view) return Fail(std::move(view.error()));
   const auto patience = PatienceOf(o);
   if (!patience) return Fail(patience.error());

@@ -99,10 +99,22 @@ Result<std::string> FilterOf(std::string filter) {
 }  // namespace
 
 void DeclarePrefix(OptionSet& set, std::string& prefix) {
-  set.AddOption("--prefix", prefix, "What all topics of the backbone begin with [soar]")
-      ->type_name("TEXT")
-      ->envname("FLEETPUB_SOAR_PREFIX")
-      ->group(kSoar);
+  set.bindings().Bind(
+      "soar_prefix",
+      set.AddOption("--prefix", prefix, "What all topics of the backbone begin with [soar]")
+          ->type_name("TEXT")
+          ->envname("FLEETPUB_SOAR_PREFIX")
+          ->group(kSoar),
+      &prefix);
+}
+
+void DeclareSource(OptionSet& set, std::string& source) {
+  set.bindings().Bind("soar_source",
+                      set.AddOption("--source", source, "Who sends [fleetpub]")
+                          ->type_name("TEXT")
+                          ->envname("FLEETPUB_SOAR_SOURCE")
+                          ->group(kSoar),
+                      &source);
 }
 
 void DeclareSoarOptions(OptionSet& set, SoarOptions& o) {
@@ -112,7 +124,7 @@ void DeclareSoarOptions(OptionSet& set, SoarOptions& o) {
   set.AddOption("destination", o.destination, "Whom it is for: soar.planet-ocean.ecosub.eco1")
       ->type_name("DESTINATION");
   set.AddFlag("--broadcast", o.broadcast, "To everybody, instead of a destination")->group(kSoar);
-  add("--source", o.source, "TEXT", "Who sends [fleetpub]")->envname("FLEETPUB_SOAR_SOURCE");
+  DeclareSource(set, o.source);
   DeclarePrefix(set, o.prefix);
   add("--header-version", o.header_version, "N", "The header's version [1.0]");
   set.AddFlag("--strict", o.strict, "What makes no sense is an error, not a warning")->group(kSoar);

@@ -43,6 +43,8 @@ void DeclareSoarOptions(OptionSet& set, SoarOptions& options);
 void DeclareSoarWaiting(OptionSet& set, SoarWaitingOptions& options);
 /// `--prefix` alone.
 void DeclarePrefix(OptionSet& set, std::string& prefix);
+/// `--source` alone.
+void DeclareSource(OptionSet& set, std::string& source);
 
 /// Errors: ErrorKind::kUsage.
 [[nodiscard]] Result<soar::Sender> SenderOf(const SoarOptions& options);

@@ -19,6 +19,9 @@ Command Operator::Prepare(std::vector<std::string> arguments) const {
   command.environment = {
       {"HOME", home_.path().string()},
       {"XDG_STATE_HOME", std::nullopt},
+      {"XDG_CONFIG_HOME", std::nullopt},
+      {"FLEETPUB_CONFIG", std::nullopt},
+      {"FLEETPUB_PROFILE", std::nullopt},
       {"FLEETPUB_LEDGER", LedgerPath().string()},
       {"FLEETPUB_VDA", std::nullopt},
       {"FLEETPUB_PASSWORD", std::nullopt},
