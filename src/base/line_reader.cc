@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <poll.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -30,32 +31,56 @@ LineReader::LineReader(LineReader&& other) noexcept
       buffer_(std::move(other.buffer_)),
       next_(other.next_),
       scanned_(other.scanned_),
-      ended_(other.ended_) {}
+      ended_(other.ended_),
+      dropping_(other.dropping_),
+      trouble_(std::move(other.trouble_)) {}
 
 LineReader::~LineReader() {
   if (descriptor_ > STDIN_FILENO) close(descriptor_);
 }
 
 Result<std::optional<std::string_view>> LineReader::Next(std::size_t longest) {
-  for (;;) {
-    const std::size_t end = buffer_.find('\n', scanned_);
-    if (end != std::string::npos || (ended_ && next_ < buffer_.size())) {
-      const std::size_t stop = std::min(end, buffer_.size());
-      const std::string_view line = std::string_view(buffer_).substr(next_, stop - next_);
-      next_ = scanned_ = std::min(stop + 1, buffer_.size());
-      return line;
-    }
-    if (ended_) return std::nullopt;
-    scanned_ = buffer_.size();
-    if (scanned_ - next_ > longest) {
-      return Fail(ErrorKind::kLedger,
-                  fmt::format("{} has a line of more than {} bytes", name_, longest));
-    }
-    if (auto filled = Fill(); !filled) return Fail(std::move(filled.error()));
+  while (!HasWhole(longest)) Fill();
+  if (trouble_) return Fail(*std::exchange(trouble_, std::nullopt));
+  if (ended_ && next_ == buffer_.size()) return std::nullopt;
+  const std::size_t end = std::min(buffer_.find('\n', scanned_), buffer_.size());
+  const std::size_t size = end - next_;
+  if (size > longest) {
+    Drop();
+    return Fail(ErrorKind::kInvalid,
+                fmt::format("{} has a line of more than {} bytes", name_, longest));
   }
+  const std::string_view line = std::string_view(buffer_).substr(next_, size);
+  next_ = scanned_ = std::min(end + 1, buffer_.size());
+  return line;
 }
 
-Status LineReader::Fill() {
+bool LineReader::Ready(std::size_t longest) {
+  while (!HasWhole(longest)) {
+    pollfd arrived{descriptor_, POLLIN, 0};
+    if (poll(&arrived, 1, 0) <= 0) return false;
+    Fill();
+  }
+  return true;
+}
+
+// Whether there is something to hand out: a line, the end, trouble.
+bool LineReader::HasWhole(std::size_t longest) {
+  if (dropping_) Drop();
+  const std::size_t end = buffer_.find('\n', scanned_);
+  if (end != std::string::npos || ended_ || trouble_) return true;
+  scanned_ = buffer_.size();
+  return !dropping_ && scanned_ - next_ > longest;
+}
+
+// Forgets the line that begins here, as far as it has come.
+void LineReader::Drop() {
+  const std::size_t end = buffer_.find('\n', scanned_);
+  dropping_ = end == std::string::npos && !ended_;
+  next_ = scanned_ = end == std::string::npos ? buffer_.size() : end + 1;
+}
+
+void LineReader::Fill() {
   constexpr std::size_t kChunk = 256 * std::size_t{1024};
   buffer_.erase(0, next_);
   scanned_ -= next_;
@@ -69,8 +94,9 @@ Status LineReader::Fill() {
   const int reason = errno;
   buffer_.resize(kept + static_cast<std::size_t>(std::max<ssize_t>(count, 0)));
   ended_ = count <= 0;
-  if (count >= 0) return {};
-  return Fail(ErrorKind::kLedger, fmt::format("cannot read {}: {}", name_, std::strerror(reason)));
+  if (count >= 0) return;
+  trouble_ =
+      Error{ErrorKind::kLedger, fmt::format("cannot read {}: {}", name_, std::strerror(reason))};
 }
 
 }  // namespace fleetpub::base

@@ -4,9 +4,9 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <map>
 
 #include "base/text.h"
+#include "cli/dry_run.h"
 #include "cli/interrupt.h"
 #include "cli/listening.h"
 #include "cli/option_set.h"
@@ -53,43 +53,19 @@ class Reporter {
   ExitCode worst_ = ExitCode::kDone;
 };
 
-Result<std::uint32_t> NextId(const Command& command, ledger::Ledger& ledger,
-                             std::map<std::string, std::uint32_t>& next_ids) {
-  auto found = next_ids.find(command.topic);
-  if (found == next_ids.end()) {
-    auto next = ledger.PeekNext(command.topic);
-    if (!next) return next;
-    found = next_ids.emplace(command.topic, *next).first;
-  }
-  if (!command.header_id) return found->second++;
-  if (*command.header_id < found->second) {
-    return Fail(ErrorKind::kUsage,
-                fmt::format("--header-id {} is not above the last one on {}: the next is {}",
-                            *command.header_id, command.topic, found->second));
-  }
-  found->second = *command.header_id + 1;
-  return *command.header_id;
-}
-
-Result<ExitCode> DryRun(const std::vector<Command>& commands, const Context& context) {
-  const auto ledger = OpenLedger(context, ledger::OpenMode::kReadOnly);
-  if (!ledger) return Fail(ledger.error());
-  std::map<std::string, std::uint32_t> next_ids;
+Result<ExitCode> ShowOnly(const std::vector<Command>& commands, const Context& context) {
+  auto dry_run = DryRun::Open(context);
+  if (!dry_run) return Fail(std::move(dry_run.error()));
   for (const Command& command : commands) {
-    Report report = dispatch::ReportOn(command);
-    report.verdict = Verdict::kDryRun;
-    if (command.payload.counted) {
-      const auto id = NextId(command, **ledger, next_ids);
-      if (!id) return Fail(id.error());
-      report.header_id = *id;
-    }
-    report.payload =
-        command.payload.Render(report.header_id.value_or(0), base::WallTime::clock::now());
+    const auto report = dry_run->Report(command);
+    if (!report) return Fail(report.error());
     context.output.Note(fmt::format("would be published to {}", command.topic));
-    context.output.Line(context.output.json() ? ReportJson(report) : report.payload);
+    context.output.Line(context.output.json() ? ReportJson(*report) : report->payload);
   }
   return ExitCode::kDone;
 }
+
+}  // namespace
 
 Result<mqtt::Qos> QosOf(const std::string& text) {
   if (text == "0") return mqtt::Qos::kAtMostOnce;
@@ -98,6 +74,8 @@ Result<mqtt::Qos> QosOf(const std::string& text) {
   return Fail(ErrorKind::kUsage,
               fmt::format("--qos takes 0, 1 or 2, not '{}'", base::Printable(text)));
 }
+
+namespace {
 
 // Over the open connection; with `wait`, until every robot's word.
 class Sender {
@@ -122,7 +100,7 @@ class Sender {
     if (auto ok = Connect(); !ok) return Fail(ok.error());
     Status trouble;
     const auto ran = outgoing_.wait ? Converse(**ledger, trouble) : Send(**ledger, trouble);
-    outgoing_.transport->Disconnect();
+    if (outgoing_.transport != nullptr) outgoing_.transport->Disconnect();
     if (!ran) return Fail(ran.error());
     if (!trouble) {
       context_.output.Warn(
@@ -249,7 +227,7 @@ Result<ExitCode> SendCommands(Outgoing outgoing, const SendingOptions& options,
     }
     for (const std::string& warning : *warnings) context.output.Warn(warning);
   }
-  if (options.dry_run) return DryRun(commands, context);
+  if (options.dry_run) return ShowOnly(commands, context);
   const auto connect = ConnectOptionsOf(context);
   if (!connect) return Fail(connect.error());
   auto code = Sender(outgoing, *connect, *qos, context).Run();

@@ -30,6 +30,9 @@ void DeclareYes(OptionSet& set, SendingOptions& options);
 /// `--qos` alone.
 void DeclareQos(OptionSet& set, std::string& qos);
 
+/// Errors: ErrorKind::kUsage.
+[[nodiscard]] Result<mqtt::Qos> QosOf(const std::string& text);
+
 /// What is to be sent, and how.
 struct Outgoing {
   std::vector<dispatch::Command> commands;

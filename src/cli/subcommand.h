@@ -38,6 +38,7 @@ struct Subcommand {
 [[nodiscard]] Run DeclareAction(OptionSet& set);
 [[nodiscard]] Run DeclareActions(OptionSet& set);
 [[nodiscard]] Run DeclareAwait(OptionSet& set);
+[[nodiscard]] Run DeclareBatch(OptionSet& set);
 [[nodiscard]] Run DeclareConfigInit(OptionSet& set);
 [[nodiscard]] Run DeclareConfigShow(OptionSet& set);
 [[nodiscard]] Run DeclareFleet(OptionSet& set);

@@ -23,6 +23,11 @@ constexpr auto kSubcommands = std::to_array<Subcommand>({
      "respond KIT/0001 request-1 GRANTED --lease-expiry 30s\n"
      "respond KIT/0001 request-1 REVOKED --wait",
      DeclareRespond},
+    {"batch", kRobots, "[FILE]", "many commands, one JSON object per line; so the results",
+     "batch commands.jsonl --wait\n"
+     "make-commands | fleetpub batch --rate 50 --stop-on-error\n"
+     "echo '{\"target\":\"KIT/0001\",\"action\":\"startPause\"}' | fleetpub batch",
+     DeclareBatch},
     {"requests", kLooking, "[PATTERN]", "what robots ask for: zones and corridors, from 3.0",
      "requests\n"
      "requests 'KIT/*' -o json",

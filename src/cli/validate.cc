@@ -15,6 +15,7 @@
 #include "cli/option_set.h"
 #include "cli/soar_validate.h"
 #include "cli/subcommand.h"
+#include "cli/validate_live.h"
 #include "schema/schema.h"
 #include "schema/schema_files.h"
 #include "vda5050/text_rules.h"
@@ -33,6 +34,7 @@ struct Options {
   std::string message_type;
   bool lines = false;
   bool strict = false;
+  LiveOptions live;
 };
 
 // A message's topic, told from a member that only this topic has, or has first in this order: a
@@ -212,7 +214,25 @@ Result<ExitCode> CheckLines(Validator& validator, const std::string& file, const
   }
 }
 
+Result<ExitCode> RunLive(const Options& options, const Context& context) {
+  if (options.lines || !options.schema_file.empty() || options.protocol != "vda5050" ||
+      !options.message_type.empty()) {
+    return Fail(ErrorKind::kUsage,
+                "--live goes with none of --lines, --schema, --protocol and --message-type");
+  }
+  return ValidateLive(options.live,
+                      {.pattern = options.file == "-" ? "" : options.file,
+                       .version = options.version,
+                       .topic = options.topic,
+                       .strict = options.strict},
+                      context);
+}
+
 Result<ExitCode> RunValidate(const Options& options, const Context& context) {
+  if (options.live.live) return RunLive(options, context);
+  if (!options.live.duration.empty() || options.live.count != 0) {
+    return Fail(ErrorKind::kUsage, "--for and --count belong to --live");
+  }
   Validator validator(options, context);
   if (auto ready = validator.Prepare(); !ready) return Fail(ready.error());
   const std::string name = options.file == "-" ? "standard input" : options.file;
@@ -242,6 +262,7 @@ Run DeclareValidate(OptionSet& set) {
   set.AddFlag("--lines", options->lines, "One message per line (JSON Lines)")->group("Checking");
   set.AddFlag("--strict", options->strict, "Rules of the specification's text are errors too")
       ->group("Checking");
+  DeclareLive(set, options->live);
   return [options](const Context& context) { return RunValidate(*options, context); };
 }
 

@@ -12,6 +12,8 @@
 namespace fleetpub::cli {
 namespace {
 
+constexpr const char* kWaiting = "Waiting";
+
 Result<std::optional<vda5050::WaitFor>> WaitForOf(const WaitingOptions& options) {
   using Result = fleetpub::Result<std::optional<vda5050::WaitFor>>;
   if (options.wait_for.empty()) {
@@ -25,8 +27,7 @@ Result<std::optional<vda5050::WaitFor>> WaitForOf(const WaitingOptions& options)
 
 }  // namespace
 
-void DeclareWaitingOptions(OptionSet& set, WaitingOptions& options) {
-  constexpr const char* kWaiting = "Waiting";
+void DeclareWaitOptions(OptionSet& set, WaitingOptions& options) {
   set.AddFlag("-w,--wait", options.wait, "Wait until the robot says that it is done")
       ->group(kWaiting);
   set.AddOption("--wait-for", options.wait_for,
@@ -37,6 +38,10 @@ void DeclareWaitingOptions(OptionSet& set, WaitingOptions& options) {
                 "How long to wait in total [35s to be seen, then 10m]")
       ->type_name("TIME")
       ->group(kWaiting);
+}
+
+void DeclareWaitingOptions(OptionSet& set, WaitingOptions& options) {
+  DeclareWaitOptions(set, options);
   set.AddOption("--resend", options.resend,
                 "Send again up to N times what no robot has seen, with the same actionId [0]")
       ->type_name("N")

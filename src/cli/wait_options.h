@@ -24,6 +24,8 @@ struct WaitingOptions {
   std::string discover = "300";
 };
 
+/// `--wait`, `--wait-for` and `--timeout` alone.
+void DeclareWaitOptions(OptionSet& set, WaitingOptions& options);
 void DeclareWaitingOptions(OptionSet& set, WaitingOptions& options);
 
 /// What these options ask for.

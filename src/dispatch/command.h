@@ -39,7 +39,8 @@ struct TextFinding {
 using TextRules = std::function<std::vector<TextFinding>(const rapidjson::Value& message)>;
 
 struct Command {
-  std::string target;    ///< as people name it: `KIT/0001`
+  std::string reference;  ///< the caller's own word for it, handed back with its report
+  std::string target;     ///< as people name it: `KIT/0001`
   std::string protocol;  ///< `vda5050`, `soar`
   std::string version;
   bool version_assumed = false;  ///< nobody said that the robot speaks it

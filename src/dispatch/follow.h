@@ -7,8 +7,10 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <unordered_map>
+#include <utility>
 #include <vector>
 
 #include "base/result.h"
@@ -30,40 +32,48 @@ struct WaitOptions {
   int resend = 0;
 };
 
-/// Follows commands that were published. Knows no connection: it is fed.
+/// Follows commands that were published, any number of them one after the other: what has ended is
+/// forgotten. Knows no connection: it is fed.
 class Follower {
  public:
   using Clock = std::chrono::steady_clock;
+  using Key = std::uint64_t;
   /// Told once for each command when its fate is known; the report is complete.
-  using EndHook = std::function<void(const Report& report)>;
+  using EndHook = std::function<void(Key key, Report report)>;
 
   Follower(const WaitOptions& options, EndHook ended);
 
-  /// Registers a command under the caller's index before it is published. Keeps the pointer.
-  void Watch(std::size_t index, Confirmation* confirmation);
+  /// Registers a command under the caller's key before it is published.
+  void Watch(Key key, std::shared_ptr<Confirmation> confirmation);
+
+  /// The command did not leave.
+  void Forget(Key key);
 
   /// The topics and filters of the watched commands, each once.
   [[nodiscard]] std::vector<std::string> Topics() const;
 
   /// The command left; `report` says how, and is completed when the end is known.
-  void Published(std::size_t index, Report report);
+  void Published(Key key, Report report);
 
   /// A message arrived.
   void Deliver(const mqtt::Message& message);
 
   /// Ends those whose time is up. Returns those that were not seen in time and are to be sent
   /// again.
-  [[nodiscard]] std::vector<std::size_t> Expire();
+  [[nodiscard]] std::vector<Key> Expire();
+
+  /// Ends all that are waited for: nothing more will be heard.
+  void EndAll(const Error& reason);
 
   /// Published and not ended.
   [[nodiscard]] std::size_t waiting() const { return waiting_; }
 
-  /// When somebody's time is up next; only while somebody waits.
+  /// When somebody's time is up next; the end of time when nobody waits.
   [[nodiscard]] Clock::time_point NextLimit() const;
 
  private:
   struct Watched {
-    Confirmation* confirmation = nullptr;
+    std::shared_ptr<Confirmation> confirmation;
     Report report = {};
     Clock::time_point published = {};
     Clock::time_point limit = {};
@@ -71,17 +81,21 @@ class Follower {
     bool open = false;
     bool seen = false;
   };
+  using Entry = std::unordered_map<Key, Watched>::value_type;
 
-  void DeliverTo(const std::vector<std::size_t>& indices, const mqtt::Message& message);
-  void Look(Watched& watched);
-  void End(Watched& watched, Verdict verdict, const std::string& message);
+  using KeysByTopic = std::unordered_map<std::string, std::set<Key>>;
+  KeysByTopic& MapFor(const std::string& topic);
+  void Look(Entry& entry);
+  void SetLimit(Entry& entry, Clock::time_point limit);
+  void End(Entry& entry, Verdict verdict, std::optional<ErrorKind> error, std::string message);
   [[nodiscard]] std::chrono::milliseconds PatienceToBeSeen() const;
 
   WaitOptions options_;
   EndHook ended_;
-  std::unordered_map<std::size_t, Watched> watched_;
-  std::unordered_map<std::string, std::vector<std::size_t>> by_topic_;
-  std::unordered_map<std::string, std::vector<std::size_t>> by_filter_;  // with wildcards
+  std::unordered_map<Key, Watched> watched_;
+  KeysByTopic by_topic_;
+  KeysByTopic by_filter_;                               // with wildcards
+  std::set<std::pair<Clock::time_point, Key>> limits_;  // of those that are waited for
   std::size_t waiting_ = 0;
 };
 

@@ -14,6 +14,7 @@
 namespace fleetpub::dispatch {
 
 struct Report {
+  std::string reference;  ///< the command's
   std::string target;
   std::string protocol;
   std::string version;

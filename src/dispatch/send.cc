@@ -53,6 +53,8 @@ class Batch {
   Result<std::unique_ptr<ledger::TopicLock>> Lock() {
     std::vector<std::string> topics;
     for (const Command& command : commands_) topics.push_back(command.topic);
+    std::sort(topics.begin(), topics.end());
+    topics.erase(std::unique(topics.begin(), topics.end()), topics.end());
     return ledger_.Lock(topics, started_ + options_.lock_timeout);
   }
 
@@ -155,7 +157,8 @@ class Batch {
 }  // namespace
 
 Report ReportOn(const Command& command) {
-  return {.target = command.target,
+  return {.reference = command.reference,
+          .target = command.target,
           .protocol = command.protocol,
           .version = command.version,
           .version_assumed = command.version_assumed,

@@ -57,6 +57,17 @@ void Drain(int descriptor) {
   }
 }
 
+// Whether one of the descriptors is readable; waits until one is, or `other`, or the deadline.
+bool AnyReadable(std::span<const int> descriptors, int other = -1, Deadline deadline = {}) {
+  std::vector<pollfd> polled = {{other, POLLIN, 0}};
+  for (const int descriptor : descriptors) polled.push_back({descriptor, POLLIN, 0});
+  const auto left = std::chrono::ceil<milliseconds>(deadline - steady_clock::now());
+  const int wait = std::max(0, static_cast<int>(std::min(left, kLongestSlice).count()));
+  if (poll(polled.data(), polled.size(), wait) <= 0) return false;
+  return std::any_of(polled.begin() + 1, polled.end(),
+                     [](const pollfd& one) { return one.revents != 0; });
+}
+
 }  // namespace
 
 // All callbacks of Paho come on the thread that called it, with PahoMutex() held.
@@ -179,14 +190,17 @@ void PahoSession::Keep(char* topic, int topic_length, void* opaque) {
   MQTTClient_free(topic);
 }
 
-void PahoSession::Sleep(Deadline deadline) const {
-  if (connection_.descriptor < 0 || lost_ || connection_.tls->HasBufferedData()) return;
+bool PahoSession::Sleep(Deadline deadline, std::span<const int> wake) const {
+  if (connection_.descriptor < 0) return AnyReadable(wake);
+  if (lost_ || connection_.tls->HasBufferedData()) return false;
   const milliseconds slice = open_sessions > 1 ? std::min(slice_, kSharedSlice) : slice_;
   const Deadline until = std::min(deadline, steady_clock::now() + slice);
   // Paho reads only from a socket that it could also write to.
   if (stuck_) static_cast<void>(WaitFor(connection_.descriptor, POLLOUT, until));
   AcknowledgeAtOnce(connection_.descriptor);
+  if (!wake.empty()) return AnyReadable(wake, connection_.descriptor, until);
   static_cast<void>(WaitFor(connection_.descriptor, POLLIN, until));
+  return false;
 }
 
 Status PahoSession::AwaitWritable(Deadline deadline) {

@@ -46,8 +46,8 @@ class PahoSession {
   /// is known to wait.
   bool Step();
   /// Until there is something to read, it is time for Paho to look after its pings, or the
-  /// deadline.
-  void Sleep(Deadline deadline) const;
+  /// deadline. True: one of the descriptors in `wake` is readable.
+  [[nodiscard]] bool Sleep(Deadline deadline, std::span<const int> wake = {}) const;
   /// Until the system takes more data.
   [[nodiscard]] Status AwaitWritable(Deadline deadline);
   /// The token, 0 at QoS 0. The caller has seen to room and writability: Paho would wait for them

@@ -69,7 +69,7 @@ class PahoTransport final : public RobotTransport {
     while (true) {
       const bool gained = session_.Step();
       if (session_.lost() || in_flight() == 0 || steady_clock::now() >= deadline) break;
-      if (!gained) session_.Sleep(deadline);
+      if (!gained) static_cast<void>(session_.Sleep(deadline));
     }
     // What was acknowledged before the connection broke is told first; the next call tells that it
     // broke.
@@ -84,11 +84,15 @@ class PahoTransport final : public RobotTransport {
       const bool gained = session_.Step();
       if (!received.empty() || session_.lost()) continue;
       if (steady_clock::now() >= deadline) return std::nullopt;
-      if (!gained) session_.Sleep(deadline);
+      if (!gained && session_.Sleep(deadline, wake_)) return std::nullopt;
     }
     std::optional<Message> message = std::move(received.front());
     received.pop_front();
     return message;
+  }
+
+  void WakeOn(std::span<const int> descriptors) override {
+    wake_.assign(descriptors.begin(), descriptors.end());
   }
 
  private:
@@ -136,7 +140,7 @@ class PahoTransport final : public RobotTransport {
         return Fail(ErrorKind::kBroker, fmt::format("{} left {} messages unacknowledged in time",
                                                     session_.Name(), in_flight()));
       }
-      if (!gained) session_.Sleep(deadline);
+      if (!gained) static_cast<void>(session_.Sleep(deadline));
     }
     return {};
   }
@@ -144,6 +148,7 @@ class PahoTransport final : public RobotTransport {
   std::unique_ptr<TraceListener> trace_;
   PahoSession session_;
   int window_;
+  std::vector<int> wake_;
 };
 
 Result<std::unique_ptr<PahoTransport>> Connect(const ConnectOptions& options) {

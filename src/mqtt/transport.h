@@ -135,6 +135,10 @@ class Transport {
   /// The next message of a subscription, in order of arrival; nothing at the deadline.
   [[nodiscard]] virtual Result<std::optional<Message>> Receive(Deadline deadline) = 0;
 
+  /// From now on Receive also returns, with nothing, when one of these descriptors is readable:
+  /// who waits for the broker and for something else waits for both. None: the deadline alone.
+  virtual void WakeOn(std::span<const int> descriptors) = 0;
+
   /// Takes leave with DISCONNECT, after which only the destructor may be called.
   virtual void Disconnect() = 0;
 };

@@ -1,6 +1,9 @@
 #include "base/line_reader.h"
 
+#include <fcntl.h>
 #include <gmock/gmock.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include <vector>
 
@@ -45,6 +48,41 @@ TEST(LineReader, RefusesALineThatIsTooLong) {
   const auto line = reader->Next(10);
   ASSERT_FALSE(line);
   EXPECT_THAT(line.error().message, HasSubstr("has a line of more than 10 bytes"));
+  EXPECT_EQ(reader->Next(10).value(), std::nullopt);
+}
+
+TEST(LineReader, GoesOnBehindALineThatIsTooLong) {
+  const fleetpub::testing::TemporaryFolder folder;
+  const std::string content =
+      std::string(700'000, 'x') + "\na\n" + std::string(11, 'y') + "\nb\n" + std::string(20, 'z');
+  auto reader = LineReader::Open(folder.Write("lines", content));
+  std::vector<std::string> got;
+  for (int i = 0; i < 5; ++i) {
+    const auto line = reader->Next(10);
+    EXPECT_TRUE(line || line.error().kind == ErrorKind::kInvalid);
+    got.push_back(line ? std::string(line->value()) : "too long");
+  }
+  EXPECT_THAT(got, ElementsAre("too long", "a", "too long", "b", "too long"));
+  EXPECT_EQ(reader->Next(10).value(), std::nullopt);
+}
+
+TEST(LineReader, TellsWhetherALineIsThereWithoutWaitingForIt) {
+  const fleetpub::testing::TemporaryFolder folder;
+  const std::string pipe = (folder / "pipe").string();
+  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+  const int writer = open(pipe.c_str(), O_RDWR | O_CLOEXEC);
+  auto reader = LineReader::Open(pipe);
+  EXPECT_FALSE(reader->Ready());
+  ASSERT_EQ(write(writer, "a\nb", 3), 3);
+  EXPECT_TRUE(reader->Ready());
+  EXPECT_EQ(reader->Next().value(), "a");
+  EXPECT_FALSE(reader->Ready());
+  ASSERT_EQ(write(writer, "c\n", 2), 2);
+  EXPECT_TRUE(reader->Ready());
+  EXPECT_EQ(reader->Next().value(), "bc");
+  close(writer);
+  EXPECT_TRUE(reader->Ready());
+  EXPECT_EQ(reader->Next().value(), std::nullopt);
 }
 
 TEST(LineReader, SaysWhatItCannotRead) {

@@ -2,62 +2,100 @@
 
 #include <gmock/gmock.h>
 
+#include <thread>
+
 namespace fleetpub::dispatch {
 namespace {
 
 using ::testing::ElementsAre;
+using ::testing::IsEmpty;
 using ::testing::UnorderedElementsAre;
 
-// Ends with the first message that it hears.
-class Listening : public Confirmation {
+using std::chrono::milliseconds;
+
+// Ends with the word that it is told.
+class Told : public Confirmation {
  public:
-  explicit Listening(std::vector<std::string> topics) : topics_(std::move(topics)) {}
-  [[nodiscard]] std::vector<std::string> Topics() const override { return topics_; }
+  explicit Told(std::string topic) : topic_(std::move(topic)) {}
+  std::vector<std::string> Topics() const override { return {topic_}; }
   void Published(std::uint32_t /*header_id*/) override {}
   void Receive(const Incoming& message) override {
-    progress_ = {true, true, Verdict::kFinished, std::string(message.topic)};
+    progress_.seen = true;
+    if (message.payload != "done") return;
+    progress_ = {.seen = true, .ended = true, .verdict = Verdict::kFinished, .message = "so"};
   }
-  [[nodiscard]] const Progress& progress() const override { return progress_; }
+  const Progress& progress() const override { return progress_; }
 
  private:
-  std::vector<std::string> topics_;
+  std::string topic_;
   Progress progress_;
 };
 
-class FollowTopics : public ::testing::Test {
+class Following : public ::testing::Test {
  protected:
-  void Publish(std::size_t index, Confirmation* confirmation) {
-    follower_.Watch(index, confirmation);
-    follower_.Published(index, {.target = std::to_string(index)});
+  void Publish(Follower& follower, Follower::Key key, const std::string& topic) {
+    follower.Watch(key, std::make_shared<Told>(topic));
+    follower.Published(key, {.reference = std::to_string(key)});
   }
-
+  Follower::EndHook Note() {
+    return [this](Follower::Key key, const Report& report) {
+      EXPECT_EQ(report.reference, std::to_string(key));
+      ended_.push_back(std::to_string(key) + " " + std::string(NameOf(report.verdict)));
+    };
+  }
   std::vector<std::string> ended_;
-  Follower follower_{
-      {}, [this](const Report& report) { ended_.push_back(report.target + " " + report.message); }};
 };
 
-TEST_F(FollowTopics, HandsAMessageToWhoWaitsOnItsTopic) {
-  Listening one({"a/b"});
-  Listening other({"a/c"});
-  Publish(1, &one);
-  Publish(2, &other);
-  EXPECT_THAT(follower_.Topics(), UnorderedElementsAre("a/b", "a/c"));
-  follower_.Deliver({.topic = "a/c", .payload = ""});
-  follower_.Deliver({.topic = "a/d", .payload = ""});
-  EXPECT_THAT(ended_, ElementsAre("2 a/c"));
-  EXPECT_EQ(follower_.waiting(), 1U);
+TEST_F(Following, TellsEachEndOnceAndForgetsIt) {
+  Follower follower({}, Note());
+  Publish(follower, 1, "a");
+  Publish(follower, 2, "a");
+  Publish(follower, 3, "b/+");
+  EXPECT_THAT(follower.Topics(), UnorderedElementsAre("a", "b/+"));
+  follower.Deliver({.topic = "a", .payload = "done"});
+  follower.Deliver({.topic = "a", .payload = "done"});
+  follower.Deliver({.topic = "b/x", .payload = "done"});
+  EXPECT_THAT(ended_, ElementsAre("1 FINISHED", "2 FINISHED", "3 FINISHED"));
+  EXPECT_THAT(follower.Topics(), IsEmpty());
+  EXPECT_EQ(follower.waiting(), 0U);
+  EXPECT_EQ(follower.NextLimit(), Follower::Clock::time_point::max());
 }
 
-TEST_F(FollowTopics, HandsAMessageToWhoWaitsOnAFilter) {
-  Listening exact({"a/b"});
-  Listening any({"a/+", "c"});
-  Publish(1, &exact);
-  Publish(2, &any);
-  EXPECT_THAT(follower_.Topics(), UnorderedElementsAre("a/b", "a/+", "c"));
-  follower_.Deliver({.topic = "a", .payload = ""});
-  EXPECT_EQ(follower_.waiting(), 2U);
-  follower_.Deliver({.topic = "a/b", .payload = ""});
-  EXPECT_THAT(ended_, ElementsAre("1 a/b", "2 a/b"));
+TEST_F(Following, EndsInTheOrderOfTheLimits) {
+  Follower follower({.seen = milliseconds(20), .done = milliseconds(60)}, Note());
+  Publish(follower, 1, "a");
+  follower.Deliver({.topic = "a", .payload = "seen"});
+  Publish(follower, 2, "b");
+  const auto first = follower.NextLimit();
+  std::this_thread::sleep_until(first);
+  EXPECT_THAT(follower.Expire(), IsEmpty());
+  EXPECT_THAT(ended_, ElementsAre("2 TIMEOUT"));
+  EXPECT_GT(follower.NextLimit(), first);
+  std::this_thread::sleep_until(follower.NextLimit());
+  EXPECT_THAT(follower.Expire(), IsEmpty());
+  EXPECT_THAT(ended_, ElementsAre("2 TIMEOUT", "1 TIMEOUT"));
+}
+
+TEST_F(Following, AsksForWhatWasNotSeenToBeSentAgain) {
+  Follower follower({.seen = milliseconds(5), .resend = 1}, Note());
+  Publish(follower, 7, "a");
+  std::this_thread::sleep_until(follower.NextLimit());
+  EXPECT_THAT(follower.Expire(), ElementsAre(7U));
+  EXPECT_THAT(follower.Expire(), IsEmpty());
+  std::this_thread::sleep_until(follower.NextLimit());
+  EXPECT_THAT(follower.Expire(), IsEmpty());
+  EXPECT_THAT(ended_, ElementsAre("7 TIMEOUT"));
+}
+
+TEST_F(Following, ForgetsWhatDidNotLeave) {
+  Follower follower({}, Note());
+  follower.Watch(1, std::make_shared<Told>("a"));
+  Publish(follower, 2, "a");
+  follower.Forget(1);
+  follower.Forget(1);
+  EXPECT_EQ(follower.waiting(), 1U);
+  follower.EndAll({ErrorKind::kBroker, "gone"});
+  EXPECT_THAT(ended_, ElementsAre("2 ERROR"));
 }
 
 }  // namespace

@@ -58,6 +58,7 @@ class FakeTransport : public mqtt::Transport {
   Result<std::optional<mqtt::Message>> Receive(mqtt::Deadline /*deadline*/) override {
     return std::optional<mqtt::Message>();
   }
+  void WakeOn(std::span<const int> /*descriptors*/) override {}
   void Disconnect() override { journal_.Note("disconnect"); }
 
  private:

@@ -1,0 +1,55 @@
+// One line of `fleetpub batch`: a command as JSON, made into messages.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "base/result.h"
+#include "dispatch/command.h"
+#include "schema/schema.h"
+#include "soar/message.h"
+#include "vda5050/confirmation.h"
+#include "vda5050/instant_actions.h"
+
+namespace fleetpub::cli {
+
+/// What holds for a line that does not say otherwise.
+struct LineDefaults {
+  vda5050::Dialect dialect;
+  std::optional<vda5050::WaitFor> wait_for;  ///< nothing: do not wait
+  /// Somebody has named the end to wait for; else an order is done when the robot has it.
+  bool names_end = false;
+  soar::Sender soar;
+};
+
+/// What is known of a line even when it is wrong.
+struct LineOrigin {
+  std::string id;      ///< the caller's, as JSON; empty: none
+  std::string target;  ///< as written; empty: none, or several
+};
+
+struct LineCommands {
+  std::vector<dispatch::Command> commands;  ///< valid, one for each target
+  std::vector<std::string> warnings;
+};
+
+/// Reads lines. Each schema is compiled once.
+class LineParser {
+ public:
+  LineParser(LineDefaults defaults, const std::string& schema_directory);
+
+  /// Errors: ErrorKind::kInvalid, saying what is wrong with the line, and a schema's own trouble.
+  [[nodiscard]] Result<LineCommands> Parse(std::string_view text, LineOrigin& origin);
+
+ private:
+  template <class Request>
+  Result<LineCommands> ForEach(const rapidjson::Value& line, const Request& request);
+  Status Validate(const dispatch::Command& command, std::vector<std::string>& warnings);
+
+  LineDefaults defaults_;
+  schema::Registry registry_;
+};
+
+}  // namespace fleetpub::cli

@@ -1,0 +1,229 @@
+#include "dispatch/stream.h"
+
+#include <algorithm>
+#include <thread>
+#include <utility>
+
+namespace fleetpub::dispatch {
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::seconds;
+using std::chrono::steady_clock;
+
+// So long a silence means that the answers to come take their time: more may be sent.
+constexpr milliseconds kQuiet{20};
+// A fleet that reports all the time is never silent.
+constexpr milliseconds kLongestPause{500};
+// Messages that are read before somebody else gets his turn.
+constexpr int kTurn = 100;
+// Between attempts to connect again, and for one attempt.
+constexpr milliseconds kReconnectPause{200};
+constexpr seconds kReconnectPatience{10};
+
+}  // namespace
+
+Stream::Stream(std::unique_ptr<mqtt::Transport>& transport, ledger::Ledger& ledger,
+               const SendOptions& send, const WaitOptions& wait, StreamHooks hooks)
+    : transport_(transport),
+      ledger_(ledger),
+      send_(send),
+      resends_(wait.resend > 0),
+      hooks_(std::move(hooks)),
+      follower_(wait, [this](Follower::Key key, Report ended) {
+        again_.erase(key);
+        ended_.push_back(std::move(ended));
+      }) {}
+
+Status Stream::Subscribe(std::span<const Command> commands) {
+  std::vector<std::string> topics;
+  for (const Command& command : commands) {
+    if (command.confirmation == nullptr) continue;
+    for (std::string& topic : command.confirmation->Topics()) {
+      if (!subscribed_.contains(topic)) topics.push_back(std::move(topic));
+    }
+  }
+  std::sort(topics.begin(), topics.end());
+  topics.erase(std::unique(topics.begin(), topics.end()), topics.end());
+  return SubscribeNew(std::move(topics));
+}
+
+Status Stream::SubscribeNew(std::vector<std::string> topics) {
+  if (topics.empty()) return {};
+  if (lost_) return Fail(*lost_);
+  auto subscribed = transport_->Subscribe(topics, mqtt::kListeningQos,
+                                          steady_clock::now() + send_.acknowledge_timeout);
+  if (!subscribed) return subscribed;
+  for (std::string& topic : topics) subscribed_.insert(std::move(topic));
+  return {};
+}
+
+Status Stream::Send(std::span<const Command> commands) {
+  if (commands.empty()) return {};
+  auto sent = Subscribe(commands);
+  if (sent) {
+    sent = Bracket(commands);
+  } else if (commands.size() > 1 && !lost_) {
+    return SendOneByOne(commands);  // one robot's topics may be forbidden, another's not
+  } else {
+    ReportNotSent(commands, sent.error(), hooks_.report);
+  }
+  if (since_pause_ >= send_.batch) ReadUntilQuiet();
+  TellEnded();
+  return sent;
+}
+
+Status Stream::SendOneByOne(std::span<const Command> commands) {
+  Status first;
+  for (std::size_t i = 0; i < commands.size(); ++i) {
+    auto sent = Send(commands.subspan(i, 1));
+    if (!sent && first) first = std::move(sent);
+  }
+  return first;
+}
+
+Status Stream::Bracket(std::span<const Command> commands) {
+  const Follower::Key first_key = next_key_;
+  next_key_ += commands.size();
+  for (std::size_t i = 0; i < commands.size(); ++i) {
+    if (commands[i].confirmation) follower_.Watch(first_key + i, commands[i].confirmation);
+  }
+  // What was retained or sent before our command must not be taken for an answer.
+  while (!lost_ && ReadOne(steady_clock::now())) {
+  }
+  auto result =
+      lost_ ? Fail(*lost_) : SendBatch(commands, *transport_, ledger_, send_, hooks_.sent);
+  if (!result) {
+    for (std::size_t i = 0; i < commands.size(); ++i) follower_.Forget(first_key + i);
+    // One header id that was asked for must not keep the others from leaving.
+    if (result.error().kind == ErrorKind::kUsage && commands.size() > 1) {
+      return SendOneByOne(commands);
+    }
+    ReportNotSent(commands, result.error(), hooks_.report);
+    return Fail(std::move(result.error()));
+  }
+  Record(result->reports);
+  for (std::size_t i = 0; i < commands.size(); ++i) {
+    Settle(commands[i], first_key + i, std::move(result->reports[i]));
+  }
+  if (!result->broken) return {};
+  Lose(*result->broken);
+  return Fail(*std::move(result->broken));
+}
+
+// A command has left, or not.
+void Stream::Settle(const Command& command, Follower::Key key, Report report) {
+  if (report.error || !command.confirmation) {
+    follower_.Forget(key);
+    return hooks_.report(report);
+  }
+  report.payload = {};  // the ledger has it; thousands that wait need not
+  follower_.Published(key, std::move(report));
+  ++since_pause_;
+  if (resends_) again_[key] = command;
+}
+
+void Stream::SendAgain(const std::vector<Follower::Key>& keys) {
+  for (const Follower::Key key : keys) {
+    const auto command = again_.find(key);
+    if (lost_ || command == again_.end()) continue;  // its time runs on, and ends as a timeout
+    auto result =
+        SendBatch(std::span(&command->second, 1), *transport_, ledger_, send_, hooks_.sent);
+    if (!result) continue;
+    Record(result->reports);
+    if (!result->reports.front().error) {
+      follower_.Published(key, std::move(result->reports.front()));
+    }
+    if (result->broken) Lose(*std::move(result->broken));
+  }
+}
+
+void Stream::Listen(mqtt::Deadline deadline) {
+  const auto limit = std::min(deadline, follower_.NextLimit());
+  for (int i = 0; i < kTurn; ++i) {
+    // Who has ended is told soon, but with those that end at the same time.
+    if (!ReadOne(ended_.empty() ? limit : steady_clock::now())) break;
+  }
+  SendAgain(follower_.Expire());
+  TellEnded();
+}
+
+void Stream::ReadUntilQuiet() {
+  since_pause_ = 0;
+  if (lost_) return;
+  transport_->WakeOn({});
+  const auto most = steady_clock::now() + kLongestPause;
+  while (follower_.waiting() > 0 && steady_clock::now() < most) {
+    if (!ReadOne(steady_clock::now() + kQuiet)) break;
+  }
+  if (!lost_) transport_->WakeOn(wake_);
+}
+
+// False when nothing came.
+bool Stream::ReadOne(mqtt::Deadline deadline) {
+  if (lost_) {
+    TryAgain(deadline);
+    return false;
+  }
+  auto message = transport_->Receive(deadline);
+  if (!message) {
+    Lose(std::move(message.error()));
+    return false;
+  }
+  if (!*message) return false;
+  follower_.Deliver(**message);
+  return true;
+}
+
+void Stream::Lose(Error error) {
+  if (lost_) return;
+  transport_.reset();
+  next_try_ = steady_clock::now();
+  if (hooks_.lost) hooks_.lost(error);
+  lost_ = std::move(error);
+}
+
+// The targets go on working while the broker is away: what they say afterwards still counts.
+void Stream::TryAgain(mqtt::Deadline deadline) {
+  std::this_thread::sleep_until(std::min(deadline, next_try_));
+  const auto now = steady_clock::now();
+  if (now < next_try_) return;
+  auto transport = hooks_.connect(std::min(now + kReconnectPatience, follower_.NextLimit()));
+  next_try_ = steady_clock::now() + kReconnectPause;
+  if (!transport) return;
+  transport_ = std::move(*transport);
+  const Error why = *std::exchange(lost_, std::nullopt);
+  subscribed_.clear();
+  if (!SubscribeNew(follower_.Topics())) {
+    transport_.reset();
+    lost_ = why;
+    return;
+  }
+  transport_->WakeOn(wake_);
+  if (hooks_.again) hooks_.again();
+}
+
+void Stream::WakeOn(std::vector<int> descriptors) {
+  if (descriptors == wake_) return;
+  wake_ = std::move(descriptors);
+  if (!lost_) transport_->WakeOn(wake_);
+}
+
+void Stream::EndAll(const Error& reason) {
+  follower_.EndAll(reason);
+  TellEnded();
+}
+
+// Records and tells the ends that are known by now.
+void Stream::TellEnded() {
+  if (ended_.empty()) return;
+  Record(ended_);
+  for (const Report& ended : std::exchange(ended_, {})) hooks_.report(ended);
+}
+
+void Stream::Record(std::span<const Report> reports) {
+  auto recorded = RecordOutcomes(reports, ledger_);
+  if (!recorded && trouble_) trouble_ = std::move(recorded);
+}
+
+}  // namespace fleetpub::dispatch

@@ -1,0 +1,97 @@
+// The streaming core: commands as they come ─▶ brackets ─▶ the targets' answers ─▶ reports as they
+// are known. Nothing of a command is kept once its report is out.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <unordered_map>
+#include <unordered_set>
+#include <vector>
+
+#include "base/result.h"
+#include "dispatch/command.h"
+#include "dispatch/connect_hook.h"
+#include "dispatch/follow.h"
+#include "dispatch/send.h"
+
+namespace fleetpub::dispatch {
+
+struct StreamHooks {
+  ReportSink report;
+  SentHook sent;        ///< may be empty
+  ConnectHook connect;  ///< replaces a connection that was lost
+  /// The connection is lost; it is there again. Either may be empty.
+  std::function<void(const Error&)> lost;
+  std::function<void()> again;
+};
+
+/// Sends and follows over one connection, which is opened again whenever it is lost. No command is
+/// ever sent again for that. One thread at a time.
+class Stream {
+ public:
+  /// `transport` is the open connection, and null while there is none. It and the ledger must
+  /// outlive the stream.
+  Stream(std::unique_ptr<mqtt::Transport>& transport, ledger::Ledger& ledger,
+         const SendOptions& send, const WaitOptions& wait, StreamHooks hooks);
+
+  /// Subscribes to what these commands' confirmations need, and waits for the acknowledgement.
+  [[nodiscard]] Status Subscribe(std::span<const Command> commands);
+
+  /// Sends valid commands through one bracket, SendOptions::batch at most. Each gets its report: at
+  /// once when it has no confirmation or did not leave, else when its end is known. Those with a
+  /// confirmation are subscribed to first. Then, if many were sent since the last pause, reads
+  /// until the targets' answers have come: a broker drops what it has to queue for long. Errors:
+  /// what kept some from leaving; their reports say it too.
+  Status Send(std::span<const Command> commands);
+
+  /// Reads answers until the deadline or until something else is to be done: a report was made, a
+  /// descriptor of WakeOn() is readable, many messages have been read, the connection was lost.
+  void Listen(mqtt::Deadline deadline);
+
+  /// See mqtt::Transport::WakeOn.
+  void WakeOn(std::vector<int> descriptors);
+
+  /// Ends all waiting: nothing more will be heard.
+  void EndAll(const Error& reason);
+
+  [[nodiscard]] std::size_t waiting() const { return follower_.waiting(); }
+  /// Why there is no connection at the moment.
+  [[nodiscard]] const std::optional<Error>& lost() const { return lost_; }
+  /// What changes no verdict: the first outcome that could not be recorded.
+  [[nodiscard]] const Status& trouble() const { return trouble_; }
+
+ private:
+  Status SubscribeNew(std::vector<std::string> topics);
+  Status SendOneByOne(std::span<const Command> commands);
+  Status Bracket(std::span<const Command> commands);
+  void Settle(const Command& command, Follower::Key key, Report report);
+  void SendAgain(const std::vector<Follower::Key>& keys);
+  void ReadUntilQuiet();
+  bool ReadOne(mqtt::Deadline deadline);
+  void Lose(Error error);
+  void TryAgain(mqtt::Deadline deadline);
+  void TellEnded();
+  void Record(std::span<const Report> reports);
+
+  std::unique_ptr<mqtt::Transport>& transport_;
+  ledger::Ledger& ledger_;
+  SendOptions send_;
+  bool resends_;
+  StreamHooks hooks_;
+  Follower follower_;
+  std::vector<Report> ended_;  // not told yet
+  Follower::Key next_key_ = 0;
+  std::unordered_map<Follower::Key, Command> again_;  // what may have to be sent again
+  std::unordered_set<std::string> subscribed_;
+  std::size_t since_pause_ = 0;  // sent, with an answer expected
+  std::vector<int> wake_;
+  std::optional<Error> lost_;
+  mqtt::Deadline next_try_ = {};
+  Status trouble_;
+};
+
+}  // namespace fleetpub::dispatch

@@ -1,0 +1,122 @@
+#include "dispatch/stream.h"
+
+#include <gmock/gmock.h>
+
+#include "support/fake_ledger.h"
+#include "support/fake_transport.h"
+
+namespace fleetpub::dispatch {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::StartsWith;
+
+class Streaming : public ::testing::Test {
+ protected:
+  Streaming() { Connect(); }
+
+  void Connect() {
+    auto fake = std::make_unique<testing::FakeTransport>(journal_);
+    fake_ = fake.get();
+    transport_ = std::move(fake);
+  }
+
+  std::unique_ptr<Stream> Open(SendOptions options = {}) {
+    return std::make_unique<Stream>(
+        transport_, ledger_, options, WaitOptions{},
+        StreamHooks{.report =
+                        [this](const Report& report) {
+                          reports_.push_back(report.reference + " " +
+                                             std::string(NameOf(report.verdict)) + " " +
+                                             report.message);
+                        },
+                    .sent = {},
+                    .connect = [this](mqtt::Deadline) -> Result<std::unique_ptr<mqtt::Transport>> {
+                      ++connections_;
+                      auto fake = std::make_unique<testing::FakeTransport>(journal_);
+                      fake_ = fake.get();
+                      return fake;
+                    },
+                    .lost = [this](const Error& error) { lost_ = error.message; },
+                    .again = {}});
+  }
+
+  static std::vector<Command> Commands(int count, int first = 0) {
+    std::vector<Command> commands(static_cast<std::size_t>(count));
+    for (int i = 0; i < count; ++i) {
+      Command& command = commands[static_cast<std::size_t>(i)];
+      command.reference = "#" + std::to_string(first + i);
+      command.topic = "t/" + std::to_string((first + i) % 2);
+      command.payload = {"{", ",", "}"};
+    }
+    return commands;
+  }
+
+  testing::Journal journal_;
+  testing::FakeLedger ledger_{journal_};
+  testing::FakeTransport* fake_ = nullptr;
+  std::unique_ptr<mqtt::Transport> transport_;
+  std::vector<std::string> reports_;
+  std::string lost_;
+  int connections_ = 0;
+};
+
+TEST_F(Streaming, SendsWhatIsThereThroughOneBracketInOrder) {
+  const auto stream = Open();
+  EXPECT_TRUE(stream->Send(Commands(3)));
+  EXPECT_THAT(reports_, ElementsAre("#0 SENT ", "#1 SENT ", "#2 SENT "));
+  EXPECT_THAT(journal_.entries(),
+              ElementsAre("lock t/0 t/1", "reserve 3", "publish t/0", "publish t/1", "publish t/0",
+                          "unlock", "record SENT SENT SENT"));
+}
+
+TEST_F(Streaming, SaysOfEachCommandWhatALostConnectionMeans) {
+  const auto stream = Open();
+  fake_->publish_fails_at = 1;
+  EXPECT_FALSE(stream->Send(Commands(3)));
+  EXPECT_THAT(reports_, ElementsAre("#0 SENT ", StartsWith("#1 ERROR perhaps sent: "),
+                                    StartsWith("#2 ERROR not sent: ")));
+  EXPECT_THAT(lost_, HasSubstr("connection lost"));
+  EXPECT_TRUE(stream->lost());
+}
+
+TEST_F(Streaming, ConnectsAgainAndSendsNothingTwice) {
+  const auto stream = Open();
+  fake_->publish_fails_at = 0;
+  EXPECT_FALSE(stream->Send(Commands(1)));
+  reports_.clear();
+  stream->Listen(std::chrono::steady_clock::now() + std::chrono::seconds(5));
+  EXPECT_FALSE(stream->lost());
+  EXPECT_EQ(connections_, 1);
+  EXPECT_THAT(fake_->published(), IsEmpty());
+  EXPECT_TRUE(stream->Send(Commands(1, 1)));
+  EXPECT_THAT(reports_, ElementsAre("#1 SENT "));
+}
+
+TEST_F(Streaming, LetsOneUnfitHeaderIdStopNobodyElse) {
+  const auto stream = Open();
+  ledger_.reserve_error = Error{ErrorKind::kUsage, "header id 3 is not above 7"};
+  ledger_.reserve_errors_begin_at = 0;
+  EXPECT_FALSE(stream->Send(Commands(2)));
+  EXPECT_THAT(reports_, ElementsAre(AllOf(StartsWith("#0 ERROR not sent"), HasSubstr("above 7")),
+                                    StartsWith("#1 ERROR not sent")));
+  // Each was tried alone.
+  EXPECT_THAT(journal_.entries(),
+              ElementsAre("lock t/0 t/1", "unlock", "lock t/0", "unlock", "lock t/1", "unlock"));
+}
+
+TEST_F(Streaming, GoesOnAfterTroubleWithTheLedger) {
+  const auto stream = Open();
+  ledger_.lock_error = Error{ErrorKind::kLedger, "held"};
+  EXPECT_FALSE(stream->Send(Commands(2)));
+  ledger_.lock_error.reset();
+  EXPECT_TRUE(stream->Send(Commands(1, 2)));
+  EXPECT_THAT(reports_,
+              ElementsAre("#0 ERROR not sent: held", "#1 ERROR not sent: held", "#2 SENT "));
+}
+
+}  // namespace
+}  // namespace fleetpub::dispatch

@@ -1,0 +1,100 @@
+// `fleetpub validate --live`: a conformance check of whatever is published.
+#include <gmock/gmock.h>
+
+#include "support/operator.h"
+
+namespace fleetpub::testing {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::Not;
+using ::testing::SizeIs;
+
+class Conformance : public EndToEnd {
+ protected:
+  std::unique_ptr<Process> Start(std::vector<std::string> arguments) const {
+    return std::make_unique<Process>(operator_.Prepare(std::move(arguments)));
+  }
+  void Publish(const std::string& topic, const std::string& payload, bool retained = false) const {
+    Command command{{"mosquitto_pub", "-h", "127.0.0.1", "-p", std::to_string(broker_.port()), "-t",
+                     topic, "-m", payload}};
+    if (retained) command.arguments.emplace_back("-r");
+    EXPECT_EQ(::fleetpub::testing::Run(std::move(command)).exit_code, 0);
+  }
+  static std::string Connection(const std::string& state, const std::string& serial = "0001") {
+    return R"({"headerId":17,"timestamp":"2026-01-02T03:04:05.678Z","version":"3.0.0",)"
+           R"("manufacturer":"KIT","serialNumber":")" +
+           serial + R"(","connectionState":")" + state + "\"}";
+  }
+};
+
+TEST_F(Conformance, FindsNoFaultInVirtualRobots) {
+  const auto robots = Start({"simulate", "KIT/0001", "--count", "3", "--state-interval", "100ms"});
+  ASSERT_TRUE(robots->AwaitErrors("online at"));
+  const Finished run = Fleetpub({"validate", "--live", "--count", "30", "--for", "15s"});
+  EXPECT_EQ(run.exit_code, 0) << run.output << run.errors;
+  EXPECT_THAT(run.output, AllOf(HasSubstr("state  "), HasSubstr("all             30 messages, 30 "
+                                                                "valid, 0 invalid\n")));
+}
+
+TEST_F(Conformance, TellsEachViolationAndEndsWithThree) {
+  Publish("vda5050/v3/KIT/0001/connection", Connection("AWAY"), true);
+  Publish("vda5050/v3/KIT/0002/connection", Connection("ONLINE"), true);
+  Publish("vda5050/v3/ABC/0003/connection", "{", true);
+  const Finished run = Fleetpub({"validate", "--live", "KIT/*", "--for", "1s"});
+  EXPECT_EQ(run.exit_code, 3) << run.errors;
+  EXPECT_THAT(
+      run.output,
+      AllOf(HasSubstr("KIT/0001 connection headerId 17 (retained): /connectionState: "),
+            HasSubstr("KIT/0002 connection headerId 17 (retained): /serialNumber: is "
+                      "\"0001\", but the topic says \"0002\"\n"),
+            HasSubstr("connection      2 messages, 0 valid, 2 invalid\n"), Not(HasSubstr("ABC"))));
+}
+
+TEST_F(Conformance, TellsAScriptInJson) {
+  const auto live = Start({"validate", "--live", "--count", "1", "-o", "json"});
+  ASSERT_TRUE(broker_.AwaitLog("+/+/+/+/responses (QoS 0)"));
+  Publish("vda5050/v3/KIT/0001/connection", Connection("AWAY"));
+  EXPECT_EQ(live->Wait(), 3) << live->Errors();
+  const auto lines = Lines(live->Output());
+  ASSERT_THAT(lines, SizeIs(2));
+  const auto violation = Json(lines[0]);
+  EXPECT_STREQ(violation["target"].GetString(), "KIT/0001");
+  EXPECT_STREQ(violation["topic"].GetString(), "vda5050/v3/KIT/0001/connection");
+  EXPECT_EQ(violation["headerId"].GetInt(), 17);
+  EXPECT_STREQ(violation["path"].GetString(), "/connectionState");
+  EXPECT_FALSE(violation["retained"].GetBool());
+  EXPECT_EQ(Json(lines[1])["topics"]["connection"]["invalid"].GetInt(), 1);
+}
+
+TEST_F(Conformance, SumsUpWhenInterruptedAndOutlivesTheBroker) {
+  const auto live = Start({"validate", "--live"});
+  ASSERT_TRUE(broker_.AwaitLog("+/+/+/+/responses (QoS 0)"));
+  broker_.Kill();
+  ASSERT_TRUE(live->AwaitErrors("connecting again"));
+  broker_.Restart();
+  ASSERT_TRUE(live->AwaitErrors("connected again"));
+  Publish("vda5050/v3/KIT/0001/connection", Connection("AWAY"));
+  ASSERT_TRUE(live->AwaitOutput("/connectionState"));
+  live->Signal(SIGINT);
+  EXPECT_EQ(live->Wait(), 3);
+  EXPECT_THAT(live->Output(), HasSubstr("1 message, 0 valid, 1 invalid"));
+}
+
+TEST_F(Conformance, SaysThatNothingCame) {
+  const Finished run = Fleetpub({"validate", "--live", "--for", "200ms"});
+  EXPECT_EQ(run.exit_code, 6);
+  EXPECT_THAT(run.errors, HasSubstr("no message came"));
+}
+
+TEST_F(Conformance, RefusesWhatDoesNotGoTogether) {
+  EXPECT_EQ(Fleetpub({"validate", "--live", "--lines"}).exit_code, 2);
+  EXPECT_EQ(Fleetpub({"validate", "--count", "3"}).exit_code, 2);
+  EXPECT_EQ(Fleetpub({"validate", "--live", "--topic", "status"}).exit_code, 2);
+  EXPECT_THAT(Fleetpub({"validate", "--live", "KIT"}).errors, HasSubstr("no pattern"));
+}
+
+}  // namespace
+}  // namespace fleetpub::testing
