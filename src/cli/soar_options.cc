@@ -117,13 +117,6 @@ void DeclareSource(OptionSet& set, std::string& source) {
                       &source);
 }
 
-void DeclareSource(OptionSet& set, std::string& source) {
-  set.AddOption("--source", source, "Who sends SoAR messages [fleetpub]")
-      ->type_name("TEXT")
-      ->envname("FLEETPUB_SOAR_SOURCE")
-      ->group(kSoar);
-}
-
 void DeclareSoarOptions(OptionSet& set, SoarOptions& o) {
   const auto add = [&](const char* names, std::string& value, const char* type, const char* help) {
     return set.AddOption(names, value, help)->type_name(type)->group(kSoar);
