@@ -41,7 +41,7 @@ using TextRules = std::function<std::vector<TextFinding>(const rapidjson::Value&
 struct Command {
   std::string reference;  ///< the caller's own word for it, handed back with its report
   std::string target;     ///< as people name it: `KIT/0001`
-  std::string protocol;  ///< `vda5050`, `soar`
+  std::string protocol;   ///< `vda5050`, `soar`
   std::string version;
   bool version_assumed = false;  ///< nobody said that the robot speaks it
   std::string topic;             ///< the full MQTT topic
