@@ -89,13 +89,19 @@ WallTime ToWallTime(std::chrono::sys_time<microseconds> time) {
 
 std::string FormatTimestamp(WallTime time) {
   const auto ms = std::chrono::floor<milliseconds>(time);
+  // Of a bulk job thousands fall into one millisecond.
+  thread_local std::optional<decltype(ms)> last;
+  thread_local std::string text;
+  if (last == ms) return text;
   const auto days = std::chrono::floor<std::chrono::days>(ms);
   const std::chrono::year_month_day date{days};
   const std::chrono::hh_mm_ss clock{ms - days};
-  return fmt::format("{:04}-{:02}-{:02}T{:02}:{:02}:{:02}.{:03}Z", static_cast<int>(date.year()),
+  text = fmt::format("{:04}-{:02}-{:02}T{:02}:{:02}:{:02}.{:03}Z", static_cast<int>(date.year()),
                      static_cast<unsigned>(date.month()), static_cast<unsigned>(date.day()),
                      clock.hours().count(), clock.minutes().count(), clock.seconds().count(),
                      clock.subseconds().count());
+  last.emplace(ms);
+  return text;
 }
 
 std::string FormatLocal(WallTime time) {

@@ -2,18 +2,16 @@
 // connection. As a co-process it answers line by line; lines that are there together leave
 // together.
 #include <fmt/format.h>
-#include <poll.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <charconv>
 #include <memory>
 
-#include "base/json.h"
 #include "base/line_reader.h"
 #include "base/text.h"
 #include "base/time.h"
-#include "cli/batch_line.h"
+#include "cli/batch_input.h"
 #include "cli/dry_run.h"
 #include "cli/listening.h"
 #include "cli/option_set.h"
@@ -32,13 +30,11 @@ namespace {
 
 using dispatch::Command;
 using dispatch::Report;
-using dispatch::Verdict;
 using std::chrono::steady_clock;
 
-// More text than that is not read before what there is has left.
-constexpr std::size_t kGroupBytes = std::size_t{1024} * 1024;
 // So many wait for their robots at once: more are not read.
 constexpr std::size_t kMostWaiting = 10'000;
+constexpr std::size_t kLargestBracket = 1'000;
 
 struct Options {
   std::string file = "-";
@@ -60,117 +56,10 @@ struct Plan {
   dispatch::Pace pace;
   std::chrono::milliseconds reconnect{};
   bool stop_on_error = false;
-};
 
-// Prints results and remembers the worst.
-class Results {
- public:
-  explicit Results(Output& output) : output_(output) {}
-
-  void Show(const Report& report) {
-    const ExitCode code = CodeOf(report);
-    worst_ = Worse(worst_, code);
-    output_.Line(fmt::format(R"({{{},"exitCode":{},{})", report.reference, static_cast<int>(code),
-                             std::string_view(ReportJson(report)).substr(1)));
+  [[nodiscard]] AfterBadLine after_bad_line() const {
+    return stop_on_error ? AfterBadLine::kPause : AfterBadLine::kGoOn;
   }
-
-  void ShowBad(std::string reference, const LineOrigin& origin, const Error& error) {
-    Report report;
-    report.reference = std::move(reference);
-    report.target = origin.target;
-    report.message = error.message;
-    // Whatever is wrong with a line, the line is wrong; unless it could not even be read.
-    const bool is_line = error.kind == ErrorKind::kInvalid || error.kind == ErrorKind::kUsage;
-    report.verdict = is_line ? Verdict::kInvalid : Verdict::kError;
-    report.error = is_line ? ErrorKind::kInvalid : error.kind;
-    Show(report);
-  }
-
-  [[nodiscard]] ExitCode worst() const { return worst_; }
-
- private:
-  Output& output_;
-  ExitCode worst_ = ExitCode::kDone;
-};
-
-// The lines, made into commands as far as they are there.
-class Input {
- public:
-  Input(base::LineReader reader, const Plan& plan, const Context& context, Results& results)
-      : reader_(std::move(reader)),
-        plan_(plan),
-        context_(context),
-        results_(results),
-        parser_(plan.defaults, context.options.schema_directory) {}
-
-  // At most about so many commands, without waiting for any.
-  std::vector<Command> Take(std::size_t most) {
-    std::vector<Command> commands;
-    std::size_t bytes = 0;
-    while (!ended_ && commands.size() < most && bytes < kGroupBytes && reader_.Ready(kLongest)) {
-      const auto line = reader_.Next(kLongest);
-      if (line && !*line) {
-        ended_ = true;
-        break;
-      }
-      ++number_;
-      if (line) bytes += (*line)->size();
-      if (!TakeLine(line, commands) && plan_.stop_on_error) break;
-    }
-    return commands;
-  }
-
-  // Until there is something to read, be it the end.
-  void Await() const {
-    pollfd arrived{reader_.descriptor(), POLLIN, 0};
-    poll(&arrived, 1, -1);
-  }
-
-  [[nodiscard]] bool ended() const { return ended_; }
-  [[nodiscard]] bool Ready() { return reader_.Ready(kLongest); }
-  [[nodiscard]] int descriptor() const { return reader_.descriptor(); }
-  /// Of the last line that was taken.
-  [[nodiscard]] std::size_t number() const { return number_; }
-
- private:
-  static constexpr std::size_t kLongest = base::JsonLimits{}.bytes;
-
-  // False: it was bad.
-  bool TakeLine(const Result<std::optional<std::string_view>>& line,
-                std::vector<Command>& commands) {
-    LineOrigin origin;
-    if (!line) {
-      results_.ShowBad(ReferenceOf(origin), origin, line.error());
-      return false;
-    }
-    if ((*line)->find_first_not_of(" \t\r") == std::string_view::npos) return true;
-    auto parsed = parser_.Parse(**line, origin);
-    if (!parsed) {
-      results_.ShowBad(ReferenceOf(origin), origin, parsed.error());
-      return false;
-    }
-    for (const std::string& warning : parsed->warnings) {
-      context_.output.Warn(fmt::format("line {}: {}", number_, warning));
-    }
-    for (Command& command : parsed->commands) {
-      command.reference = ReferenceOf(origin);
-      commands.push_back(std::move(command));
-    }
-    return true;
-  }
-
-  [[nodiscard]] std::string ReferenceOf(const LineOrigin& origin) const {
-    return origin.id.empty() ? fmt::format(R"("line":{})", number_)
-                             : fmt::format(R"("line":{},"id":{})", number_, origin.id);
-  }
-
-  base::LineReader reader_;
-  const Plan& plan_;
-  const Context& context_;
-  Results& results_;
-  LineParser parser_;
-  std::size_t number_ = 0;
-  bool ended_ = false;
 };
 
 class Batch {
@@ -181,7 +70,7 @@ class Batch {
         connect_(connect),
         context_(context),
         results_(context.output),
-        input_(std::move(reader), plan_, context, results_) {}
+        input_(std::move(reader), plan_.defaults, plan_.after_bad_line(), context, results_) {}
 
   // Errors: nothing was sent.
   Result<ExitCode> Run() {
@@ -299,8 +188,8 @@ class Batch {
   Plan plan_;
   const mqtt::ConnectOptions& connect_;
   const Context& context_;
-  Results results_;
-  Input input_;
+  BatchResults results_;
+  BatchInput input_;
   StopSignal stop_;
   std::unique_ptr<mqtt::Transport> transport_;
   std::size_t sent_ = 0;
@@ -310,8 +199,8 @@ class Batch {
 };
 
 Result<ExitCode> ShowOnly(base::LineReader reader, const Plan& plan, const Context& context) {
-  Results results(context.output);
-  Input input(std::move(reader), plan, context, results);
+  BatchResults results(context.output);
+  BatchInput input(std::move(reader), plan.defaults, plan.after_bad_line(), context, results);
   auto dry_run = DryRun::Open(context);
   if (!dry_run) return Fail(std::move(dry_run.error()));
   while (!input.ended() && !(plan.stop_on_error && results.worst() != ExitCode::kDone)) {
@@ -374,6 +263,9 @@ Result<Plan> PlanOf(const Options& options) {
   const auto qos = QosOf(options.sending.qos);
   if (!qos) return Fail(qos.error());
   plan.send.qos = *qos;
+  // Each bracket waits for the disk once. While nobody waits for a robot's answer, and no
+  // acknowledgement comes, it may be as large as what a default broker queues.
+  if (*qos == mqtt::Qos::kAtMostOnce && !plan.defaults.wait_for) plan.send.batch = kLargestBracket;
   const auto pace = PaceOf(options.rate);
   if (!pace) return Fail(pace.error());
   plan.pace = *pace;

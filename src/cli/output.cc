@@ -105,21 +105,25 @@ std::string ReportText(const Report& report, std::size_t target_width, const Out
 
 std::string ReportJson(const Report& report) {
   using base::JsonString;
+  std::string json = R"({"target":)" + JsonString(report.target);
+  const auto add = [&json](std::string_view name, std::string_view value) {
+    ((((json += ",\"") += name) += "\":") += value);
+  };
+  add("protocol", JsonString(report.protocol));
+  add("version", JsonString(report.version));
+  add("topic", JsonString(report.topic));
   std::string actions;
   for (const auto& [type, id] : report.actions) {
-    actions += fmt::format(R"({}{{"type":{},"id":{}}})", actions.empty() ? "" : ",",
-                           JsonString(type), JsonString(id));
+    actions += (actions.empty() ? R"({"type":)" : R"(,{"type":)") + JsonString(type);
+    actions += R"(,"id":)" + JsonString(id) + "}";
   }
-  std::string json =
-      fmt::format(R"({{"target":{},"protocol":"{}","version":"{}","topic":{},"actions":[{}])",
-                  JsonString(report.target), report.protocol, report.version,
-                  JsonString(report.topic), actions);
-  if (report.version_assumed) json += R"(,"versionAssumed":true)";
-  if (report.header_id) json += fmt::format(R"(,"headerId":{})", *report.header_id);
-  json += fmt::format(R"(,"status":"{}","elapsedMs":{:.3f})", NameOf(report.verdict),
-                      static_cast<double>(report.elapsed.count()) / 1e6);
-  if (!report.message.empty()) json += R"(,"message":)" + JsonString(report.message);
-  if (report.verdict == Verdict::kDryRun) json += R"(,"payload":)" + report.payload;
+  add("actions", "[" + actions + "]");
+  if (report.version_assumed) add("versionAssumed", "true");
+  if (report.header_id) add("headerId", std::to_string(*report.header_id));
+  add("status", JsonString(NameOf(report.verdict)));
+  add("elapsedMs", fmt::format("{:.3f}", static_cast<double>(report.elapsed.count()) / 1e6));
+  if (!report.message.empty()) add("message", JsonString(report.message));
+  if (report.verdict == Verdict::kDryRun) add("payload", report.payload);
   return json + "}";
 }
 
