@@ -220,6 +220,11 @@ const rapidjson::Value* FindMember(const rapidjson::Value& value, std::string_vi
   return it == value.MemberEnd() ? nullptr : &it->value;
 }
 
+const rapidjson::Value* FindArray(const rapidjson::Value& value, std::string_view name) {
+  const rapidjson::Value* member = FindMember(value, name);
+  return member != nullptr && member->IsArray() ? member : nullptr;
+}
+
 void RenameMember(rapidjson::Document& document, std::string_view from, std::string_view to) {
   if (!document.IsObject()) return;
   const auto end = document.MemberEnd();

@@ -38,6 +38,10 @@ struct JsonLimits {
 [[nodiscard]] const rapidjson::Value* FindMember(const rapidjson::Value& value,
                                                  std::string_view name);
 
+/// The member, or null when it is not there or no array.
+[[nodiscard]] const rapidjson::Value* FindArray(const rapidjson::Value& value,
+                                                std::string_view name);
+
 /// Gives a top-level member another name; nothing happens when there is none of the first name.
 void RenameMember(rapidjson::Document& document, std::string_view from, std::string_view to);
 

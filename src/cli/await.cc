@@ -13,6 +13,7 @@
 #include "cli/listening.h"
 #include "cli/option_set.h"
 #include "cli/subcommand.h"
+#include "cli/targets.h"
 #include "dispatch/listen.h"
 #include "vda5050/condition.h"
 
@@ -39,8 +40,12 @@ struct Wish {
   std::chrono::milliseconds timeout{};
 };
 
-Result<std::vector<std::string>> FiltersOf(const Options& o, const RobotAddress& robot) {
-  const auto dialect = DialectOf(o.vda);
+Result<std::vector<std::string>> FiltersOf(const Options& o, const RobotAddress& robot,
+                                           const Config& config) {
+  // A version that the configuration names is none that the robot must keep to here.
+  VdaOptions vda = Configured(o.vda, config, robot);
+  vda.version = o.vda.version;
+  const auto dialect = DialectOf(vda);
   if (!dialect) return Fail(dialect.error());
   if (o.vda.version.empty() || o.vda.IsAutomatic()) {
     const std::string_view topic = o.topic;
@@ -64,14 +69,14 @@ void WarnOfTopic(const std::string& topic, Output& output) {
   }
 }
 
-Result<Wish> WishOf(const Options& o) {
+Result<Wish> WishOf(const Options& o, const Config& config) {
   constexpr std::string_view kForm =
       "await TARGET TOPIC CONDITION..., such as "
       "await KIT/0001 state paused=true";
   if (o.target.empty() || o.topic.empty() || o.conditions.empty()) {
     return Fail(ErrorKind::kUsage, fmt::format("say whom, what and until when: {}", kForm));
   }
-  auto robot = vda5050::ParseRobotAddress(o.target);
+  auto robot = RobotOf(o.target, config);
   if (!robot) return Fail(std::move(robot.error()));
   Wish wish{.robot = *std::move(robot), .topic = o.topic, .filters = {}, .conditions = {}};
   for (const std::string& text : o.conditions) {
@@ -79,7 +84,7 @@ Result<Wish> WishOf(const Options& o) {
     if (!condition) return Fail(std::move(condition.error()));
     wish.conditions.push_back(*std::move(condition));
   }
-  auto filters = FiltersOf(o, wish.robot);
+  auto filters = FiltersOf(o, wish.robot, config);
   if (!filters) return Fail(std::move(filters.error()));
   wish.filters = *std::move(filters);
   const auto timeout = base::ParseDuration(o.timeout);
@@ -166,7 +171,7 @@ class Awaiter {
 };
 
 Result<ExitCode> RunAwait(const Options& o, const Context& context) {
-  const auto wish = WishOf(o);
+  const auto wish = WishOf(o, context.config);
   if (!wish) return Fail(wish.error());
   WarnOfTopic(wish->topic, context.output);
   return Awaiter(*wish, context).Run();
@@ -176,7 +181,7 @@ Result<ExitCode> RunAwait(const Options& o, const Context& context) {
 
 Run DeclareAwait(OptionSet& set) {
   const auto options = std::make_shared<Options>();
-  set.AddOption("target", options->target, "The robot: manufacturer/serialNumber")
+  set.AddOption("target", options->target, "The robot: manufacturer/serialNumber, or its alias")
       ->type_name("TARGET");
   set.AddOption("topic", options->topic, "state, connection, factsheet ...")->type_name("TOPIC");
   set.AddOption("conditions", options->conditions, "What one message must say")

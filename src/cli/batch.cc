@@ -90,6 +90,8 @@ class Batch {
     transport_ = std::move(*transport);
     dispatch::Stream stream(transport_, **ledger, plan_.send, plan_.wait, HooksFor());
     while (!IsDone(stream)) {
+      // Before reading: what arrives behind a signal is not sent.
+      LookForTheEnd(stream);
       if (MayRead(stream)) SendWhatIsThere(stream);
       LookForTheEnd(stream);
       if (!IsDone(stream)) Wait(stream);

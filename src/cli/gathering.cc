@@ -21,8 +21,6 @@ using vda5050::FleetView;
 using vda5050::RobotAddress;
 using vda5050::RobotView;
 
-constexpr std::chrono::seconds kSubscribe{10};
-
 struct Patience {
   dispatch::CollectOptions discover;
   std::chrono::milliseconds state_wait{};
@@ -45,53 +43,34 @@ std::set<RobotAddress> Silent(const FleetView& view) {
   return silent;
 }
 
-// Takes in what comes until `end()`, which each message may move. `taken` hears of whom it was.
-template <typename End, typename Taken>
-Status Read(mqtt::Transport& transport, FleetView& view, const End& end, const Taken& taken) {
-  for (auto until = end(); steady_clock::now() < until; until = end()) {
-    const auto message = transport.Receive(until);
-    if (!message) return Fail(message.error());
-    if (!*message) continue;
-    const auto origin = (*message)->retained ? vda5050::Origin::kRetained : vda5050::Origin::kLive;
-    const RobotView* robot = view.Deliver((*message)->topic, (*message)->payload, origin);
-    taken(origin, robot);
-  }
-  return {};
-}
-
-// What the broker has retained. Only that puts the end off: a busy fleet is never silent.
-Status TakeRetained(mqtt::Transport& transport, const dispatch::CollectOptions& discover,
-                    FleetView& view) {
-  const auto start = steady_clock::now();
-  auto quiet_at = start + discover.quiet;
-  return Read(
-      transport, view, [&] { return std::min(quiet_at, start + discover.most); },
-      [&](vda5050::Origin origin, const RobotView* /*robot*/) {
-        if (origin == vda5050::Origin::kRetained) quiet_at = steady_clock::now() + discover.quiet;
-      });
+const RobotView* Take(const mqtt::Message& message, FleetView& view) {
+  const auto origin = message.retained ? vda5050::Origin::kRetained : vda5050::Origin::kLive;
+  return view.Deliver(message.topic, message.payload, origin);
 }
 
 // What the robots that are online say, until all have spoken; or, if none is known, until one does.
 Status AwaitStates(mqtt::Transport& transport, mqtt::Deadline end, FleetView& view) {
   auto silent = Silent(view);
   const bool nobody = view.size() == 0;
-  return Read(
-      transport, view,
-      [&] {
-        const bool waits = nobody ? view.size() == 0 : !silent.empty();
-        return waits ? end : mqtt::Deadline();
-      },
-      [&](vda5050::Origin /*origin*/, const RobotView* robot) {
-        if (robot != nullptr && robot->state) silent.erase(robot->robot);
-      });
+  while (steady_clock::now() < end && (nobody ? view.size() == 0 : !silent.empty())) {
+    const auto message = transport.Receive(end);
+    if (!message) return Fail(message.error());
+    if (!*message) continue;
+    const RobotView* robot = Take(**message, view);
+    if (robot != nullptr && robot->state) silent.erase(robot->robot);
+  }
+  return {};
 }
 
 Status Gather(mqtt::Transport& transport, const Patience& patience, FleetView& view) {
   const auto filters = view.Filters();
   if (!filters) return Fail(filters.error());
   const auto start = steady_clock::now();
-  auto ok = transport.Subscribe(*filters, mqtt::kListeningQos, start + kSubscribe);
-  if (ok) ok = TakeRetained(transport, patience.discover, view);
+  auto ok =
+      dispatch::Collect(transport, *filters, patience.discover, [&](const mqtt::Message& message) {
+        Take(message, view);
+        return false;
+      });
   if (ok) ok = AwaitStates(transport, start + patience.state_wait, view);
   return ok;
 }
@@ -119,7 +98,7 @@ void DeclareGatheringOptions(OptionSet& set, GatheringOptions& options) {
 }
 
 Result<FleetView> GatherFleet(const GatheringOptions& o, const Context& context) {
-  auto view = FleetViewOf(o.fleet);
+  auto view = FleetViewOf(o.fleet, context);
   if (!view) return Fail(std::move(view.error()));
   const auto patience = PatienceOf(o);
   if (!patience) return Fail(patience.error());

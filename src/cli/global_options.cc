@@ -3,10 +3,13 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cassert>
 #include <charconv>
 
 #include "base/text.h"
 #include "base/time.h"
+#include "cli/config_settings.h"
 #include "cli/identity.h"
 #include "cli/option_set.h"
 #include "cli/password.h"
@@ -18,19 +21,39 @@ constexpr const char* kBroker = "Broker";
 constexpr const char* kTls = "TLS";
 constexpr const char* kOutput = "Output";
 constexpr const char* kFiles = "Files";
+constexpr const char* kConfig = "Configuration";
+
+// The key of a setting is its option's long name: `-i,--client-id` → client_id.
+std::string_view KeyOf(std::string_view names) {
+  const std::string_view name = names.substr(names.find("--") + 2);
+  for (const std::string_view key : {"host", "port"}) {
+    if (key == name) return key;  // no settings, but shown with them
+  }
+  const auto setting =
+      std::find_if(Settings().begin(), Settings().end(), [&](const Setting& candidate) {
+        return std::equal(name.begin(), name.end(), candidate.key.begin(), candidate.key.end(),
+                          [](char a, char b) { return a == b || (a == '-' && b == '_'); });
+      });
+  assert(setting != Settings().end());
+  return setting->key;
+}
 
 void DeclareBroker(OptionSet& set, GlobalOptions& o) {
-  set.AddOption("-b,--broker", o.brokers,
-                "Broker as URL, mqtt|mqtts|ws|wss://[user@]host[:port]; repeat for failover "
-                "[mqtt://localhost:1883]")
-      ->type_name("URL")
-      ->envname("FLEETPUB_BROKER")
-      ->allow_extra_args(false)
-      ->group(kBroker);
+  ConfigBindings& bindings = set.bindings();
+  bindings.Bind("broker",
+                set.AddOption("-b,--broker", o.brokers,
+                              "Broker as URL, mqtt|mqtts|ws|wss://[user@]host[:port]; repeat for "
+                              "failover [mqtt://localhost:1883]")
+                    ->type_name("URL")
+                    ->envname("FLEETPUB_BROKER")
+                    ->allow_extra_args(false)
+                    ->group(kBroker),
+                &o.brokers);
   const auto add = [&](const char* names, std::string& value, const char* type, const char* env,
                        const char* help) {
     auto* option = set.AddOption(names, value, help)->type_name(type)->group(kBroker);
     if (*env != '\0') option->envname(env);
+    bindings.Bind(KeyOf(names), option, &value);
   };
   add("--host", o.host, "NAME", "FLEETPUB_HOST", "Broker's host, instead of a URL");
   add("-p,--port", o.port, "PORT", "FLEETPUB_PORT", "Broker's port, with --host [1883]");
@@ -51,7 +74,9 @@ void DeclareBroker(OptionSet& set, GlobalOptions& o) {
 void DeclareTls(OptionSet& set, GlobalOptions& o) {
   const auto add = [&](const char* names, std::string& value, const char* type, const char* env,
                        const char* help) {
-    set.AddOption(names, value, help)->type_name(type)->envname(env)->group(kTls);
+    set.bindings().Bind(
+        KeyOf(names), set.AddOption(names, value, help)->type_name(type)->envname(env)->group(kTls),
+        &value);
   };
   add("--cafile", o.ca_file, "FILE", "FLEETPUB_CAFILE", "Authorities to trust, PEM [the system's]");
   add("--capath", o.ca_path, "FOLDER", "FLEETPUB_CAPATH", "Folder of authorities to trust");
@@ -61,20 +86,29 @@ void DeclareTls(OptionSet& set, GlobalOptions& o) {
       "File whose first line is the key's password");
   add("--ciphers", o.ciphers, "LIST", "FLEETPUB_CIPHERS",
       "Ciphers to offer, as OpenSSL names them");
-  set.AddOption("--tls-alpn", o.alpn, "Application protocol to offer; repeatable")
-      ->type_name("NAME")
-      ->allow_extra_args(false)
-      ->group(kTls);
-  set.AddFlag("--insecure", o.insecure,
-              "Do not verify the broker's certificate: anyone could be the broker")
-      ->group(kTls);
+  set.bindings().Bind(
+      "tls_alpn",
+      set.AddOption("--tls-alpn", o.alpn, "Application protocol to offer; repeatable")
+          ->type_name("NAME")
+          ->allow_extra_args(false)
+          ->group(kTls),
+      &o.alpn);
+  set.bindings().Bind(
+      "insecure",
+      set.AddFlag("--insecure", o.insecure,
+                  "Do not verify the broker's certificate: anyone could be the broker")
+          ->group(kTls),
+      &o.insecure);
 }
 
 void DeclareOutput(OptionSet& set, GlobalOptions& o) {
-  set.AddOption("-o,--output", o.format, "text, or json: one object per line [text]")
-      ->type_name("FORMAT")
-      ->envname("FLEETPUB_OUTPUT")
-      ->group(kOutput);
+  set.bindings().Bind(
+      "output",
+      set.AddOption("-o,--output", o.format, "text, or json: one object per line [text]")
+          ->type_name("FORMAT")
+          ->envname("FLEETPUB_OUTPUT")
+          ->group(kOutput),
+      &o.format);
   set.AddFlag("--quiet", o.quiet, "No result lines and no warnings; errors stay")->group(kOutput);
   set.AddFlag("-v,--verbose", o.verbose, "Tell what is done, and the details of errors")
       ->group(kOutput);
@@ -82,16 +116,39 @@ void DeclareOutput(OptionSet& set, GlobalOptions& o) {
 }
 
 void DeclareFiles(OptionSet& set, GlobalOptions& o) {
-  set.AddOption("--ledger", o.ledger, "Header ids and history [see the manual, \"Files\"]")
+  ConfigBindings& bindings = set.bindings();
+  bindings.Bind(
+      "ledger",
+      set.AddOption("--ledger", o.ledger, "Header ids and history [see the manual, \"Files\"]")
+          ->type_name("FILE")
+          ->envname("FLEETPUB_LEDGER")
+          ->group(kFiles),
+      &o.ledger);
+  bindings.Bind(
+      "no_history",
+      set.AddFlag("--no-history", o.no_history, "Keep header ids only, no row of what was sent")
+          ->group(kFiles),
+      &o.no_history);
+  bindings.Bind("header_id_start", nullptr, &o.header_id_start);
+  bindings.Bind("schema_dir",
+                set.AddOption("--schema-dir", o.schema_directory,
+                              "Schemas that stand before the built-in ones")
+                    ->type_name("FOLDER")
+                    ->envname("FLEETPUB_SCHEMA_DIR")
+                    ->group(kFiles),
+                &o.schema_directory);
+}
+
+void DeclareConfig(OptionSet& set, GlobalOptions& o) {
+  set.AddOption("--config", o.config_file,
+                "Configuration, instead of the host's and the user's file")
       ->type_name("FILE")
-      ->envname("FLEETPUB_LEDGER")
-      ->group(kFiles);
-  set.AddFlag("--no-history", o.no_history, "Keep header ids only, no row of what was sent")
-      ->group(kFiles);
-  set.AddOption("--schema-dir", o.schema_directory, "Schemas that stand before the built-in ones")
-      ->type_name("FOLDER")
-      ->envname("FLEETPUB_SCHEMA_DIR")
-      ->group(kFiles);
+      ->envname("FLEETPUB_CONFIG")
+      ->group(kConfig);
+  set.AddOption("--profile", o.profile, "Its settings for one site")
+      ->type_name("NAME")
+      ->envname("FLEETPUB_PROFILE")
+      ->group(kConfig);
 }
 
 Result<int> ParseWhole(std::string_view text, int least, int most, std::string_view option) {
@@ -163,7 +220,8 @@ Result<mqtt::ProtocolVersion> MqttVersionOf(std::string_view text) {
 }  // namespace
 
 bool IsGlobalGroup(std::string_view group) {
-  return group == kBroker || group == kTls || group == kOutput || group == kFiles;
+  return group == kBroker || group == kTls || group == kOutput || group == kFiles ||
+         group == kConfig;
 }
 
 void DeclareGlobalOptions(OptionSet& set, GlobalOptions& options) {
@@ -171,6 +229,14 @@ void DeclareGlobalOptions(OptionSet& set, GlobalOptions& options) {
   DeclareTls(set, options);
   DeclareOutput(set, options);
   DeclareFiles(set, options);
+  DeclareConfig(set, options);
+}
+
+void ApplyConfig(const Config& config, OptionSet& set, const GlobalOptions& options) {
+  std::vector<std::string_view> except;
+  if (!options.host.empty() || !options.port.empty()) except.emplace_back("broker");
+  if (options.ask_password || HasPasswordInEnvironment()) except.emplace_back("password_file");
+  set.bindings().Apply(config, std::move(except));
 }
 
 Result<mqtt::ConnectOptions> ConnectOptionsOf(const Context& context) {
@@ -218,6 +284,8 @@ Result<std::unique_ptr<ledger::Ledger>> OpenLedger(const Context& context, ledge
   options.keep_history = !context.options.no_history;
   options.user = UserName();
   options.host = HostName();
+  options.profile = context.config.profile;
+  if (context.options.header_id_start == "epoch") options.start = ledger::HeaderIdStart::kEpoch;
   return ledger::OpenSqlite(std::move(options), mode);
 }
 

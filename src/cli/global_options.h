@@ -4,11 +4,13 @@
 #include <chrono>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "base/result.h"
+#include "cli/config.h"
 #include "cli/output.h"
 #include "ledger/ledger.h"
 #include "ledger/sqlite_ledger.h"
@@ -47,6 +49,10 @@ struct GlobalOptions {
   std::string ledger;
   bool no_history = false;
   std::string schema_directory;
+  std::string header_id_start = "zero";  ///< zero, epoch
+
+  std::optional<std::string> config_file;
+  std::optional<std::string> profile;  ///< empty text: none
 };
 
 /// The help groups of global options; a command's own help leaves them out.
@@ -55,10 +61,14 @@ struct GlobalOptions {
 /// Adds them to an App; `options` must outlive its parsing.
 void DeclareGlobalOptions(OptionSet& set, GlobalOptions& options);
 
+/// Once they are parsed: sets what neither flag nor environment gave.
+void ApplyConfig(const Config& config, OptionSet& set, const GlobalOptions& options);
+
 /// What a running command needs of the outer world.
 struct Context {
   const GlobalOptions& options;
   Output& output;
+  const Config& config;
 };
 
 /// Brokers, credentials and TLS as the options, the environment and files say. May prompt for a

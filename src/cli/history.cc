@@ -51,6 +51,7 @@ std::string RecordJson(const Record& record) {
       JsonString(record.host), JsonString(record.broker), JsonString(record.target),
       JsonString(record.protocol), JsonString(record.version), JsonString(record.topic),
       ActionsJson(record));
+  if (!record.profile.empty()) json += R"(,"profile":)" + JsonString(record.profile);
   if (record.header_id) json += fmt::format(R"(,"headerId":{})", *record.header_id);
   json += fmt::format(R"(,"status":{})", JsonString(record.status));
   if (record.outcome_at) {
@@ -101,6 +102,10 @@ Result<ExitCode> RunHistory(Options options, const Context& context) {
     if (!until) return Fail(until.error());
     options.filter.until = *until;
   }
+  const auto& aliases = context.config.aliases;
+  if (const auto alias = aliases.find(options.filter.target); alias != aliases.end()) {
+    options.filter.target = alias->second.ToString();
+  }
   const auto ledger = OpenLedger(context, ledger::OpenMode::kReadOnly);
   if (!ledger) return Fail(ledger.error());
   const auto records = (*ledger)->History(options.filter);
@@ -122,6 +127,7 @@ void ShowRecord(const Record& record, Output& output) {
   line("id", fmt::format("{}", record.id));
   line("time", base::FormatTimestamp(record.recorded_at));
   line("user", fmt::format("{} on {}", record.user, record.host));
+  line("profile", record.profile);
   line("target", record.target);
   line("protocol", fmt::format("{} {}", record.protocol, record.version));
   line("broker", record.broker);

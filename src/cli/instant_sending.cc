@@ -58,6 +58,7 @@ class InstantMessage final : public RobotMessage {
 void DeclareInstantSendingOptions(OptionSet& set, InstantSendingOptions& options) {
   DeclareInstantOptions(set, options.instant);
   DeclareSendingOptions(set, options.sending);
+  DeclareYes(set, options.sending);
   DeclareWaitingOptions(set, options.waiting);
   DeclareVdaOptions(set, options.instant.vda);
 }
@@ -67,19 +68,18 @@ Result<ExitCode> SendInstantAction(const InstantSendingOptions& options, std::st
                                    const Context& context) {
   const auto waiting = WaitingOf(options.waiting);
   if (!waiting) return Fail(waiting.error());
-  auto robots = RobotsOf(options.instant.targets, context.output);
-  if (!robots) return Fail(std::move(robots.error()));
-  const auto dialect = DialectOf(options.instant.vda);
-  if (!dialect) return Fail(dialect.error());
-  const auto action = ActionOf(options.instant, type, std::move(parameters), robots->size());
+  auto targets = TargetsOf(options.instant.targets, options.instant.vda, context);
+  if (!targets) return Fail(std::move(targets.error()));
+  const auto action =
+      ActionOf(options.instant, type, std::move(parameters), targets->robots.size());
   if (!action) return Fail(action.error());
   const auto header_id = HeaderIdOf(options.instant.header_id);
   if (!header_id) return Fail(header_id.error());
 
   RobotSending sending;
-  sending.robots = std::move(*robots);
-  sending.dialect = *dialect;
-  sending.automatic = options.instant.vda.IsAutomatic();
+  const bool unasked = options.sending.yes || options.sending.dry_run;
+  if (auto ok = Consent(*targets, HarmOf(type), unasked); !ok) return Fail(std::move(ok.error()));
+  sending.robots = std::move(targets->robots);
   sending.header_id = *header_id;
   sending.make_message = [&action, &options] {
     return std::make_unique<InstantMessage>(*action, options.instant.id.has_value());

@@ -5,6 +5,7 @@
 
 #include "base/time.h"
 #include "cli/option_set.h"
+#include "cli/targets.h"
 #include "mqtt/paho_transport.h"
 
 namespace fleetpub::cli {
@@ -29,10 +30,15 @@ void DeclareFleetOptions(OptionSet& set, FleetOptions& options) {
   DeclareTopicOptions(set, options.vda);
 }
 
-Result<vda5050::FleetView> FleetViewOf(const FleetOptions& options) {
-  const auto dialect = DialectOf(options.vda);
+Result<vda5050::FleetView> FleetViewOf(const FleetOptions& options, const Context& context) {
+  const Config& config = context.config;
+  const auto dialect = DialectOf(Configured(options.vda, config));
   if (!dialect) return Fail(dialect.error());
-  auto pattern = vda5050::ParseRobotPattern(options.pattern.empty() ? "*/*" : options.pattern);
+  std::string text = options.pattern.empty() ? "*/*" : options.pattern;
+  if (const auto alias = config.aliases.find(text); alias != config.aliases.end()) {
+    text = alias->second.ToString();
+  }
+  auto pattern = vda5050::ParseRobotPattern(text);
   if (!pattern) return Fail(std::move(pattern.error()));
   return vda5050::FleetView(dialect->topics, *std::move(pattern));
 }

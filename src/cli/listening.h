@@ -29,7 +29,8 @@ struct FleetOptions {
 void DeclareFleetOptions(OptionSet& set, FleetOptions& options);
 
 /// An empty view for these options. Errors: ErrorKind::kUsage.
-[[nodiscard]] Result<vda5050::FleetView> FleetViewOf(const FleetOptions& options);
+[[nodiscard]] Result<vda5050::FleetView> FleetViewOf(const FleetOptions& options,
+                                                     const Context& context);
 
 /// Connects as these options say; at most the connect timeout and the deadline.
 [[nodiscard]] dispatch::ConnectHook ConnectHookOf(mqtt::ConnectOptions options);

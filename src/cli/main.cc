@@ -7,9 +7,11 @@
 #include <csignal>
 #include <cstdio>
 #include <memory>
+#include <optional>
 
 #include "base/text.h"
 #include "cli/arguments.h"
+#include "cli/config_files.h"
 #include "cli/help.h"
 #include "cli/option_set.h"
 
@@ -97,15 +99,20 @@ ExitCode NoCommand() {
 struct Call {
   GlobalOptions options;
   CLI::App app;
+  std::optional<OptionSet> set;  // the options in it are asked until the end
   Invocation invocation;
   Run run;  ///< empty: no command was named
+  Config config;
 
   // Errors: kUsage. Throws CLI::Success for --help and --version, which only Extent::kAll knows.
   Status Read(OptionSet::Extent extent, const std::vector<std::string>& arguments);
+
+  // Takes from the configuration what the arguments leave open. Errors: kUsage.
+  Status Configure();
 };
 
 Status Call::Read(OptionSet::Extent extent, const std::vector<std::string>& arguments) {
-  OptionSet set(app, extent, arguments);
+  set.emplace(app, extent, arguments);
   app.set_help_flag();
   if (extent == OptionSet::Extent::kAll) {
     app.set_help_flag("-h,--help", "Print this help")->group("Output");
@@ -114,18 +121,29 @@ Status Call::Read(OptionSet::Extent extent, const std::vector<std::string>& argu
            "Print the version")
         ->group("Output");
   }
-  DeclareGlobalOptions(set, options);
+  DeclareGlobalOptions(*set, options);
   auto found = FindSubcommand(app, arguments);
   if (!found) return Fail(std::move(found.error()));
   invocation = std::move(*found);
   if (invocation.subcommand != nullptr) {
-    run = invocation.subcommand->declare(set);
+    run = invocation.subcommand->declare(*set);
   } else if (!invocation.name.empty()) {
-    run = DeclareInstantAction(set, invocation.name);
+    run = DeclareInstantAction(*set, invocation.name);
   } else if (!invocation.arguments.empty() && invocation.arguments.front() == "--") {
     return {};
   }
   return Parse(app, invocation);
+}
+
+Status Call::Configure() {
+  if (invocation.subcommand != nullptr && invocation.subcommand->config == ConfigUse::kNone) {
+    return {};
+  }
+  auto loaded = LoadConfig(options.config_file, options.profile);
+  if (!loaded) return Fail(std::move(loaded.error()));
+  config = *std::move(loaded);
+  ApplyConfig(config, *set, options);
+  return {};
 }
 
 ExitCode RunMain(const std::vector<std::string>& arguments) {
@@ -144,10 +162,13 @@ ExitCode RunMain(const std::vector<std::string>& arguments) {
     }
     if (!call->run) return NoCommand();
   }
+  if (const auto configured = call->Configure(); !configured) {
+    return Complain(configured.error(), call->options.verbose);
+  }
   const auto settings = OutputSettings(call->options);
   if (!settings) return Complain(settings.error(), call->options.verbose);
   Output output(*settings);
-  return Finish(call->run(Context{call->options, output}), output);
+  return Finish(call->run(Context{call->options, output, call->config}), output);
 }
 
 }  // namespace

@@ -13,6 +13,8 @@
 #include <string>
 #include <string_view>
 
+#include "cli/config_bindings.h"
+
 namespace CLI {
 class App;
 class Option;
@@ -33,10 +35,15 @@ class OptionSet {
   /// As CLI::App::add_option: `-b,--broker`, or a name without dashes for the words that are no
   /// options, which are always declared. An option's environment variable is `FLEETPUB_` and its
   /// long name in capitals, perhaps with a word before it (`FLEETPUB_SOAR_SOURCE`). The result may
-  /// be passed to CLI11 only; it is empty when nobody gave the option.
+  /// be passed to CLI11 only; it is empty when nobody gave the option, and lives no longer than the
+  /// set.
   template <class T>
   CLI::Option* AddOption(const std::string& names, T& value, const std::string& help);
   CLI::Option* AddFlag(const std::string& names, bool& value, const std::string& help);
+
+  /// The options that the configuration may set too.
+  [[nodiscard]] ConfigBindings& bindings() { return bindings_; }
+  [[nodiscard]] const CLI::App& app() const { return app_; }
 
  private:
   void Mention(std::string_view argument);
@@ -48,6 +55,7 @@ class OptionSet {
   std::bitset<256> letters_;
   std::unique_ptr<CLI::App> unmentioned_;
   CLI::Option* nobody_;  ///< stands for every option that is left out
+  ConfigBindings bindings_;
 };
 
 }  // namespace fleetpub::cli

@@ -88,6 +88,10 @@ std::optional<std::string> SystemdCredential() {
 
 }  // namespace
 
+bool HasPasswordInEnvironment() {
+  return std::getenv("FLEETPUB_PASSWORD") != nullptr || SystemdCredential();
+}
+
 Result<std::string> ReadPasswordFile(const std::string& path, Output& output) {
   auto content = base::ReadFile(path, kLongestPassword + 2);
   if (!content) return content;

@@ -14,6 +14,10 @@ namespace fleetpub::cli {
 /// environment once read), the systemd credential `fleetpub.password`. Nothing when there is none.
 [[nodiscard]] Result<std::optional<std::string>> FindPassword(const Context& context);
 
+/// Whether the environment brings a password: FLEETPUB_PASSWORD or a systemd credential. It goes
+/// before the configuration's password_file, as the environment goes before the configuration.
+[[nodiscard]] bool HasPasswordInEnvironment();
+
 /// The file's first line. Warns when others may read the file. Errors: ErrorKind::kLedger.
 [[nodiscard]] Result<std::string> ReadPasswordFile(const std::string& path, Output& output);
 

@@ -82,11 +82,12 @@ void DeclarePrepared(OptionSet& set, PreparedOptions& options) {
       ->type_name("N")
       ->group("Message");
   DeclareSendingOptions(set, options.sending);
+  DeclareYes(set, options.sending);
   DeclareWaitingOptions(set, options.waiting);
   DeclareVdaOptions(set, options.vda);
 }
 
-Result<ExitCode> Send(std::string_view topic, const std::vector<std::string>& targets,
+Result<ExitCode> Send(std::string_view topic, const std::vector<std::string>& words,
                       rapidjson::Document message, vda5050::ForeignHeader foreign,
                       const PreparedOptions& options, const Context& context) {
   RobotSending sending;
@@ -97,33 +98,34 @@ Result<ExitCode> Send(std::string_view topic, const std::vector<std::string>& ta
   }
   auto waiting = WaitingOf(waiting_options);
   if (!waiting) return Fail(std::move(waiting.error()));
-  auto robots = RobotsOf(targets, context.output);
-  if (!robots) return Fail(std::move(robots.error()));
-  auto dialect = DialectOf(options.vda);
-  if (!dialect) return Fail(std::move(dialect.error()));
-  if (const auto said = vda5050::VersionSaidBy(message); dialect->assumed && said) {
-    dialect->version = *said;
-    dialect->assumed = false;
+  auto targets = TargetsOf(words, options.vda, context);
+  if (!targets) return Fail(std::move(targets.error()));
+  const auto said = vda5050::VersionSaidBy(message);
+  for (AddressedRobot& target : targets->robots) {
+    if (!target.dialect.assumed || !said) continue;
+    target.dialect.version = *said;
+    target.dialect.assumed = false;
   }
   const auto header_id = HeaderIdOf(options.header_id);
   if (!header_id) return Fail(header_id.error());
 
   if (waiting->wait_for) {  // what cannot be waited for costs no connection
+    const AddressedRobot& first = targets->robots.front();
     const auto possible =
-        vda5050::ConfirmPrepared(robots->front(), *dialect, topic, message, *waiting->wait_for);
+        vda5050::ConfirmPrepared(first.robot, first.dialect, topic, message, *waiting->wait_for);
     if (!possible) return Fail(possible.error());
   }
+  const bool unasked = options.sending.yes || options.sending.dry_run;
+  if (auto ok = Consent(*targets, Harm::kPossible, unasked); !ok) return Fail(ok.error());
 
   const auto shared = std::make_shared<const rapidjson::Document>(std::move(message));
-  sending.robots = std::move(*robots);
-  sending.dialect = std::move(*dialect);
-  sending.automatic = options.vda.IsAutomatic();
+  sending.robots = std::move(targets->robots);
   sending.header_id = *header_id;
   sending.make_message = [topic, shared, foreign] {
     return std::make_unique<PreparedMessage>(topic, shared, foreign);
   };
   sending.options = options.sending;
-  sending.waiting = std::move(*waiting);
+  sending.waiting = *waiting;
   return SendToRobots(std::move(sending), context);
 }
 
@@ -192,7 +194,9 @@ Result<ExitCode> RunRespond(const RespondOptions& options, const Context& contex
     if (!lease) return Fail(lease.error());
     response.lease_expiry = *lease;
   }
-  return Send("responses", {options.target}, vda5050::ResponsesMessage(response),
+  const auto robot = RobotOf(options.target, context.config);  // request ids are its own
+  if (!robot) return Fail(robot.error());
+  return Send("responses", {robot->ToString()}, vda5050::ResponsesMessage(response),
               vda5050::ForeignHeader::kRefuse, options, context);
 }
 
@@ -202,7 +206,7 @@ Run DeclarePublish(OptionSet& set) {
   const auto options = std::make_shared<PublishOptions>();
   set.AddOption("topic", options->topic, "order, instantActions, zoneSet or responses")
       ->type_name("TOPIC");
-  set.AddOption("targets", options->targets, "Robots: manufacturer/serialNumber")
+  set.AddOption("targets", options->targets, "Robots: manufacturer/serialNumber, alias, @group")
       ->type_name("TARGET");
   set.AddOption("-f,--file", options->file, "The message as JSON; - reads standard input")
       ->type_name("FILE")
@@ -216,7 +220,7 @@ Run DeclarePublish(OptionSet& set) {
 
 Run DeclareRespond(OptionSet& set) {
   const auto options = std::make_shared<RespondOptions>();
-  set.AddOption("target", options->target, "The robot: manufacturer/serialNumber")
+  set.AddOption("target", options->target, "The robot: manufacturer/serialNumber, or its alias")
       ->type_name("TARGET");
   set.AddOption("request", options->request, "Its requestId, as fleetpub requests lists it")
       ->type_name("REQUEST");

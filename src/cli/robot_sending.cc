@@ -28,6 +28,7 @@ constexpr std::array<std::string_view, 2> kRetainedTopics = {"factsheet", "conne
 struct Addressee {
   RobotAddress robot;
   Dialect dialect;
+  bool automatic;  ///< its own dialect is to be learnt
   std::unique_ptr<RobotMessage> message;
   KnownRobot known = {};
   bool unspeakable = false;  ///< it speaks a version that we do not
@@ -39,22 +40,27 @@ bool SaysOnline(const mqtt::Message& message) {
   return connection && connection->connection_state == "ONLINE";
 }
 
+bool IsSame(const vda5050::TopicScheme& a, const vda5050::TopicScheme& b) {
+  return a.interface_name == b.interface_name && a.topic_template == b.topic_template;
+}
+
 class RobotSender {
  public:
   RobotSender(RobotSending sending, const Context& context)
       : sending_(std::move(sending)), waiting_(sending_.waiting), context_(context) {
     addressees_.reserve(sending_.robots.size());
-    for (RobotAddress& robot : sending_.robots) {
-      addressees_.push_back({std::move(robot), sending_.dialect, sending_.make_message()});
+    for (auto& [robot, dialect, is_automatic] : sending_.robots) {
+      automatic_ = automatic_ || is_automatic;
+      addressees_.push_back(
+          {std::move(robot), std::move(dialect), is_automatic, sending_.make_message()});
     }
   }
 
   Result<ExitCode> Run() {
-    const bool automatic = sending_.automatic;
-    if (!automatic) {  // what is invalid anyway costs no connection
+    if (!automatic_) {  // what is invalid anyway costs no connection
       if (auto ok = Build(); !ok) return Fail(ok.error());
     }
-    const bool look = automatic || (waiting_.check && !sending_.options.dry_run);
+    const bool look = automatic_ || (waiting_.check && !sending_.options.dry_run);
     if (look) {
       if (auto ok = LookAround(); !ok) {
         return Fail(
@@ -62,7 +68,7 @@ class RobotSender {
       }
       outgoing_.commands.clear();
       outgoing_.validated = false;
-      if (waiting_.check || automatic) Check();
+      Check();
       if (auto ok = Build(); !ok) return Fail(ok.error());
     }
     if (waiting_.wait_for) {
@@ -101,60 +107,112 @@ class RobotSender {
     if (!transport) return Fail(transport.error());
     outgoing_.transport = std::move(*transport);
     std::vector<std::string> filters;
+    std::size_t wanted = 0;
     for (const Addressee& addressee : addressees_) {
+      if (!IsLookedFor(addressee)) continue;
+      ++wanted;
       const auto own = vda5050::DiscoveryFilters(
           addressee.dialect.topics, {addressee.robot.manufacturer, addressee.robot.serial_number},
           kRetainedTopics);
       if (!own) return Fail(own.error());
       filters.insert(filters.end(), own->begin(), own->end());
     }
-    const auto messages = dispatch::Collect(
-        *outgoing_.transport, filters, waiting_.discover,
-        // A robot may have left messages under another version long ago: only ONLINE ends the
-        // search at once.
-        [online = std::size_t{0}, wanted = addressees_.size()](const auto& got) mutable {
-          if (!got.empty() && SaysOnline(got.back())) ++online;
-          return online >= wanted;
-        });
-    if (!messages) return Fail(messages.error());
-    Learn(*messages);
+    // A robot may have left messages under another version long ago: only ONLINE ends the search at
+    // once.
+    auto heard = Ears();
+    const auto schemes = Schemes();
+    std::size_t online = 0;
+    auto taken = dispatch::Collect(*outgoing_.transport, filters, waiting_.discover,
+                                   [&](const mqtt::Message& message) {
+                                     Hear(message, schemes, heard);
+                                     if (SaysOnline(message)) ++online;
+                                     return online >= wanted;
+                                   });
+    if (!taken) return taken;
+    for (Addressee& addressee : addressees_) {
+      const auto traces = heard.find(addressee.robot);
+      if (traces == heard.end() || traces->second.best.empty()) continue;
+      Apply(std::move(traces->second), addressee);
+    }
     return {};
   }
 
   // What one robot has left at the broker.
   struct Traces {
-    std::vector<vda5050::Discovered> found;
-    std::optional<vda5050::Factsheet> factsheet;
+    const Dialect* dialect = nullptr;       ///< that it is spoken to in at first
+    std::vector<vda5050::Discovered> best;  ///< one, once there is any
+    std::shared_ptr<const vda5050::Factsheet> factsheet;
   };
 
-  // What the messages tell; with `--vda auto` a robot is from now on spoken to as they say.
-  void Learn(const std::vector<mqtt::Message>& messages) {
-    std::map<RobotAddress, Traces> by_robot;
-    const Dialect base = addressees_.empty() ? Dialect() : addressees_.front().dialect;
-    for (const mqtt::Message& message : messages) {
-      auto discovered = vda5050::DialectFrom(base, message.topic, message.payload);
-      if (!discovered) continue;
-      Traces& traces = by_robot[discovered->robot];
-      if (discovered->topic_name == "factsheet") {
-        traces.factsheet = vda5050::ReadFactsheet(message.payload);
+  using Heard = std::map<RobotAddress, Traces>;
+
+  [[nodiscard]] Heard Ears() const {
+    Heard heard;
+    for (const Addressee& addressee : addressees_) {
+      if (IsLookedFor(addressee)) heard[addressee.robot].dialect = &addressee.dialect;
+    }
+    return heard;
+  }
+
+  // The topics' shapes among the robots: few, however many robots there are.
+  [[nodiscard]] std::vector<vda5050::TopicScheme> Schemes() const {
+    std::vector<vda5050::TopicScheme> schemes;
+    for (const Addressee& addressee : addressees_) {
+      const auto same = [&](const auto& scheme) {
+        return IsSame(scheme, addressee.dialect.topics);
+      };
+      if (std::none_of(schemes.begin(), schemes.end(), same)) {
+        schemes.push_back(addressee.dialect.topics);
       }
-      traces.found.push_back(std::move(*discovered));
     }
-    for (Addressee& addressee : addressees_) {
-      const auto traces = by_robot.find(addressee.robot);
-      if (traces != by_robot.end()) Apply(std::move(traces->second), addressee);
+    return schemes;
+  }
+
+  // Finds out whose message this is, by the shape of each robot's own topics.
+  void Hear(const mqtt::Message& message, const std::vector<vda5050::TopicScheme>& schemes,
+            Heard& heard) {
+    for (const vda5050::TopicScheme& scheme : schemes) {
+      const auto levels = vda5050::ReadTopic(scheme, message.topic);
+      if (!levels) continue;
+      const auto traces = heard.find(levels->robot);
+      if (traces == heard.end() || !IsSame(traces->second.dialect->topics, scheme)) continue;
+      Note(message, traces->second);
+      return;
     }
+  }
+
+  // What a message tells; with `--vda auto` a robot is from now on spoken to as they say.
+  void Note(const mqtt::Message& message, Traces& traces) {
+    auto discovered = vda5050::DialectFrom(*traces.dialect, message.topic, message.payload);
+    if (!discovered) return;
+    if (discovered->topic_name == "factsheet") {
+      traces.factsheet = Share(vda5050::ReadFactsheet(message.payload));
+    }
+    traces.best.push_back(std::move(*discovered));
+    traces.best = vda5050::OnePerRobot(std::move(traces.best));
+  }
+
+  // Thousands of robots of one make have said the same.
+  std::shared_ptr<const vda5050::Factsheet> Share(std::optional<vda5050::Factsheet> factsheet) {
+    if (!factsheet) return nullptr;
+    for (const auto& known : factsheets_) {
+      if (known->actions == factsheet->actions && known->limits == factsheet->limits) return known;
+    }
+    constexpr std::size_t kMakes = 16;
+    auto shared = std::make_shared<const vda5050::Factsheet>(std::move(*factsheet));
+    if (factsheets_.size() < kMakes) factsheets_.push_back(shared);
+    return shared;
   }
 
   void Apply(Traces traces, Addressee& addressee) const {
     addressee.known.factsheet = std::move(traces.factsheet);
-    const vda5050::Discovered best = vda5050::OnePerRobot(std::move(traces.found)).front();
+    const vda5050::Discovered best = std::move(traces.best.front());
     if (best.topic_name == "connection") {
       addressee.known.connection = best.message;
       addressee.known.connection_topic = best.topic;
     }
     addressee.unspeakable = !best.dialect;
-    if (sending_.automatic && best.dialect) addressee.dialect = *best.dialect;
+    if (addressee.automatic && best.dialect) addressee.dialect = *best.dialect;
     if (addressee.known.factsheet) addressee.message->Suit(*addressee.known.factsheet);
   }
 
@@ -162,10 +220,15 @@ class RobotSender {
   void Check() {
     std::vector<Addressee> left;
     for (Addressee& addressee : addressees_) {
+      if (!IsLookedFor(addressee)) {
+        left.push_back(std::move(addressee));
+        continue;
+      }
       const vda5050::PreflightFindings findings = FindingsOn(addressee);
       for (const std::string& warning : findings.warnings) context_.output.Warn(warning);
       if (findings.refusals.empty()) {
         addressee.dialect.assumed = false;
+        addressee.known = {};
         left.push_back(std::move(addressee));
       } else {
         Refuse(addressee, findings.refusals.front());
@@ -175,7 +238,7 @@ class RobotSender {
   }
 
   [[nodiscard]] vda5050::PreflightFindings FindingsOn(const Addressee& addressee) const {
-    if (sending_.automatic && addressee.unspeakable) {
+    if (addressee.automatic && addressee.unspeakable) {
       return {{"it speaks a version of VDA 5050 that fleetpub does not: try one with --vda"}, {}};
     }
     if (!waiting_.check) {  // `--vda auto` alone: only the version must be known
@@ -209,10 +272,16 @@ class RobotSender {
     return {};
   }
 
+  [[nodiscard]] bool IsLookedFor(const Addressee& addressee) const {
+    return waiting_.check || addressee.automatic;
+  }
+
   RobotSending sending_;
   const Waiting& waiting_;
   const Context& context_;
   std::vector<Addressee> addressees_;
+  bool automatic_ = false;  ///< of at least one
+  std::vector<std::shared_ptr<const vda5050::Factsheet>> factsheets_;
   std::vector<std::string> warnings_;
   Outgoing outgoing_;
 };

@@ -11,6 +11,7 @@
 #include "base/result.h"
 #include "cli/exit_code.h"
 #include "cli/sending.h"
+#include "cli/targets.h"
 #include "cli/wait_options.h"
 #include "dispatch/command.h"
 #include "vda5050/confirmation.h"
@@ -42,9 +43,7 @@ class RobotMessage {
 };
 
 struct RobotSending {
-  std::vector<vda5050::RobotAddress> robots;
-  vda5050::Dialect dialect;  ///< that everybody is spoken to in at first
-  bool automatic = false;    ///< then in each robot's own
+  std::vector<AddressedRobot> robots;
   std::optional<std::uint32_t> header_id;
   std::function<std::unique_ptr<RobotMessage>()> make_message;  ///< one for each robot
   SendingOptions options;

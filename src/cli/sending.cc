@@ -196,11 +196,23 @@ void DeclareSendingOptions(OptionSet& set, SendingOptions& options) {
   set.AddFlag("-n,--dry-run", options.dry_run,
               "Print the message that would be sent; send nothing, use no header id")
       ->group(kSending);
-  set.AddOption("-q,--qos", options.qos,
-                "0: handed to the network; 1, 2: acknowledged by the broker [0]")
-      ->type_name("QOS")
-      ->envname("FLEETPUB_QOS")
-      ->group(kSending);
+  DeclareQos(set, options.qos);
+}
+
+void DeclareYes(OptionSet& set, SendingOptions& options) {
+  set.AddFlag("--yes", options.yes, "Send to all robots of a @group without asking")
+      ->group("Sending");
+}
+
+void DeclareQos(OptionSet& set, std::string& qos) {
+  set.bindings().Bind("qos",
+                      set.AddOption("-q,--qos", qos,
+                                    "0: handed to the network; 1, 2: acknowledged by the broker "
+                                    "[0]")
+                          ->type_name("QOS")
+                          ->envname("FLEETPUB_QOS")
+                          ->group("Sending"),
+                      &qos);
 }
 
 Result<ExitCode> SendCommands(Outgoing outgoing, const SendingOptions& options,

@@ -21,9 +21,14 @@ class OptionSet;
 struct SendingOptions {
   bool dry_run = false;
   std::string qos = "0";
+  bool yes = false;  ///< a group may be commanded unasked
 };
 
 void DeclareSendingOptions(OptionSet& set, SendingOptions& options);
+/// `--yes`, where a target may be a group.
+void DeclareYes(OptionSet& set, SendingOptions& options);
+/// `--qos` alone.
+void DeclareQos(OptionSet& set, std::string& qos);
 
 /// Errors: ErrorKind::kUsage.
 [[nodiscard]] Result<mqtt::Qos> QosOf(const std::string& text);

@@ -15,6 +15,7 @@
 #include "cli/soar_simulate.h"
 #include "cli/soar_validate.h"
 #include "cli/subcommand.h"
+#include "cli/targets.h"
 #include "cli/vda_options.h"
 #include "robot/runner.h"
 #include "vda5050/catalogue.h"
@@ -139,14 +140,24 @@ Status SetDrop(const Options& o, robot::Settings& settings) {
   return {};
 }
 
-Result<robot::Settings> SettingsOf(const Options& o) {
+// As this robot, or each of them, is configured; never `auto`, which is for robots that are there.
+VdaOptions SpokenBy(const std::vector<RobotAddress>& robots, const Options& o,
+                    const Config& config) {
+  const VdaOptions given{.version = o.version,
+                         .interface_name = o.interface_name,
+                         .topic_template = o.topic_template,
+                         .actions_key = o.actions_key};
+  VdaOptions vda =
+      robots.size() == 1 ? Configured(given, config, robots.front()) : Configured(given, config);
+  if (vda.IsAutomatic()) vda.version.clear();
+  return vda;
+}
+
+Result<robot::Settings> SettingsOf(const Options& o, const VdaOptions& vda) {
   if (o.version == "auto") {
     return Fail(ErrorKind::kUsage, "--vda auto is for robots that are there: name a version");
   }
-  const auto dialect = DialectOf({.version = o.version,
-                                  .interface_name = o.interface_name,
-                                  .topic_template = o.topic_template,
-                                  .actions_key = o.actions_key});
+  const auto dialect = DialectOf(vda);
   if (!dialect) return Fail(dialect.error());
   robot::Settings settings;
   settings.version = dialect->version;
@@ -171,11 +182,11 @@ Result<robot::Settings> SettingsOf(const Options& o) {
   return settings;
 }
 
-Result<std::vector<RobotAddress>> Robots(const Options& o, Output& output) {
+Result<std::vector<RobotAddress>> Robots(const Options& o, const Context& context) {
   const auto count = NumberOf(o.count, "--count", kMostRobots);
   if (!count) return Fail(count.error());
   if (*count == 0) return Fail(ErrorKind::kUsage, "--count must be above zero");
-  const auto targets = RobotsOf(o.targets, output);
+  const auto targets = RobotsOf(o.targets, context);
   if (!targets) return Fail(targets.error());
   std::vector<RobotAddress> robots;
   for (const RobotAddress& target : *targets) {
@@ -240,11 +251,11 @@ Result<ExitCode> RunSimulate(const Options& o, const Context& context) {
   if (*is_soar) return RunPlatforms(o, context);
   if (!o.stop_at.empty()) return Fail(ErrorKind::kUsage, "--stop-at belongs to --protocol soar");
   Output& output = context.output;
-  auto settings = SettingsOf(o);
+  const auto robots = Robots(o, context);
+  if (!robots) return Fail(robots.error());
+  auto settings = SettingsOf(o, SpokenBy(*robots, o, context.config));
   if (!settings) return Fail(std::move(settings.error()));
   const std::string_view version = vda5050::FactsOf(settings->version).name;
-  const auto robots = Robots(o, output);
-  if (!robots) return Fail(robots.error());
   schema::Registry registry(context.options.schema_directory);
   const auto fleet = robot::Fleet::Make(
       *std::move(settings), *robots, registry,

@@ -99,17 +99,22 @@ Result<std::string> FilterOf(std::string filter) {
 }  // namespace
 
 void DeclarePrefix(OptionSet& set, std::string& prefix) {
-  set.AddOption("--prefix", prefix, "What all topics of the backbone begin with [soar]")
-      ->type_name("TEXT")
-      ->envname("FLEETPUB_SOAR_PREFIX")
-      ->group(kSoar);
+  set.bindings().Bind(
+      "soar_prefix",
+      set.AddOption("--prefix", prefix, "What all topics of the backbone begin with [soar]")
+          ->type_name("TEXT")
+          ->envname("FLEETPUB_SOAR_PREFIX")
+          ->group(kSoar),
+      &prefix);
 }
 
 void DeclareSource(OptionSet& set, std::string& source) {
-  set.AddOption("--source", source, "Who sends SoAR messages [fleetpub]")
-      ->type_name("TEXT")
-      ->envname("FLEETPUB_SOAR_SOURCE")
-      ->group(kSoar);
+  set.bindings().Bind("soar_source",
+                      set.AddOption("--source", source, "Who sends [fleetpub]")
+                          ->type_name("TEXT")
+                          ->envname("FLEETPUB_SOAR_SOURCE")
+                          ->group(kSoar),
+                      &source);
 }
 
 void DeclareSoarOptions(OptionSet& set, SoarOptions& o) {

@@ -20,6 +20,9 @@ using Run = std::function<Result<ExitCode>(const Context&)>;
 
 enum class HelpGroup { kRobots, kSoar, kLooking, kChecking };
 
+/// Whether a command runs with the configuration, which must be right then.
+enum class ConfigUse { kRead, kNone };
+
 struct Subcommand {
   std::string_view name;  ///< `pause`, `schema show`
   HelpGroup group;
@@ -28,6 +31,7 @@ struct Subcommand {
   std::string_view examples;  ///< lines without the program's name
   /// Adds the options to the App, which is the subcommand's own.
   Run (*declare)(OptionSet& set);
+  ConfigUse config = ConfigUse::kRead;
 };
 
 /// One per file of this folder.
@@ -35,6 +39,8 @@ struct Subcommand {
 [[nodiscard]] Run DeclareActions(OptionSet& set);
 [[nodiscard]] Run DeclareAwait(OptionSet& set);
 [[nodiscard]] Run DeclareBatch(OptionSet& set);
+[[nodiscard]] Run DeclareConfigInit(OptionSet& set);
+[[nodiscard]] Run DeclareConfigShow(OptionSet& set);
 [[nodiscard]] Run DeclareFleet(OptionSet& set);
 [[nodiscard]] Run DeclareHistory(OptionSet& set);
 [[nodiscard]] Run DeclareHistoryPrune(OptionSet& set);

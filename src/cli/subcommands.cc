@@ -94,6 +94,14 @@ constexpr auto kSubcommands = std::to_array<Subcommand>({
      "simulate KIT/0001 --delay 3s --fail startCharging --reject pause\n"
      "simulate --protocol soar soar.planet-ocean.ecosub.eco1 --delay 3s",
      DeclareSimulate},
+    {"config show", kChecking, "", "the settings in force, and where each comes from",
+     "config show\n"
+     "config show --profile north -o json",
+     DeclareConfigShow},
+    {"config init", kChecking, "", "write a commented configuration to begin with",
+     "config init\n"
+     "config init --stdout",
+     DeclareConfigInit, ConfigUse::kNone},
     {"ping", kChecking, "", "can the broker be reached with these settings, and what does it grant",
      "ping\n"
      "ping -b mqtt://broker.example:1883 -u operator --password-file pw",

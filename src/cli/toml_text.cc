@@ -71,7 +71,57 @@ class Writer {
   }
 };
 
+TomlPlace PlaceOf(const toml::source_region& source) {
+  return {source.begin.line, source.begin.column};
+}
+
+TomlValue ValueOf(const toml::node& node) {
+  using Type = TomlValue::Type;
+  TomlValue value{.type = Type::kTime, .place = PlaceOf(node.source())};
+  if (const auto* table = node.as_table()) {
+    value.type = Type::kTable;
+    for (const auto& [key, member] : *table) {
+      value.members.push_back({std::string(key.str()), PlaceOf(key.source()), ValueOf(member)});
+    }
+  } else if (const auto* array = node.as_array()) {
+    value.type = Type::kArray;
+    for (const auto& item : *array) value.items.push_back(ValueOf(item));
+  } else if (const auto* text = node.as_string()) {
+    value.type = Type::kText;
+    value.text = text->get();
+  } else if (const auto* whole = node.as_integer()) {
+    value.type = Type::kInteger;
+    value.text = fmt::format("{}", whole->get());
+  } else if (const auto* flag = node.as_boolean()) {
+    value.type = Type::kBoolean;
+    value.text = flag->get() ? "true" : "false";
+  } else if (node.is_floating_point()) {
+    value.type = Type::kNumber;
+  }
+  return value;
+}
+
+// Whether the library's words on this line may be shown: they can hold a piece of it.
+bool MayBeQuoted(std::string_view text, std::size_t line) {
+  const auto lines = base::Split(text, '\n');
+  if (line == 0 || line > lines.size()) return true;
+  return base::ToLower(lines[line - 1]).find("password") == std::string::npos;
+}
+
 }  // namespace
+
+Result<TomlValue> ParseToml(std::string_view text) {
+  try {
+    return ValueOf(toml::parse(text));
+  } catch (const toml::parse_error& error) {
+    const auto [line, column] = PlaceOf(error.source());
+    const std::string what = base::Printable(error.description());
+    return Fail(ErrorKind::kUsage, fmt::format("{}:{}: not valid TOML{}", line, column,
+                                               MayBeQuoted(text, line) ? ": " + what : ""));
+  } catch (const std::exception& error) {
+    return Fail(ErrorKind::kUsage, fmt::format("1:1: not valid TOML: {}", error.what()));
+  }
+}
 
 Result<std::string> TomlToJson(std::string_view text) {
   try {

@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <charconv>
 #include <limits>
-#include <set>
 
 #include "base/text.h"
 #include "cli/option_set.h"
@@ -72,7 +71,8 @@ void DeclareVdaOptions(OptionSet& set, VdaOptions& o) {
 }
 
 void DeclareInstantOptions(OptionSet& set, InstantOptions& o) {
-  set.AddOption("targets", o.targets, "Robots: manufacturer/serialNumber")->type_name("TARGET");
+  set.AddOption("targets", o.targets, "Robots: manufacturer/serialNumber, alias, @group")
+      ->type_name("TARGET");
   const auto add = [&](const char* names, std::string& value, const char* type, const char* help) {
     set.AddOption(names, value, help)->type_name(type)->group(kAction);
   };
@@ -112,26 +112,6 @@ Result<vda5050::Dialect> DialectOf(const VdaOptions& o) {
   dialect.header_manufacturer = o.header_manufacturer;
   dialect.header_serial = o.header_serial;
   return dialect;
-}
-
-Result<std::vector<vda5050::RobotAddress>> RobotsOf(const std::vector<std::string>& targets,
-                                                    Output& output) {
-  std::vector<vda5050::RobotAddress> robots;
-  std::set<vda5050::RobotAddress> known;
-  if (targets.empty()) {
-    return Fail(ErrorKind::kUsage,
-                "name at least one robot as manufacturer/serialNumber, such as KIT/0001");
-  }
-  for (const std::string& target : targets) {
-    auto robot = vda5050::ParseRobotAddress(target);
-    if (!robot) return Fail(std::move(robot.error()));
-    if (!known.insert(*robot).second) {
-      output.Warn(fmt::format("{} is named twice: commanded once", target));
-      continue;
-    }
-    robots.push_back(std::move(*robot));
-  }
-  return robots;
 }
 
 Result<vda5050::InstantAction> ActionOf(const InstantOptions& o, std::string_view type,

@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "base/result.h"
-#include "cli/output.h"
 #include "vda5050/instant_actions.h"
 
 namespace fleetpub::cli {
@@ -42,10 +41,6 @@ void DeclareVdaOptions(OptionSet& set, VdaOptions& options);
 void DeclareInstantOptions(OptionSet& set, InstantOptions& options);
 
 [[nodiscard]] Result<vda5050::Dialect> DialectOf(const VdaOptions& options);
-
-/// The robots in the order given; one that is named twice is commanded once, with a warning.
-[[nodiscard]] Result<std::vector<vda5050::RobotAddress>> RobotsOf(
-    const std::vector<std::string>& targets, Output& output);
 
 /// The action that the options describe, without an id when none was given. `targets` is how many
 /// robots get it.

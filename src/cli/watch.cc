@@ -182,7 +182,7 @@ Result<steady_clock::time_point> EndOf(const std::string& duration) {
 }
 
 Result<ExitCode> RunWatch(const Options& o, const Context& context) {
-  auto view = FleetViewOf(o.fleet);
+  auto view = FleetViewOf(o.fleet, context);
   if (!view) return Fail(std::move(view.error()));
   auto filters = view->Filters();
   if (!filters) return Fail(std::move(filters.error()));

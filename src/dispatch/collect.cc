@@ -4,23 +4,22 @@
 
 namespace fleetpub::dispatch {
 
-Result<std::vector<mqtt::Message>> Collect(mqtt::Transport& transport,
-                                           std::span<const std::string> filters,
-                                           const CollectOptions& options, const Enough& enough) {
+Status Collect(mqtt::Transport& transport, std::span<const std::string> filters,
+               const CollectOptions& options, const Taker& take) {
   using std::chrono::steady_clock;
-  const auto limit = steady_clock::now() + options.most;
   constexpr std::chrono::seconds kPatience{10};
-  auto subscribed =
-      transport.Subscribe(filters, mqtt::kListeningQos, steady_clock::now() + kPatience);
-  if (!subscribed) return Fail(std::move(subscribed.error()));
-  std::vector<mqtt::Message> messages;
-  while (!enough(messages)) {
-    auto message = transport.Receive(std::min(limit, steady_clock::now() + options.quiet));
-    if (!message) return Fail(std::move(message.error()));
-    if (!*message) break;
-    messages.push_back(std::move(**message));
+  const auto start = steady_clock::now();
+  if (auto ok = transport.Subscribe(filters, mqtt::kListeningQos, start + kPatience); !ok) {
+    return ok;
   }
-  return messages;
+  auto quiet_at = steady_clock::now() + options.quiet;
+  for (;;) {
+    const auto message = transport.Receive(std::min(quiet_at, start + options.most));
+    if (!message) return Fail(message.error());
+    if (!*message || take(**message)) return {};
+    if ((*message)->retained) quiet_at = steady_clock::now() + options.quiet;
+    if (steady_clock::now() >= std::min(quiet_at, start + options.most)) return {};
+  }
 }
 
 }  // namespace fleetpub::dispatch

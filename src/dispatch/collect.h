@@ -6,7 +6,6 @@
 #include <functional>
 #include <span>
 #include <string>
-#include <vector>
 
 #include "base/result.h"
 #include "mqtt/transport.h"
@@ -18,13 +17,13 @@ struct CollectOptions {
   std::chrono::milliseconds most{2'000};
 };
 
-/// Whether these are enough; asked after each message.
-using Enough = std::function<bool(const std::vector<mqtt::Message>&)>;
+/// Takes a message, retained or not; true when it was the last that is wanted.
+using Taker = std::function<bool(const mqtt::Message&)>;
 
-/// Subscribes to the filters, which stay subscribed, and returns what arrives, retained or not.
-[[nodiscard]] Result<std::vector<mqtt::Message>> Collect(mqtt::Transport& transport,
-                                                         std::span<const std::string> filters,
-                                                         const CollectOptions& options,
-                                                         const Enough& enough);
+/// Subscribes to the filters, which stay subscribed, and hands over what arrives until the silence
+/// or until enough is taken. Only what was retained puts the silence off: a busy fleet is never
+/// silent.
+[[nodiscard]] Status Collect(mqtt::Transport& transport, std::span<const std::string> filters,
+                             const CollectOptions& options, const Taker& take);
 
 }  // namespace fleetpub::dispatch

@@ -123,7 +123,6 @@ struct Interposed {
     const Descriptor adopted = std::move(call->adopted_);
     if (dup3(adopted.get(), descriptor, O_CLOEXEC) < 0) return false;
     call->descriptor_ = descriptor;
-    call->connecting_ = true;
     call->just_connected_ = true;
     return true;
   }
@@ -141,7 +140,6 @@ struct Interposed {
     pollfd* const ours = current_call == nullptr ? nullptr : FindReading(descriptors, count);
     if (ours == nullptr) return RawPoll(descriptors, count, milliseconds);
     PahoCall& call = *current_call;
-    if (call.connecting_) AcknowledgeAtOnce(ours->fd);
     if (std::exchange(call.just_connected_, false)) milliseconds = 0;
     if (milliseconds != 0) {
       const int left = MillisecondsUntil(call.deadline_);
@@ -151,7 +149,13 @@ struct Interposed {
       }
       if (milliseconds < 0 || milliseconds > left) milliseconds = left;
     }
-    int ready = RawPoll(descriptors, count, milliseconds);
+    int ready = RawPoll(descriptors, count, 0);
+    if (ready == 0 && milliseconds != 0) {
+      // A broker that sends in two pieces (SUBACK, then what is retained) waits for the first one's
+      // acknowledgement, which our kernel would put off for 40 ms.
+      AcknowledgeAtOnce(ours->fd);
+      ready = RawPoll(descriptors, count, milliseconds);
+    }
     if (ready < 0) return ready;
     if (ours->revents != 0) {
       call.readable_ = true;

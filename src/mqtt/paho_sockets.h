@@ -51,7 +51,6 @@ class PahoCall {
   Deadline deadline_;
   Descriptor adopted_;
   std::string_view expected_;
-  bool connecting_ = false;
   bool just_connected_ = false;
   bool probe_ = false;
   bool expired_ = false;

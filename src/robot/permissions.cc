@@ -10,14 +10,10 @@
 namespace fleetpub::robot {
 namespace {
 
+using base::FindArray;
 using base::FindMember;
 using base::StringMember;
 using rapidjson::Value;
-
-const Value* ArrayOf(const Value& object, std::string_view name) {
-  const Value* array = FindMember(object, name);
-  return array != nullptr && array->IsArray() ? array : nullptr;
-}
 
 double NumberOf(const Value& object, std::string_view name) {
   const Value* number = FindMember(object, name);
@@ -26,7 +22,7 @@ double NumberOf(const Value& object, std::string_view name) {
 
 std::vector<Point> CornersOf(const Value& zone) {
   std::vector<Point> corners;
-  if (const Value* vertices = ArrayOf(zone, "vertices")) {
+  if (const Value* vertices = FindArray(zone, "vertices")) {
     for (const Value& vertex : vertices->GetArray()) {
       corners.push_back({NumberOf(vertex, "x"), NumberOf(vertex, "y")});
     }
@@ -47,7 +43,7 @@ bool IsInside(const Point& point, const std::vector<Point>& corners) {
 }
 
 bool LeadsInto(const Value& order, const ReleaseZone& zone, std::string_view map_id) {
-  const Value* nodes = ArrayOf(order, "nodes");
+  const Value* nodes = FindArray(order, "nodes");
   if (nodes == nullptr) return false;
   return std::any_of(nodes->Begin(), nodes->End(), [&](const Value& node) {
     const Value* position = FindMember(node, "nodePosition");
@@ -90,7 +86,7 @@ std::string AcceptZoneSet(const Value& message, RobotState& state) {
   for (const ZoneSet& known : state.zone_sets) {
     if (known.id == taken.id) return fmt::format("zone set {} is there already", taken.id);
   }
-  if (const Value* zones = ArrayOf(*set, "zones")) {
+  if (const Value* zones = FindArray(*set, "zones")) {
     for (const Value& zone : zones->GetArray()) {
       if (StringMember(zone, "zoneType") != "RELEASE") continue;
       taken.release_zones.push_back({std::string(StringMember(zone, "zoneId")), CornersOf(zone)});
@@ -110,7 +106,7 @@ void AskForPermissions(const Value& order, RobotState& state) {
       }
     }
   }
-  const Value* edges = ArrayOf(order, "edges");
+  const Value* edges = FindArray(order, "edges");
   if (edges == nullptr) return;
   for (const Value& edge : edges->GetArray()) {
     if (!NeedsRelease(edge)) continue;
@@ -123,7 +119,7 @@ void AskForPermissions(const Value& order, RobotState& state) {
 
 std::vector<std::string> TakeResponses(const Value& message, RobotState& state) {
   std::vector<std::string> unknown;
-  const Value* responses = ArrayOf(message, "responses");
+  const Value* responses = FindArray(message, "responses");
   if (responses == nullptr) return unknown;
   for (const Value& response : responses->GetArray()) {
     const std::string_view id = StringMember(response, "requestId");

@@ -14,15 +14,11 @@
 namespace fleetpub::vda5050 {
 namespace {
 
+using base::FindArray;
 using base::FindMember;
 using base::Printable;
 using base::StringMember;
 using rapidjson::Value;
-
-const Value* ArrayOf(const Value& object, std::string_view name) {
-  const Value* array = FindMember(object, name);
-  return array != nullptr && array->IsArray() ? array : nullptr;
-}
 
 std::optional<std::uint64_t> SequenceIdOf(const Value& leg) {
   const Value* id = FindMember(leg, "sequenceId");
@@ -117,7 +113,7 @@ void CheckAction(const Value& action, const Leg& leg, const std::string& path, V
 
 void CheckActions(const Leg& leg, Version version, std::set<std::string_view>& ids,
                   Findings& findings) {
-  const Value* actions = ArrayOf(leg.value, "actions");
+  const Value* actions = FindArray(leg.value, "actions");
   if (actions == nullptr) return;
   for (rapidjson::SizeType i = 0; i < actions->Size(); ++i) {
     const std::string path = fmt::format("{}/actions/{}", leg.path, i);
@@ -133,8 +129,8 @@ Findings CheckOrder(const Value& message, Version version) {
   if (StringMember(message, "orderId").empty()) {
     AddError(findings, "/orderId", "orderId must not be empty");
   }
-  const Value* nodes = ArrayOf(message, "nodes");
-  const Value* edges = ArrayOf(message, "edges");
+  const Value* nodes = FindArray(message, "nodes");
+  const Value* edges = FindArray(message, "edges");
   if (nodes == nullptr || edges == nullptr || nodes->Empty()) {
     AddError(findings, "/nodes", "an order has at least one node: where the robot is");
     return findings;

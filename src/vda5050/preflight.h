@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstddef>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -20,7 +21,7 @@ namespace fleetpub::vda5050 {
 struct KnownRobot {
   std::optional<ConnectionMessage> connection;
   std::string connection_topic;  ///< where that message stood; empty: where the dialect expects it
-  std::optional<Factsheet> factsheet;
+  std::shared_ptr<const Factsheet> factsheet;  ///< robots of one make share it; may be null
   std::optional<RobotState> state;
 };
 

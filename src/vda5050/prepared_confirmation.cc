@@ -18,6 +18,7 @@
 namespace fleetpub::vda5050 {
 namespace {
 
+using base::FindArray;
 using base::FindMember;
 using base::StringMember;
 using dispatch::Progress;
@@ -189,12 +190,12 @@ struct OrderEnd {
 OrderEnd EndOf(const Value& order) {
   OrderEnd end;
   for (const std::string_view list : {"nodes", "edges"}) {
-    const Value* legs = FindMember(order, list);
-    if (legs == nullptr || !legs->IsArray()) continue;
+    const Value* legs = FindArray(order, list);
+    if (legs == nullptr) continue;
     for (const Value& leg : legs->GetArray()) {
       if (list == "nodes") end.last_node = StringMember(leg, "nodeId");
-      const Value* actions = FindMember(leg, "actions");
-      if (actions == nullptr || !actions->IsArray()) continue;
+      const Value* actions = FindArray(leg, "actions");
+      if (actions == nullptr) continue;
       for (const Value& action : actions->GetArray()) {
         end.action_ids.emplace_back(StringMember(action, "actionId"));
       }
@@ -269,8 +270,8 @@ Item ZoneSetItem(const Value& message, WaitFor wait_for) {
 }
 
 Result<Item> ResponseItem(const Value& message, WaitFor wait_for) {
-  const Value* responses = FindMember(message, "responses");
-  if (responses == nullptr || !responses->IsArray() || responses->Size() != 1) {
+  const Value* responses = FindArray(message, "responses");
+  if (responses == nullptr || responses->Size() != 1) {
     return Fail(ErrorKind::kUsage, "waiting takes a message with one response");
   }
   const Value& response = (*responses)[0];
@@ -301,9 +302,9 @@ Result<std::unique_ptr<dispatch::Confirmation>> ConfirmActions(const RobotAddres
                                                                WaitFor wait_for) {
   const std::string_view own_key = FactsOf(dialect.version).actions_key;
   const Value* actions =
-      FindMember(message, dialect.actions_key.empty() ? own_key : dialect.actions_key);
+      FindArray(message, dialect.actions_key.empty() ? own_key : dialect.actions_key);
   std::vector<std::unique_ptr<dispatch::Confirmation>> parts;
-  if (actions != nullptr && actions->IsArray()) {
+  if (actions != nullptr) {
     for (const Value& action : actions->GetArray()) {
       auto part = ConfirmInstantAction(robot, dialect, StringMember(action, "actionType"),
                                        std::string(StringMember(action, "actionId")), wait_for);

@@ -13,6 +13,7 @@
 namespace fleetpub::vda5050 {
 namespace {
 
+using base::FindArray;
 using base::FindMember;
 using base::JsonString;
 using base::Printable;
@@ -102,8 +103,8 @@ std::vector<ledger::ActionRef> ContentsOf(const Value& message, std::string_view
         {"zoneSet", set == nullptr ? "" : std::string(StringMember(*set, "zoneSetId"))});
   } else {
     const bool actions = topic == "instantActions";
-    const Value* list = FindMember(message, actions ? actions_key : "responses");
-    if (list == nullptr || !list->IsArray()) return contents;
+    const Value* list = FindArray(message, actions ? actions_key : "responses");
+    if (list == nullptr) return contents;
     for (const Value& entry : list->GetArray()) {
       contents.push_back({std::string(StringMember(entry, actions ? "actionType" : "grantType")),
                           std::string(StringMember(entry, actions ? "actionId" : "requestId"))});
@@ -173,16 +174,15 @@ Result<dispatch::Command> BuildPrepared(const RobotAddress& robot, const Dialect
 std::vector<InstantAction> ActionsIn(const Value& message, const Dialect& dialect) {
   std::vector<InstantAction> actions;
   const Value* list =
-      FindMember(message, Or(dialect.actions_key, FactsOf(dialect.version).actions_key));
-  if (list == nullptr || !list->IsArray()) return actions;
+      FindArray(message, Or(dialect.actions_key, FactsOf(dialect.version).actions_key));
+  if (list == nullptr) return actions;
   for (const Value& entry : list->GetArray()) {
     InstantAction action{.type = std::string(StringMember(entry, "actionType")),
                          .id = std::string(StringMember(entry, "actionId")),
                          .descriptor = {},
                          .blocking_type = std::string(StringMember(entry, "blockingType")),
                          .parameters = {}};
-    const Value* parameters = FindMember(entry, "actionParameters");
-    if (parameters != nullptr && parameters->IsArray()) {
+    if (const Value* parameters = FindArray(entry, "actionParameters")) {
       for (const Value& parameter : parameters->GetArray()) {
         const Value* value = FindMember(parameter, "value");
         action.parameters.push_back({std::string(StringMember(parameter, "key")),

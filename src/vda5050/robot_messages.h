@@ -109,6 +109,8 @@ struct FactsheetParameter {
   std::string key;
   std::string value_type;             ///< `valueDataType`, upper case
   std::optional<bool> is_optional{};  ///< often left out
+
+  bool operator==(const FactsheetParameter&) const = default;
 };
 
 struct FactsheetAction {
@@ -117,6 +119,8 @@ struct FactsheetAction {
   std::vector<FactsheetParameter> parameters;
   bool has_parameters = false;              ///< the array is there, be it empty
   std::vector<std::string> blocking_types;  ///< upper case; empty: not said
+
+  bool operator==(const FactsheetAction&) const = default;
 };
 
 /// `protocolLimits` as far as they concern what we send. 0: no limit.
@@ -128,6 +132,8 @@ struct FactsheetLimits {
   bool id_numerical_only = false;
   std::size_t instant_actions = 0;    ///< per message
   std::size_t action_parameters = 0;  ///< per action
+
+  bool operator==(const FactsheetLimits&) const = default;
 };
 
 struct Factsheet {

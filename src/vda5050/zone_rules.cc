@@ -12,6 +12,7 @@
 namespace fleetpub::vda5050 {
 namespace {
 
+using base::FindArray;
 using base::FindMember;
 using base::Printable;
 using base::StringMember;
@@ -21,8 +22,8 @@ constexpr std::size_t kCornersOfAPolygon = 3;
 
 std::size_t DifferentVertices(const Value& zone) {
   std::set<std::pair<double, double>> corners;
-  const Value* vertices = FindMember(zone, "vertices");
-  if (vertices == nullptr || !vertices->IsArray()) return 0;
+  const Value* vertices = FindArray(zone, "vertices");
+  if (vertices == nullptr) return 0;
   for (const Value& vertex : vertices->GetArray()) {
     const Value* x = FindMember(vertex, "x");
     const Value* y = FindMember(vertex, "y");
@@ -36,8 +37,8 @@ std::size_t DifferentVertices(const Value& zone) {
 void CheckZoneActions(const Value& zone, const std::string& path, std::set<std::string_view>& ids,
                       Findings& findings) {
   for (const std::string_view list : {"entryActions", "duringActions", "exitActions"}) {
-    const Value* actions = FindMember(zone, list);
-    if (actions == nullptr || !actions->IsArray()) continue;
+    const Value* actions = FindArray(zone, list);
+    if (actions == nullptr) continue;
     for (rapidjson::SizeType i = 0; i < actions->Size(); ++i) {
       const Value& action = (*actions)[i];
       if (FindMember(action, "actionId") == nullptr) continue;  // the robot makes one at each visit
@@ -71,8 +72,8 @@ void CheckLease(const Value& response, const std::string& path, base::WallTime n
 Findings CheckZoneSet(const Value& message) {
   Findings findings;
   const Value* set = FindMember(message, "zoneSet");
-  const Value* zones = set == nullptr ? nullptr : FindMember(*set, "zones");
-  if (zones == nullptr || !zones->IsArray()) return findings;
+  const Value* zones = set == nullptr ? nullptr : FindArray(*set, "zones");
+  if (zones == nullptr) return findings;
   if (StringMember(*set, "zoneSetId").empty()) {
     AddError(findings, "/zoneSet/zoneSetId", "zoneSetId must not be empty");
   }
@@ -96,8 +97,8 @@ Findings CheckZoneSet(const Value& message) {
 
 Findings CheckResponses(const Value& message, base::WallTime now) {
   Findings findings;
-  const Value* responses = FindMember(message, "responses");
-  if (responses == nullptr || !responses->IsArray() || responses->Empty()) {
+  const Value* responses = FindArray(message, "responses");
+  if (responses == nullptr || responses->Empty()) {
     AddError(findings, "/responses", "there must be at least one response");
     return findings;
   }

@@ -12,16 +12,7 @@ using ::testing::HasSubstr;
 using ::testing::MatchesRegex;
 using ::testing::Not;
 
-class Confirmation : public EndToEnd {
- protected:
-  // A robot that is online when this returns.
-  std::unique_ptr<Process> Robot(std::vector<std::string> arguments) const {
-    arguments.insert(arguments.begin(), "simulate");
-    auto robot = std::make_unique<Process>(operator_.Prepare(std::move(arguments)));
-    EXPECT_TRUE(robot->AwaitErrors("online")) << robot->Errors();
-    return robot;
-  }
-};
+class Confirmation : public EndToEnd {};
 
 TEST_F(Confirmation, IsTheRobotsOwnWordInEveryVersion) {
   for (const char* version : {"1.1.0", "2.0.0", "2.1.0", "3.0.0"}) {

@@ -42,6 +42,7 @@ std::set<std::string> Options() {
     text += Help({command});
   }
   text += Help({"history", "show"}) + Help({"history", "prune"});
+  text += Help({"config", "show"}) + Help({"config", "init"});
   text += Help({"schema", "list"}) + Help({"schema", "show"});
   for (const char* command : {"mission-plan", "planning-configuration", "acknowledge",
                               "observation", "platform-status"}) {

@@ -31,12 +31,6 @@ std::string Order(std::string_view id, std::string_view header = R"("version":"3
 
 class Orders : public EndToEnd {
  protected:
-  std::unique_ptr<Process> Robot(std::vector<std::string> arguments) const {
-    arguments.insert(arguments.begin(), "simulate");
-    auto robot = std::make_unique<Process>(operator_.Prepare(std::move(arguments)));
-    EXPECT_TRUE(robot->AwaitErrors("online")) << robot->Errors();
-    return robot;
-  }
   std::string File(std::string_view name, std::string_view content) const {
     return operator_.home().Write(name, content).string();
   }

@@ -19,6 +19,9 @@ Command Operator::Prepare(std::vector<std::string> arguments) const {
   command.environment = {
       {"HOME", home_.path().string()},
       {"XDG_STATE_HOME", std::nullopt},
+      {"XDG_CONFIG_HOME", std::nullopt},
+      {"FLEETPUB_CONFIG", std::nullopt},
+      {"FLEETPUB_PROFILE", std::nullopt},
       {"FLEETPUB_LEDGER", LedgerPath().string()},
       {"FLEETPUB_VDA", std::nullopt},
       {"FLEETPUB_PASSWORD", std::nullopt},
@@ -78,6 +81,13 @@ std::vector<std::string> Lines(std::string_view text) {
   std::istringstream stream{std::string(text)};
   for (std::string line; std::getline(stream, line);) lines.push_back(line);
   return lines;
+}
+
+std::unique_ptr<Process> EndToEnd::Robot(std::vector<std::string> arguments) const {
+  arguments.insert(arguments.begin(), "simulate");
+  auto robot = std::make_unique<Process>(operator_.Prepare(std::move(arguments)));
+  EXPECT_TRUE(robot->AwaitErrors("online")) << robot->Errors();
+  return robot;
 }
 
 }  // namespace fleetpub::testing

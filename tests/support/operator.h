@@ -64,6 +64,8 @@ class EndToEnd : public ::testing::Test {
   [[nodiscard]] Finished Fleetpub(std::vector<std::string> arguments) const {
     return operator_.Fleetpub(std::move(arguments));
   }
+  /// `fleetpub simulate ARGUMENTS…`, online when this returns.
+  [[nodiscard]] std::unique_ptr<Process> Robot(std::vector<std::string> arguments) const;
 
   Mosquitto broker_;
   Operator operator_;

@@ -9,6 +9,10 @@
 namespace fleetpub::vda5050 {
 namespace {
 
+std::shared_ptr<const Factsheet> Shared(std::string_view payload) {
+  return std::make_shared<const Factsheet>(ReadFactsheet(payload).value());
+}
+
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
@@ -45,14 +49,14 @@ KnownRobot InMode(std::string_view mode) {
 // With `protocolFeatures` and `protocolLimits` of 3.0.
 KnownRobot WithActions(std::string_view actions) {
   KnownRobot known = Online();
-  known.factsheet = ReadFactsheet(
-      fmt::format(R"({{"protocolFeatures":{{"mobileRobotActions":[{}]}}}})", actions));
+  known.factsheet =
+      Shared(fmt::format(R"({{"protocolFeatures":{{"mobileRobotActions":[{}]}}}})", actions));
   return known;
 }
 
 KnownRobot WithLimits(std::string_view strings, std::string_view arrays = "") {
   KnownRobot known = Online();
-  known.factsheet = ReadFactsheet(fmt::format(
+  known.factsheet = Shared(fmt::format(
       R"({{"protocolLimits":{{"maximumStringLengths":{{{}}},"maximumArrayLengths":{{{}}}}}}})",
       strings, arrays));
   return known;
@@ -235,7 +239,7 @@ TEST(Preflight, TakesAFactsheetThatListsNothingForOneThatSaysNothing) {
 TEST(Preflight, LooksForTheNameThatTheVersionKnows) {
   KnownRobot known = Online("2.1.0");
   known.factsheet =
-      ReadFactsheet(R"({"protocolFeatures":{"agvActions":[{"actionType":"initPosition"}]}})");
+      Shared(R"({"protocolFeatures":{"agvActions":[{"actionType":"initPosition"}]}})");
   EXPECT_THAT(Findings(known, Action("initializePosition"), {.version = Version::k210}), IsEmpty());
 }
 
@@ -270,7 +274,7 @@ TEST(Preflight, WarnsOfAParameterThatTheFactsheetDoesNotHave) {
 
 TEST(Preflight, NamesABlockingTypeThatTheRobotTakes) {
   KnownRobot known = Online("2.1.0");
-  known.factsheet = ReadFactsheet(
+  known.factsheet = Shared(
       R"({"protocolFeatures":{"agvActions":[{"actionType":"beep","blockingTypes":["SOFT","HARD"]}]}})");
   const Dialect dialect{.version = Version::k210};
   InstantAction action = Action("beep");
@@ -332,7 +336,7 @@ TEST(Preflight, ShowsNothingOfARobotThatMovesACursor) {
 TEST(Preflight, FindsEverythingAtOnce) {
   KnownRobot known = InMode("MANUAL");
   known.connection->connection_state = "OFFLINE";
-  known.factsheet = ReadFactsheet(R"({"protocolLimits":{"maxStringLens":{"idLen":5}},
+  known.factsheet = Shared(R"({"protocolLimits":{"maxStringLens":{"idLen":5}},
     "protocolFeatures":{"agvActions":[{"actionType":"beep"}]}})");
   EXPECT_THAT(Findings(known, Action("cancelOrder")),
               ElementsAre(HasSubstr("OFFLINE"), HasSubstr("MANUAL"), HasSubstr("does not list"),

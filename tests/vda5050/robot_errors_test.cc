@@ -16,10 +16,9 @@ RobotError Error(std::string type, std::vector<ErrorReference> references) {
 }
 
 Attribution Of(std::string type, std::vector<ErrorReference> references) {
-  return AttributionOf(Error(std::move(type), std::move(references)), {.topic = "instantActions",
-                                                                       .id_key = "actionId",
-                                                                       .id = kId,
-                                                                       .header_ids = kHeaderIds});
+  return AttributionOf(
+      Error(std::move(type), std::move(references)),
+      {.topic = "instantActions", .id_key = "actionId", .id = kId, .header_ids = kHeaderIds});
 }
 
 TEST(AttributionOf, KnowsOurActionIdUnderAnyKey) {

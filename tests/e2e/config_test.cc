@@ -1,0 +1,343 @@
+// Configuration files: whose word holds, whom a name means, and that no secret comes out.
+#include <gmock/gmock.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <fstream>
+#include <sstream>
+
+#include "support/operator.h"
+
+namespace fleetpub::testing {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::Not;
+using ::testing::SizeIs;
+using ::testing::UnorderedElementsAre;
+
+class Configuration : public ::testing::Test {
+ protected:
+  // The user's own file.
+  std::filesystem::path Write(const std::string& text) const {
+    auto file = operator_.home().Write(".config/fleetpub/config.toml", text);
+    chmod(file.c_str(), 0600);
+    return file;
+  }
+  [[nodiscard]] Finished Fleetpub(std::vector<std::string> arguments) const {
+    return operator_.Fleetpub(std::move(arguments));
+  }
+  [[nodiscard]] Finished FleetpubWith(std::string variable, std::string value,
+                                      std::vector<std::string> arguments) const {
+    Command command = operator_.Prepare(std::move(arguments));
+    command.environment.emplace_back(std::move(variable), std::move(value));
+    return fleetpub::testing::Run(std::move(command));
+  }
+  // Value and origin that config show prints.
+  [[nodiscard]] static std::string Shown(const Finished& run, const std::string& key) {
+    for (const std::string& line : Lines(run.output)) {
+      const auto row = Json(line);
+      if (row["key"].GetString() == key) {
+        return std::string(row["value"].GetString()) + " | " + row["origin"].GetString();
+      }
+    }
+    return "not shown";
+  }
+
+  Operator operator_;
+};
+
+TEST_F(Configuration, FlagThenEnvironmentThenProfileThenFileThenDefault) {
+  const std::string file = Write(
+                               "qos = 1\ntopic_template = \"t/{manufacturer}/{serial}/{topic}\"\n"
+                               "client_id = \"file\"\nconnect_timeout = \"1s\"\n"
+                               "[profile.north]\nclient_id = \"north\"\nconnect_timeout = \"2s\"\n")
+                               .string();
+  const Finished run =
+      FleetpubWith("FLEETPUB_CONNECT_TIMEOUT", "3s",
+                   {"config", "show", "-o", "json", "--profile", "north", "--keep-alive", "9"});
+  ASSERT_EQ(run.exit_code, 0) << run.errors;
+  EXPECT_EQ(Shown(run, "profile"), "north | flag --profile");
+  EXPECT_EQ(Shown(run, "keep_alive"), "9 | flag --keep-alive");
+  EXPECT_EQ(Shown(run, "connect_timeout"), "3s | environment variable FLEETPUB_CONNECT_TIMEOUT");
+  EXPECT_EQ(Shown(run, "client_id"), "north | profile north of " + file + ":6");
+  EXPECT_EQ(Shown(run, "qos"), "1 | " + file + ":1");
+  EXPECT_EQ(Shown(run, "mqtt_version"), "3.1.1 | default");
+  EXPECT_EQ(Shown(run, "topic_template"), "t/{manufacturer}/{serial}/{topic} | " + file + ":2");
+}
+
+TEST_F(Configuration, ChoosesBrokerQosOutputAndVersion) {
+  const Mosquitto broker;
+  Write("broker = \"" + broker.Url() + "\"\nqos = 1\noutput = \"json\"\nvda = \"2.1\"\n");
+  const Subscriber subscriber(broker);
+  const Finished run = Fleetpub({"pause", "KIT/0001"});
+  EXPECT_EQ(run.exit_code, 0) << run.errors;
+  const auto report = Json(run.output);
+  EXPECT_STREQ(report["status"].GetString(), "PUBLISHED");
+  EXPECT_STREQ(report["topic"].GetString(), "uagv/v2/KIT/0001/instantActions");
+  EXPECT_FALSE(report.HasMember("versionAssumed"));
+  EXPECT_THAT(subscriber.Await(1), SizeIs(1));
+  const Finished text = Fleetpub({"pause", "KIT/0001", "-o", "text", "--vda", "3", "-q", "0"});
+  EXPECT_THAT(text.output, HasSubstr("SENT"));
+  const Finished other = Fleetpub({"pause", "KIT/0001", "--host", "127.0.0.1", "-p", "1"});
+  EXPECT_EQ(other.exit_code, 4) << "--host goes before the configured broker";
+}
+
+TEST_F(Configuration, NamesTheFileWithAFlagOrAVariableInsteadOfTheUsual) {
+  Write("qos = 2\n");
+  const std::string other = operator_.home().Write("other.toml", "qos = 1\n").string();
+  EXPECT_EQ(Shown(Fleetpub({"config", "show", "-o", "json", "--config", other}), "qos"),
+            "1 | " + other + ":1");
+  EXPECT_EQ(Shown(FleetpubWith("FLEETPUB_CONFIG", other, {"config", "show", "-o", "json"}), "qos"),
+            "1 | " + other + ":1");
+  EXPECT_EQ(Shown(Fleetpub({"config", "show", "-o", "json", "--config=/dev/null"}), "qos"),
+            "0 | default");
+}
+
+TEST_F(Configuration, RecordsTheProfileOfEachMessage) {
+  const Mosquitto broker;
+  Write("default_profile = \"north\"\n[profile.north]\nbroker = \"" + broker.Url() + "\"\n");
+  EXPECT_EQ(Fleetpub({"pause", "KIT/0001"}).exit_code, 0);
+  EXPECT_STREQ(Json(Fleetpub({"history", "-o", "json"}).output)["profile"].GetString(), "north");
+  EXPECT_THAT(Fleetpub({"history", "show", "1"}).output, HasSubstr("profile    north"));
+}
+
+TEST_F(Configuration, HeaderIdsMayBeginWithTheTime) {
+  Write("header_id_start = \"epoch\"\noutput = \"json\"\n");
+  const auto report = Json(Fleetpub({"pause", "KIT/0001", "--dry-run"}).output);
+  EXPECT_GT(report["headerId"].GetUint(), 1'700'000'000U);
+}
+
+TEST_F(Configuration, WhatIsWrongIsRefusedWithItsPlaceAndNothingIsSent) {
+  const Mosquitto broker;
+  const Subscriber subscriber(broker);
+  struct Case {
+    std::string text;
+    std::vector<std::string> arguments;
+    std::string sentence;
+  };
+  for (const auto& [text, arguments, sentence] : std::vector<Case>{
+           {"\nbrokr = \"x\"\n", {}, "config.toml:2:1: brokr: there is no such key: did you mean"},
+           {"qos = \"1\"\n", {}, "config.toml:1:1: qos: takes a whole number, not a text"},
+           {"a = \n", {}, "config.toml:1:"},
+           {"\xFF", {}, "not valid TOML"},
+           {"insecure = true\n", {}, "allow_insecure = true beside it"},
+           {"[profile.north]\n", {"--profile", "nroth"}, "did you mean north?"},
+           {"", {"--profile", "north"}, "no file has a table [profile.NAME]"},
+           {"", {"--config", "/nowhere.toml"}, "/nowhere.toml cannot be read: No such file"},
+           {"", {"--config", "/"}, "/ cannot be read: it is a folder"},
+           {"", {"@hall"}, "there is no group '@hall'"},
+           {"[group]\nhall-1 = [\"KIT/2\"]\n", {"@hal-1"}, "did you mean @hall-1?"},
+           {"[robot.\"KIT/2\"]\nalias = \"agv2\"\n", {"agv1"}, "did you mean agv2?"},
+       }) {
+    Write("broker = \"" + broker.Url() + "\"\n");
+    Write(text);
+    std::vector<std::string> all = {"pause", "KIT/0001", "-b", broker.Url()};
+    all.insert(all.end(), arguments.begin(), arguments.end());
+    const Finished run = Fleetpub(all);
+    EXPECT_EQ(run.exit_code, 2) << text << run.errors;
+    EXPECT_THAT(run.errors, HasSubstr(sentence));
+    EXPECT_THAT(run.output, IsEmpty());
+  }
+  Write("");
+  EXPECT_EQ(Fleetpub({"resume", "KIT/0001", "-b", broker.Url(), "-q", "1"}).exit_code, 0);
+  EXPECT_THAT(subscriber.Await(1), SizeIs(1));
+}
+
+TEST_F(Configuration, AFileThatEverybodyCanWriteIsRefused) {
+  const auto file = Write("qos = 1\n");
+  chmod(file.c_str(), 0602);
+  const Finished run = Fleetpub({"pause", "KIT/0001", "--dry-run"});
+  EXPECT_EQ(run.exit_code, 2);
+  EXPECT_THAT(run.errors, HasSubstr("everybody can write it"));
+}
+
+TEST_F(Configuration, HelpAndInitNeedNoRightFile) {
+  const auto file = Write("nonsense");
+  EXPECT_EQ(Fleetpub({"pause", "--help"}).exit_code, 0);
+  EXPECT_EQ(Fleetpub({"--version"}).exit_code, 0);
+  EXPECT_EQ(Fleetpub({"config", "init", "--stdout"}).exit_code, 0);
+  EXPECT_EQ(Fleetpub({"config", "init", "-"}).exit_code, 0);
+}
+
+// ── config init ──
+
+TEST_F(Configuration, TheStarterIsWrittenOnceForItsOwnerOnly) {
+  const Finished run = Fleetpub({"config", "init"});
+  ASSERT_EQ(run.exit_code, 0) << run.errors;
+  const auto file = operator_.home() / ".config/fleetpub/config.toml";
+  struct stat status {};
+  ASSERT_EQ(stat(file.c_str(), &status), 0);
+  EXPECT_EQ(status.st_mode & 0777U, 0600U);
+  EXPECT_EQ(Fleetpub({"config", "show"}).exit_code, 0);
+  std::ofstream(file) << "qos = 1\n";
+  const Finished again = Fleetpub({"config", "init"});
+  EXPECT_EQ(again.exit_code, 2);
+  EXPECT_THAT(again.errors, HasSubstr("is there already and stays as it is"));
+  EXPECT_EQ(std::filesystem::file_size(file), 8U);
+}
+
+TEST_F(Configuration, TheStartersLinesAreAllRightAndAllThatThereAre) {
+  std::string text;
+  for (const std::string& line : Lines(Fleetpub({"config", "init", "--stdout"}).output)) {
+    if (line.size() > 1 && line[0] == '#' && line[1] != ' ') text += line.substr(1) + "\n";
+  }
+  Write(text);
+  const Finished run = Fleetpub({"config", "show", "-o", "json", "--profile", ""});
+  ASSERT_EQ(run.exit_code, 0) << run.errors;
+  for (const std::string& line : Lines(run.output)) {
+    EXPECT_THAT(line, Not(HasSubstr("\"origin\":\"default\"")));
+  }
+}
+
+// ── targets ──
+
+constexpr const char* kMixedFleet =
+    "[robot.\"KIT/0001\"]\nalias = \"old\"\nvda = \"2.0\"\nactions_key = \"instantActions\"\n"
+    "header_serial = \"1\"\n"
+    "[robot.\"KIT/0002\"]\nalias = \"new\"\ninterface = \"plant\"\n"
+    "[group]\nhall = [\"old\", \"new\"]\nsolo = [\"new\"]\n";
+
+TEST_F(Configuration, EachRobotIsSpokenToInItsOwnWay) {
+  Write(kMixedFleet);
+  const Finished run = Fleetpub({"pause", "@hall", "KIT/0003", "--dry-run", "-o", "json"});
+  ASSERT_EQ(run.exit_code, 0) << run.errors;
+  std::vector<std::string> topics;
+  for (const std::string& line : Lines(run.output))
+    topics.push_back(Json(line)["topic"].GetString());
+  EXPECT_THAT(topics,
+              ElementsAre("uagv/v2/KIT/0001/instantActions", "plant/v3/KIT/0002/instantActions",
+                          "vda5050/v3/KIT/0003/instantActions"));
+  const auto report = Json(Lines(run.output).front());
+  const auto& payload = report["payload"];
+  EXPECT_TRUE(payload.HasMember("instantActions"));
+  EXPECT_STREQ(payload["serialNumber"].GetString(), "1");
+  EXPECT_STREQ(payload["version"].GetString(), "2.0.0");
+  const Finished flags = Fleetpub({"pause", "old", "--vda", "2.1", "--actions-key", "actions",
+                                   "--interface", "x", "--dry-run", "-o", "json"});
+  EXPECT_STREQ(Json(flags.output)["topic"].GetString(), "x/v2/KIT/0001/instantActions");
+  EXPECT_STREQ(Json(flags.output)["version"].GetString(), "2.1.0");
+}
+
+TEST_F(Configuration, AGroupIsCommandedOnlyWithAWord) {
+  const Mosquitto broker;
+  Write("broker = \"" + broker.Url() + "\"\nqos = 1\n" + std::string(kMixedFleet));
+  const Subscriber subscriber(broker);
+  const Finished refused = Fleetpub({"cancelOrder", "@hall"});
+  EXPECT_EQ(refused.exit_code, 2);
+  EXPECT_THAT(refused.errors, AllOf(HasSubstr("--yes"), HasSubstr("KIT/0001, KIT/0002")));
+  EXPECT_THAT(subscriber.SoFar(), IsEmpty());
+  EXPECT_EQ(Fleetpub({"cancelOrder", "@hall", "--yes"}).exit_code, 0);
+  EXPECT_EQ(Fleetpub({"cancelOrder", "@solo"}).exit_code, 0);
+  EXPECT_EQ(Fleetpub({"pause", "@hall"}).exit_code, 0);
+  EXPECT_THAT(subscriber.Await(5), SizeIs(5));
+}
+
+TEST_F(Configuration, AGroupIsAskedForOnATerminal) {
+  const Mosquitto broker;
+  Write("broker = \"" + broker.Url() + "\"\nqos = 1\n" + std::string(kMixedFleet));
+  const auto answer = [&](const std::string& text) {
+    Command command = operator_.Prepare({"cancelOrder", "@hall"});
+    const std::string call = command.arguments[0] + " cancelOrder @hall";
+    command.arguments = {"script", "-qec", call, "/dev/null"};
+    command.input = std::nullopt;
+    Process process(std::move(command));
+    EXPECT_TRUE(process.AwaitOutput("Send to these 2 robots? [y/N]")) << process.Output();
+    process.Write(text + "\n");
+    const auto code = process.Wait();
+    return std::pair(code, process.Output());
+  };
+  const auto [no, told] = answer("n");
+  EXPECT_EQ(no, 2);
+  EXPECT_THAT(told, AllOf(HasSubstr("KIT/0001, KIT/0002"), HasSubstr("nothing was sent")));
+  EXPECT_EQ(answer("y").first, 0);
+}
+
+TEST_F(Configuration, AMixedGroupConfirmsRobotByRobot) {
+  const Mosquitto broker;
+  Write("broker = \"" + broker.Url() + "\"\n" + std::string(kMixedFleet));
+  Process old(operator_.Prepare({"simulate", "old"}));
+  Process young(operator_.Prepare({"simulate", "new", "--vda", "3"}));
+  ASSERT_TRUE(old.AwaitErrors("online at")) << old.Errors();
+  ASSERT_TRUE(young.AwaitErrors("online at")) << young.Errors();
+  const Finished run = Fleetpub({"pause", "@hall", "--wait", "-o", "json"});
+  EXPECT_EQ(run.exit_code, 0) << run.output << run.errors;
+  std::vector<std::string> versions;
+  for (const std::string& line : Lines(run.output)) {
+    EXPECT_STREQ(Json(line)["status"].GetString(), "FINISHED");
+    versions.emplace_back(Json(line)["version"].GetString());
+  }
+  EXPECT_THAT(versions, UnorderedElementsAre("2.0.0", "3.0.0"));
+  EXPECT_EQ(Fleetpub({"await", "old", "connection", "connectionState=ONLINE"}).exit_code, 0);
+  EXPECT_EQ(Fleetpub({"await", "@hall", "state", "paused=true"}).exit_code, 2);
+  EXPECT_THAT(Fleetpub({"fleet", "old", "--state-wait", "0"}).output, HasSubstr("KIT/0001"));
+  EXPECT_THAT(Lines(Fleetpub({"history", "--target", "old", "-o", "json"}).output), SizeIs(1));
+}
+
+TEST_F(Configuration, OneRobotMayBeAutomaticBesideOthers) {
+  const Mosquitto broker;
+  Write("broker = \"" + broker.Url() + "\"\n[robot.\"KIT/0001\"]\nvda = \"auto\"\n");
+  Process robot(operator_.Prepare({"simulate", "KIT/0001", "--vda", "1.1"}));
+  ASSERT_TRUE(robot.AwaitErrors("online at")) << robot.Errors();
+  const Finished run = Fleetpub({"pause", "KIT/0001", "KIT/0002", "-o", "json"});
+  EXPECT_EQ(run.exit_code, 0) << run.errors;
+  EXPECT_STREQ(Json(Lines(run.output)[0])["version"].GetString(), "1.1.0");
+  EXPECT_STREQ(Json(Lines(run.output)[1])["version"].GetString(), "3.0.0");
+}
+
+// ── secrets ──
+
+TEST_F(Configuration, NoPasswordComesOut) {
+  const Mosquitto broker({"password_file {}/users"}, {{"users", PasswordFile("me", "hunter2")}});
+  const auto password = operator_.home().Write("pw", "hunter2\n");
+  chmod(password.c_str(), 0600);
+  Write("broker = \"" + broker.Url() + "\"\nusername = \"me\"\npassword_file = \"" +
+        password.string() + "\"\n");
+  std::string all;
+  const auto collect = [&](const Finished& run) { all += run.output + run.errors; };
+  const Finished sent = Fleetpub({"pause", "KIT/0001", "-q", "1", "--debug", "-v"});
+  EXPECT_EQ(sent.exit_code, 0) << sent.errors;
+  collect(sent);
+  collect(Fleetpub({"config", "show"}));
+  EXPECT_THAT(all, HasSubstr("********"));
+  collect(Fleetpub({"config", "show", "-o", "json"}));
+  collect(Fleetpub({"history", "-o", "json"}));
+  collect(Fleetpub({"history", "show", "1"}));
+  collect(FleetpubWith("FLEETPUB_PASSWORD", "hunter2x", {"pause", "KIT/0001", "--debug"}));
+  collect(FleetpubWith("FLEETPUB_PASSWORD", "hunter2", {"config", "show"}));
+  collect(FleetpubWith("FLEETPUB_BROKER", "mqtt://me:hunter2@host", {"config", "show"}));
+  collect(FleetpubWith("FLEETPUB_PROXY", "http://me:hunter2@host", {"config", "show"}));
+  EXPECT_THAT(all, Not(HasSubstr("hunter2")));
+}
+
+TEST_F(Configuration, TheEnvironmentsPasswordGoesBeforeTheConfiguredFile) {
+  const Mosquitto broker({"password_file {}/users"}, {{"users", PasswordFile("me", "right")}});
+  const auto password = operator_.home().Write("pw", "wrong\n");
+  chmod(password.c_str(), 0600);
+  Write("broker = \"" + broker.Url() + "\"\nusername = \"me\"\npassword_file = \"" +
+        password.string() + "\"\n");
+  EXPECT_EQ(Fleetpub({"pause", "KIT/0001"}).exit_code, 4);
+  EXPECT_EQ(FleetpubWith("FLEETPUB_PASSWORD", "right", {"pause", "KIT/0001"}).exit_code, 0);
+}
+
+TEST_F(Configuration, ThePasswordIsNotInWhatOtherUsersSeeOfTheProcess) {
+  const Mosquitto broker({"password_file {}/users"}, {{"users", PasswordFile("me", "hunter2")}});
+  const auto password = operator_.home().Write("pw", "hunter2\n");
+  chmod(password.c_str(), 0644);
+  Write("broker = \"" + broker.Url() + "\"\nusername = \"me\"\npassword_file = \"" +
+        password.string() + "\"\n");
+  Process watching(operator_.Prepare({"watch", "-o", "json"}));
+  EXPECT_TRUE(watching.AwaitErrors("can be read by others: chmod 600"));
+  const std::string process = "/proc/" + std::to_string(watching.pid());
+  for (const char* name : {"/cmdline", "/comm", "/environ"}) {
+    std::ostringstream text;
+    text << std::ifstream(process + name).rdbuf();
+    EXPECT_THAT(text.str(), Not(HasSubstr("hunter2"))) << name;
+  }
+}
+
+}  // namespace
+}  // namespace fleetpub::testing
