@@ -125,8 +125,8 @@ class Transport {
   /// deadline.
   [[nodiscard]] virtual Result<int> Publish(const Message& message, Deadline deadline) = 0;
 
-  /// Between Cork(true) and Cork(false) messages may leave together in larger packets, and some only
-  /// then. For bursts within which nobody waits for an answer.
+  /// Between Cork(true) and Cork(false) messages may leave together in larger packets, and some
+  /// only then. For bursts within which nobody waits for an answer.
   virtual void Cork(bool on) = 0;
 
   /// Waits until every message in flight is acknowledged, or until the deadline. Returns what came
