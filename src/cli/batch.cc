@@ -90,8 +90,6 @@ class Batch {
     transport_ = std::move(*transport);
     dispatch::Stream stream(transport_, **ledger, plan_.send, plan_.wait, HooksFor());
     while (!IsDone(stream)) {
-      // Before reading: what arrives behind a signal is not sent.
-      LookForTheEnd(stream);
       if (MayRead(stream)) SendWhatIsThere(stream);
       LookForTheEnd(stream);
       if (!IsDone(stream)) Wait(stream);
@@ -125,6 +123,7 @@ class Batch {
     return (input_.ended() || !stopped_.empty()) && stream.waiting() == 0;
   }
 
+  // What arrives behind a signal is not sent.
   [[nodiscard]] bool MayRead(const dispatch::Stream& stream) const {
     return !input_.ended() && stopped_.empty() && !StopSignal::Noted() && !stream.lost() &&
            stream.waiting() < kMostWaiting;

@@ -18,6 +18,7 @@
 #include "cli/validate_live.h"
 #include "schema/schema.h"
 #include "schema/schema_files.h"
+#include "vda5050/prepared_message.h"
 #include "vda5050/text_rules.h"
 
 namespace fleetpub::cli {
@@ -146,10 +147,7 @@ class Validator {
 
   [[nodiscard]] Result<vda5050::Version> VersionOf(const rapidjson::Value& message) const {
     if (version_) return *version_;
-    const std::string_view text = base::StringMember(message, "version");
-    for (const vda5050::Version version : vda5050::kVersions) {
-      if (vda5050::FactsOf(version).name == text) return version;
-    }
+    if (const auto said = vda5050::VersionSaidBy(message)) return *said;
     return Fail(ErrorKind::kInvalid,
                 "its header does not say which VDA 5050 version it is: name it with --vda");
   }
