@@ -6,6 +6,7 @@
 
 #include "base/text.h"
 #include "cli/config_files.h"
+#include "cli/version.h"
 
 namespace fleetpub::cli {
 namespace {
@@ -64,10 +65,7 @@ Status Call::Read(OptionSet::Extent extent, const std::vector<std::string>& argu
   app.set_help_flag();
   if (extent == OptionSet::Extent::kAll) {
     app.set_help_flag("-h,--help", "Print this help")->group("Output");
-    app.set_version_flag(
-           "--version", [] { return std::string("fleetpub " FLEETPUB_VERSION); },
-           "Print the version")
-        ->group("Output");
+    app.set_version_flag("--version", VersionText, "Print the version")->group("Output");
   }
   DeclareGlobalOptions(*set_, options);
   auto found = FindSubcommand(app, arguments);
