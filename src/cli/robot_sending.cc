@@ -122,7 +122,9 @@ class RobotSender {
     auto heard = Ears();
     const auto schemes = Schemes();
     std::size_t online = 0;
-    auto taken = dispatch::Collect(*outgoing_.transport, filters, waiting_.discover,
+    dispatch::CollectOptions discover = waiting_.discover;
+    discover.subscribe = connect->connect_timeout;
+    auto taken = dispatch::Collect(*outgoing_.transport, filters, discover,
                                    [&](const mqtt::Message& message) {
                                      Hear(message, schemes, heard);
                                      if (SaysOnline(message)) ++online;

@@ -127,13 +127,15 @@ class Sender {
   }
 
   Status Converse(ledger::Ledger& ledger, Status& trouble) {
-    const dispatch::ConnectHook connect =
-        [this, again = ConnectHookOf(connect_)](mqtt::Deadline deadline) {
-          context_.output.Warn("the connection to the broker was lost: connecting again");
-          return again(deadline);
-        };
-    return dispatch::Converse(outgoing_.commands, outgoing_.transport, connect, ledger, options_,
-                              *outgoing_.wait, sink_, sent_, trouble);
+    Output& output = context_.output;
+    const dispatch::StreamHooks hooks{
+        .report = sink_,
+        .sent = sent_,
+        .connect = ConnectHookOf(connect_),
+        .lost = [&output](const Error& error) { output.Warn(error.message + ": connecting again"); },
+        .again = [&output] { output.Warn("connected again"); }};
+    return dispatch::Converse(outgoing_.commands, outgoing_.transport, ledger, options_,
+                              *outgoing_.wait, hooks, trouble);
   }
 
   Outgoing& outgoing_;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <chrono>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -91,6 +92,8 @@ class Stream {
   std::vector<int> wake_;
   std::optional<Error> lost_;
   mqtt::Deadline next_try_ = {};
+  mqtt::Deadline connected_at_ = {};  // again
+  std::chrono::milliseconds pause_{0};  // before connecting again
   Status trouble_;
 };
 

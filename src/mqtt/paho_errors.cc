@@ -4,6 +4,7 @@
 #include <openssl/x509.h>
 #include <openssl/x509_vfy.h>
 
+#include <algorithm>
 #include <array>
 
 #include "base/text.h"
@@ -57,7 +58,7 @@ constexpr std::array<CodeText, 35> kReasons{{
 
 // What a person can do about a refused CONNECT. Codes of 3.1.1 §3.2.2.3 and of MQTT 5 §3.2.2.2 side
 // by side.
-constexpr std::array<CodeText, 14> kRefusals{{
+constexpr std::array<CodeText, 18> kRefusals{{
     {1, "it does not speak this version of MQTT: try -V 5 or -V 3.1.1"},
     {2, "it does not accept this client id: choose another one with --client-id"},
     {3, "the MQTT service is unavailable: try again later"},
@@ -74,7 +75,11 @@ constexpr std::array<CodeText, 14> kRefusals{{
     {0x88, "the MQTT service is unavailable: try again later"},
     {0x89, "the broker is busy: try again later"},
     {0x8A, "this client is banned: ask the broker's administrator"},
+    {0x8B, "it is shutting down: try again later"},
     {0x8C, "it wants another way of authentication than user name and password"},
+    {0x97, "a quota is exceeded (0x97): ask the broker's administrator"},
+    {0x9C, "it wants this client to use another server: name that one with --broker"},
+    {0x9D, "it has moved for good: name the new server with --broker"},
     {0x9F, "too many connections in a short time: try again later"},
 }};
 
@@ -104,6 +109,12 @@ Error Broker(std::string message, std::string detail = {}) {
   return {ErrorKind::kBroker, std::move(message), std::move(detail)};
 }
 
+// A broker's own words, which may be long.
+std::string Quoted(std::string_view text) {
+  constexpr std::size_t kMost = 200;
+  return base::Printable(text.substr(0, kMost));
+}
+
 std::string VerifyCause(const ConnectFacts& facts) {
   switch (facts.verify_code) {
     case X509_V_ERR_CERT_HAS_EXPIRED:
@@ -113,6 +124,8 @@ std::string VerifyCause(const ConnectFacts& facts) {
     case X509_V_ERR_CERT_REVOKED:
       return "its certificate has been revoked";
     case X509_V_ERR_DEPTH_ZERO_SELF_SIGNED_CERT:
+      return "its certificate is signed by nobody but itself, and not trusted here: if it is the "
+             "right one, name it with --cafile";
     case X509_V_ERR_SELF_SIGNED_CERT_IN_CHAIN:
     case X509_V_ERR_UNABLE_TO_GET_ISSUER_CERT:
     case X509_V_ERR_UNABLE_TO_GET_ISSUER_CERT_LOCALLY:
@@ -135,12 +148,28 @@ std::string PeerCause(unsigned char first) {
   return "what answers there is no MQTT broker: check the port";
 }
 
+// RFC 8446 §6.2: what a server says to a client's certificate.
+bool IsAboutOurCertificate(const ConnectFacts& facts) {
+  constexpr std::array<std::string_view, 4> kAlerts{"certificate", "unknown CA", "access denied",
+                                                    "decrypt error"};
+  return facts.alert_is_theirs &&
+         std::any_of(kAlerts.begin(), kAlerts.end(), [&](std::string_view alert) {
+           return facts.tls_alert.find(alert) != std::string::npos;
+         });
+}
+
 std::string TlsCause(const ConnectFacts& facts, const ConnectOptions& options) {
   if (facts.verify_code != 0 && options.tls.verify) return VerifyCause(facts);
+  const bool shows_none = options.tls.cert_file.empty();
   if (facts.tls_alert.find("certificate required") != std::string::npos ||
-      (options.tls.cert_file.empty() &&
-       facts.tls_alert.find("handshake failure") != std::string::npos)) {
+      (shows_none && facts.tls_alert.find("handshake failure") != std::string::npos)) {
     return "it asks for a certificate of ours: give --cert and --key";
+  }
+  if (!shows_none && IsAboutOurCertificate(facts)) {
+    return fmt::format(
+        "it does not accept our certificate ({}): is --cert the one that this broker's "
+        "administrator gave out, and still valid?",
+        base::Printable(facts.tls_alert));
   }
   if (facts.tls_errors.find("wrong version number") != std::string::npos) {
     return "what answers there does not speak TLS: is it the port without TLS? (mqtt:// instead of "
@@ -208,9 +237,11 @@ Error ConnectError(const BrokerUrl& broker, const ConnectOptions& options,
     const std::string_view refusal = Find(kRefusals, facts.code);
     const std::string code =
         facts.code >= 0x80 ? ReasonText(facts.code) : fmt::format("return code {}", facts.code);
-    return Broker(fmt::format("{} refused the connection: {}", broker.ToString(),
-                              refusal.empty() ? code : std::string(refusal)),
-                  fmt::format("CONNACK {}", code));
+    std::string message = fmt::format("{} refused the connection: {}", broker.ToString(),
+                                      refusal.empty() ? code : std::string(refusal));
+    if (!facts.other_server.empty()) message += fmt::format(" ({})", Quoted(facts.other_server));
+    if (!facts.reason.empty()) message += fmt::format("; it says: {}", Quoted(facts.reason));
+    return Broker(std::move(message), fmt::format("CONNACK {}", code));
   }
   std::string detail = fmt::format("Paho: {}", facts.code);
   if (!facts.tls_errors.empty()) detail += "; " + facts.tls_errors;
