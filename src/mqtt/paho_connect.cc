@@ -190,13 +190,6 @@ std::optional<int> NumericProperty(MQTTProperties* properties, enum MQTTProperty
   return static_cast<int>(MQTTProperties_getNumericValue(properties, code));
 }
 
-std::string TextProperty(MQTTProperties* properties, enum MQTTPropertyCodes code) {
-  const MQTTProperty* const property =
-      properties == nullptr ? nullptr : MQTTProperties_getProperty(properties, code);
-  if (property == nullptr) return {};
-  return {property->value.data.data, static_cast<std::size_t>(property->value.data.len)};
-}
-
 void ReadProperties(MQTTProperties* properties, PahoConnection& connection) {
   ServerInfo& server = connection.server;
   if (const auto qos = NumericProperty(properties, MQTTPROPERTY_CODE_MAXIMUM_QOS)) {
@@ -215,22 +208,25 @@ void ReadProperties(MQTTProperties* properties, PahoConnection& connection) {
   if (const auto maximum = NumericProperty(properties, MQTTPROPERTY_CODE_RECEIVE_MAXIMUM)) {
     connection.receive_maximum = std::max(*maximum, 1);
   }
-  server.assigned_client_id =
-      TextProperty(properties, MQTTPROPERTY_CODE_ASSIGNED_CLIENT_IDENTIFER);
+  const MQTTProperty* const id =
+      properties == nullptr
+          ? nullptr
+          : MQTTProperties_getProperty(properties, MQTTPROPERTY_CODE_ASSIGNED_CLIENT_IDENTIFER);
+  if (id != nullptr) {
+    server.assigned_client_id.assign(id->value.data.data,
+                                     static_cast<std::size_t>(id->value.data.len));
+  }
 }
 
-// Runs Paho's connect; its code, and what the broker said of itself or of why it refuses.
+// Runs Paho's connect; its code, and on success what the broker said of itself.
 int RunConnect(MQTTClient client, MQTTClient_connectOptions* options, PahoConnection& connection,
-               std::optional<int>& server_keep_alive, ConnectFacts& facts) {
+               std::optional<int>& server_keep_alive) {
   if (options->MQTTVersion != MQTTVERSION_5) return MQTTClient_connect(client, options);
   MQTTResponse response = MQTTClient_connect5(client, options, nullptr, nullptr);
   const int code = ReasonCode(response);
   if (code == MQTTCLIENT_SUCCESS) {
     ReadProperties(response.properties, connection);
     server_keep_alive = NumericProperty(response.properties, MQTTPROPERTY_CODE_SERVER_KEEP_ALIVE);
-  } else {
-    facts.reason = TextProperty(response.properties, MQTTPROPERTY_CODE_REASON_STRING);
-    facts.other_server = TextProperty(response.properties, MQTTPROPERTY_CODE_SERVER_REFERENCE);
   }
   MQTTResponse_free(response);
   return code;
@@ -271,7 +267,7 @@ Result<PahoConnection> Attempt(const BrokerUrl& broker, const ConnectOptions& op
   if (route->connected.open()) call.Adopt(std::move(route->connected));
   call.ExpectFirst(FirstBytesOf(broker));
   Arguments arguments(broker, options, watch);
-  code = RunConnect(client, arguments.get(), connection, server_keep_alive, watch.facts());
+  code = RunConnect(client, arguments.get(), connection, server_keep_alive);
   if (code == MQTTCLIENT_SUCCESS) {
     connection.client = client;
     connection.descriptor = call.descriptor();

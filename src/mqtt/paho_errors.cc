@@ -77,7 +77,7 @@ constexpr std::array<CodeText, 18> kRefusals{{
     {0x8A, "this client is banned: ask the broker's administrator"},
     {0x8B, "it is shutting down: try again later"},
     {0x8C, "it wants another way of authentication than user name and password"},
-    {0x97, "a quota is exceeded (0x97): ask the broker's administrator"},
+    {0x97, "quota exceeded (0x97): ask the broker's administrator"},
     {0x9C, "it wants this client to use another server: name that one with --broker"},
     {0x9D, "it has moved for good: name the new server with --broker"},
     {0x9F, "too many connections in a short time: try again later"},
@@ -107,12 +107,6 @@ std::string_view Find(const auto& table, int code) {
 
 Error Broker(std::string message, std::string detail = {}) {
   return {ErrorKind::kBroker, std::move(message), std::move(detail)};
-}
-
-// A broker's own words, which may be long.
-std::string Quoted(std::string_view text) {
-  constexpr std::size_t kMost = 200;
-  return base::Printable(text.substr(0, kMost));
 }
 
 std::string VerifyCause(const ConnectFacts& facts) {
@@ -148,29 +142,29 @@ std::string PeerCause(unsigned char first) {
   return "what answers there is no MQTT broker: check the port";
 }
 
-// RFC 8446 §6.2: what a server says to a client's certificate.
+// What a server says to a client's certificate, or to none (RFC 8446 §6.2, RFC 5246 §7.4.6).
 bool IsAboutOurCertificate(const ConnectFacts& facts) {
-  constexpr std::array<std::string_view, 4> kAlerts{"certificate", "unknown CA", "access denied",
-                                                    "decrypt error"};
-  return facts.alert_is_theirs &&
+  constexpr std::array<std::string_view, 5> kAlerts{
+      "certificate", "unknown CA", "access denied", "decrypt error", "handshake failure"};
+  return facts.wants_certificate && facts.alert_is_theirs &&
          std::any_of(kAlerts.begin(), kAlerts.end(), [&](std::string_view alert) {
            return facts.tls_alert.find(alert) != std::string::npos;
          });
 }
 
-std::string TlsCause(const ConnectFacts& facts, const ConnectOptions& options) {
-  if (facts.verify_code != 0 && options.tls.verify) return VerifyCause(facts);
-  const bool shows_none = options.tls.cert_file.empty();
-  if (facts.tls_alert.find("certificate required") != std::string::npos ||
-      (shows_none && facts.tls_alert.find("handshake failure") != std::string::npos)) {
+std::string OurCertificateCause(const ConnectFacts& facts, const ConnectOptions& options) {
+  if (options.tls.cert_file.empty()) {
     return "it asks for a certificate of ours: give --cert and --key";
   }
-  if (!shows_none && IsAboutOurCertificate(facts)) {
-    return fmt::format(
-        "it does not accept our certificate ({}): is --cert the one that this broker's "
-        "administrator gave out, and still valid?",
-        base::Printable(facts.tls_alert));
-  }
+  return fmt::format(
+      "it does not accept our certificate{}: is --cert the one that the broker's administrator "
+      "gave out, and still valid?",
+      facts.tls_alert.empty() ? "" : fmt::format(" ({})", base::Printable(facts.tls_alert)));
+}
+
+std::string TlsCause(const ConnectFacts& facts, const ConnectOptions& options) {
+  if (facts.verify_code != 0 && options.tls.verify) return VerifyCause(facts);
+  if (IsAboutOurCertificate(facts)) return OurCertificateCause(facts, options);
   if (facts.tls_errors.find("wrong version number") != std::string::npos) {
     return "what answers there does not speak TLS: is it the port without TLS? (mqtt:// instead of "
            "mqtts://)";
@@ -183,7 +177,8 @@ std::string TlsCause(const ConnectFacts& facts, const ConnectOptions& options) {
   if (!facts.tls_alert.empty()) {
     return fmt::format("the TLS handshake failed: {}", base::Printable(facts.tls_alert));
   }
-  return "it closed the connection during the TLS handshake: is that its port for TLS?";
+  return "it closed the connection during the TLS handshake: does it speak TLS on this port? "
+         "(otherwise mqtt:// instead of mqtts://)";
 }
 
 std::string Cause(const BrokerUrl& broker, const ConnectOptions& options,
@@ -209,8 +204,12 @@ std::string Cause(const BrokerUrl& broker, const ConnectOptions& options,
       (!facts.tls_errors.empty() || facts.verify_code != 0 || !facts.connect_sent)) {
     return TlsCause(facts, options);
   }
-  return "it closed the connection without an answer: does it speak this version of MQTT (-V), and "
-         "this scheme?";
+  // In TLS 1.3 the server looks at our certificate when we have spoken already, and mosquitto hangs
+  // up before its alert could be read.
+  if (facts.wants_certificate) return OurCertificateCause(facts, options);
+  return fmt::format(
+      "it closed the connection without an answer: does it speak this version of MQTT (-V){}?",
+      broker.UsesTls() ? "" : ", or is it a port for TLS (mqtts://)");
 }
 
 }  // namespace
@@ -237,11 +236,9 @@ Error ConnectError(const BrokerUrl& broker, const ConnectOptions& options,
     const std::string_view refusal = Find(kRefusals, facts.code);
     const std::string code =
         facts.code >= 0x80 ? ReasonText(facts.code) : fmt::format("return code {}", facts.code);
-    std::string message = fmt::format("{} refused the connection: {}", broker.ToString(),
-                                      refusal.empty() ? code : std::string(refusal));
-    if (!facts.other_server.empty()) message += fmt::format(" ({})", Quoted(facts.other_server));
-    if (!facts.reason.empty()) message += fmt::format("; it says: {}", Quoted(facts.reason));
-    return Broker(std::move(message), fmt::format("CONNACK {}", code));
+    return Broker(fmt::format("{} refused the connection: {}", broker.ToString(),
+                              refusal.empty() ? code : std::string(refusal)),
+                  fmt::format("CONNACK {}", code));
   }
   std::string detail = fmt::format("Paho: {}", facts.code);
   if (!facts.tls_errors.empty()) detail += "; " + facts.tls_errors;

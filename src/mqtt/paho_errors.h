@@ -21,12 +21,10 @@ struct ConnectFacts {
   std::string tls_errors;                    ///< OpenSSL's, for the detail
   std::string tls_alert;                     ///< the last alert sent or received, "unknown CA"
   bool alert_is_theirs = false;              ///< received
+  bool wants_certificate = false;            ///< it asked for one of ours
   bool wrong_name = false;                   ///< the certificate is another host's
   std::string certificate_names;             ///< the names that it is for
   std::string http_status;  ///< the answer to the WebSocket handshake when it was no 101
-  /// What a refusing CONNACK of MQTT 5 adds (§3.2.2.3): its own words, and where to go instead.
-  std::string reason;
-  std::string other_server;
 };
 
 /// The sentence for a connection that did not come about.

@@ -102,6 +102,8 @@ struct TraceCallback {
         facts.tls_alert = text;
         facts.alert_is_theirs = alert.starts_with("read");
       }
+    } else if (!After(line, "read server certificate request").empty()) {
+      facts.wants_certificate = true;
     } else if (!After(line, "X509_check_host for hostname").empty()) {
       facts.wrong_name = true;  // unless it is a host in numbers and CONNECT follows
       facts.certificate_names = NamesOf(watch.tls_.ssl());

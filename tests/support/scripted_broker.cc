@@ -83,7 +83,7 @@ std::string ScriptedBroker::AnswerTo(const Packet& packet, bool v5) {
       return v5 ? BrokenBroker::Connack5(0) : BrokenBroker::Connack(0);
     case kPublish:
       ++published_;
-      if ((packet.flags & kQosBits) == 0) return {};
+      if ((packet.flags & kQosBits) == 0 || !script_.answers_publish) return {};
       std::this_thread::sleep_for(script_.before_puback);
       return Puback(packet, script_.puback, v5);
     case kSubscribe:

@@ -38,6 +38,7 @@ struct Script {
   std::chrono::milliseconds before_puback{0};
   int suback = 0;  ///< to each filter
   int puback = 0;  ///< MQTT 5 only
+  bool answers_publish = true;
   /// Closes the connection instead of reading further, after a packet of this type.
   int hangs_up_after = 0;
 };
