@@ -133,7 +133,8 @@ class Sender {
         .report = sink_,
         .sent = sent_,
         .connect = ConnectHookOf(connect_),
-        .lost = [&output](const Error& error) { output.Warn(error.message + ": connecting again"); },
+        .lost =
+            [&output](const Error& error) { output.Warn(error.message + ": connecting again"); },
         .again = [&output] { output.Warn("connected again"); }};
     return dispatch::Converse(outgoing_.commands, outgoing_.transport, ledger, options_,
                               *outgoing_.wait, hooks, trouble);

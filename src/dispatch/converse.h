@@ -21,8 +21,8 @@ namespace fleetpub::dispatch {
 /// null when that did not succeed. Errors: the subscription failed, and nothing was sent. `trouble`
 /// receives what changes no verdict: an outcome that could not be recorded.
 [[nodiscard]] Status Converse(std::span<const Command> commands,
-                              std::unique_ptr<mqtt::Transport>& transport,
-                              ledger::Ledger& ledger, const SendOptions& send,
-                              const WaitOptions& wait, const StreamHooks& hooks, Status& trouble);
+                              std::unique_ptr<mqtt::Transport>& transport, ledger::Ledger& ledger,
+                              const SendOptions& send, const WaitOptions& wait,
+                              const StreamHooks& hooks, Status& trouble);
 
 }  // namespace fleetpub::dispatch

@@ -39,8 +39,7 @@ class Batch {
   Status Run(const SentHook& sent) {
     started_ = steady_clock::now();
     for (const Command& command : commands_) {
-      auto admitted =
-          transport_.Admits(command.topic, command.payload.LargestSize(), options_.qos);
+      auto admitted = transport_.Admits(command.topic, command.payload.LargestSize(), options_.qos);
       if (!admitted) return admitted;
     }
     auto lock = Lock();

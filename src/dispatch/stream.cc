@@ -17,10 +17,10 @@ constexpr milliseconds kQuiet{20};
 constexpr milliseconds kLongestPause{500};
 // Messages that are read before somebody else gets his turn.
 constexpr int kTurn = 100;
-// Between attempts to connect again, and for one attempt.
-constexpr milliseconds kReconnectPause{200};
-// Two clients with one client id throw each other out whenever one connects. They do it ever more
-// seldom; a connection that has lasted starts afresh.
+// Before connecting again, between attempts, and for one attempt. Who lost the connection to a
+// client of the same id would throw that one out: by then a command has done its work. Two that
+// both wait do it ever more seldom; a connection that has lasted starts afresh.
+constexpr milliseconds kReconnectPause{500};
 constexpr milliseconds kLongestReconnectPause{5000};
 constexpr seconds kLasting{10};
 constexpr seconds kReconnectPatience{10};
@@ -37,7 +37,7 @@ Stream::Stream(std::unique_ptr<mqtt::Transport>& transport, ledger::Ledger& ledg
       follower_(wait, [this](Follower::Key key, Report ended) {
         again_.erase(key);
         if (lost_ && ended.verdict == Verdict::kTimeout) {
-          ended.message += "; the broker could not be reached again";
+          ended.message += "; the broker was out of reach at the end";
         }
         ended_.push_back(std::move(ended));
       }) {}
@@ -189,7 +189,7 @@ void Stream::Lose(Error error) {
   const auto now = steady_clock::now();
   pause_ = now - connected_at_ < kLasting
                ? std::clamp(pause_ * 2, kReconnectPause, kLongestReconnectPause)
-               : milliseconds(0);
+               : kReconnectPause;
   next_try_ = now + pause_;
   if (hooks_.lost) hooks_.lost(error);
   lost_ = std::move(error);
@@ -201,7 +201,7 @@ void Stream::TryAgain(mqtt::Deadline deadline) {
   const auto now = steady_clock::now();
   if (now < next_try_) return;
   auto transport = hooks_.connect(std::min(now + kReconnectPatience, follower_.NextLimit()));
-  next_try_ = steady_clock::now() + std::max(pause_, kReconnectPause);
+  next_try_ = steady_clock::now() + pause_;
   if (!transport) return;
   transport_ = std::move(*transport);
   connected_at_ = steady_clock::now();

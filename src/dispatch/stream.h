@@ -2,8 +2,8 @@
 // are known. Nothing of a command is kept once its report is out.
 #pragma once
 
-#include <cstdint>
 #include <chrono>
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -92,7 +92,7 @@ class Stream {
   std::vector<int> wake_;
   std::optional<Error> lost_;
   mqtt::Deadline next_try_ = {};
-  mqtt::Deadline connected_at_ = {};  // again
+  mqtt::Deadline connected_at_ = {};    // again
   std::chrono::milliseconds pause_{0};  // before connecting again
   Status trouble_;
 };

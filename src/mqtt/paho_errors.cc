@@ -144,8 +144,8 @@ std::string PeerCause(unsigned char first) {
 
 // What a server says to a client's certificate, or to none (RFC 8446 §6.2, RFC 5246 §7.4.6).
 bool IsAboutOurCertificate(const ConnectFacts& facts) {
-  constexpr std::array<std::string_view, 5> kAlerts{
-      "certificate", "unknown CA", "access denied", "decrypt error", "handshake failure"};
+  constexpr std::array<std::string_view, 5> kAlerts{"certificate", "unknown CA", "access denied",
+                                                    "decrypt error", "handshake failure"};
   return facts.wants_certificate && facts.alert_is_theirs &&
          std::any_of(kAlerts.begin(), kAlerts.end(), [&](std::string_view alert) {
            return facts.tls_alert.find(alert) != std::string::npos;

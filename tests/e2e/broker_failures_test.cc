@@ -48,8 +48,11 @@ TEST_F(BrokerFailures, OfReachingItAreNamedByEveryCommand) {
       {silent.Url(), "gave no MQTT answer within 300 ms"},
   };
   const std::vector<std::vector<std::string>> commands = {
-      {"pause", "KIT/0001"}, {"pause", "KIT/0001", "--wait"}, {"fleet"},
-      {"await", "KIT/0001", "state", "paused=true", "-W", kShort}, {"ping"}};
+      {"pause", "KIT/0001"},
+      {"pause", "KIT/0001", "--wait"},
+      {"fleet"},
+      {"await", "KIT/0001", "state", "paused=true", "-W", kShort},
+      {"ping"}};
   for (const auto& [url, words] : peers) {
     for (auto command : commands) {
       command.insert(command.end(), {"--connect-timeout", kShort});
@@ -119,12 +122,12 @@ TEST_F(BrokerFailures, OfRefusalsSayWhatToDo) {
   };
   for (const auto& [code, version, words] : codes) {
     const bool v5 = std::string_view(version) == "5";
-    const BrokenBroker peer(BrokenBroker::Answers(
-        {v5 ? BrokenBroker::Connack5(code) : BrokenBroker::Connack(code)}));
+    const BrokenBroker peer(
+        BrokenBroker::Answers({v5 ? BrokenBroker::Connack5(code) : BrokenBroker::Connack(code)}));
     const Finished run = Pause(peer.Url(), {"-V", version});
     EXPECT_EQ(run.exit_code, 4) << code;
-    EXPECT_THAT(run.errors, AllOf(HasSubstr("nothing was sent"), HasSubstr("refused the connection"),
-                                  HasSubstr(words)));
+    EXPECT_THAT(run.errors, AllOf(HasSubstr("nothing was sent"),
+                                  HasSubstr("refused the connection"), HasSubstr(words)));
   }
   EXPECT_THAT(History(), IsEmpty());
 }
@@ -137,7 +140,8 @@ TEST_F(BrokerFailures, OfAccessListsAreKnownToMqtt5AndWarnedOfBefore) {
   EXPECT_THAT(known.output, AllOf(HasSubstr("ERROR"), HasSubstr("not authorized (0x87)")));
   const Finished unknown = Pause(broker.Url(), {"-q", "1", "-V", "3.1.1"});
   EXPECT_EQ(unknown.exit_code, 0);
-  EXPECT_THAT(unknown.errors, AllOf(HasSubstr("access list"), HasSubstr("-V 5"), HasSubstr("--wait")));
+  EXPECT_THAT(unknown.errors,
+              AllOf(HasSubstr("access list"), HasSubstr("-V 5"), HasSubstr("--wait")));
   EXPECT_THAT(Pause(broker.Url(), {"-q", "1", "--quiet"}).errors, IsEmpty());
   Command batch = operator_.Prepare({"batch", "-q", "1", "-b", broker.Url()});
   batch.input = R"({"action":"startPause","target":"KIT/0001"})";
@@ -157,7 +161,9 @@ TEST_F(BrokerFailures, OfARefusedSubscriptionSendNothing) {
     EXPECT_THAT(run.errors, AllOf(HasSubstr("nothing was sent"),
                                   HasSubstr("refuses the subscription to vda5050/v3/KIT/0001/")));
     EXPECT_EQ(Pause(broker.Url(), {"--wait", "-V", version}).exit_code, 4);
-    EXPECT_EQ(Call(broker.Url(), {"await", "KIT/0001", "state", "paused=true", "-V", version}).exit_code, 4);
+    EXPECT_EQ(
+        Call(broker.Url(), {"await", "KIT/0001", "state", "paused=true", "-V", version}).exit_code,
+        4);
     EXPECT_EQ(Call(broker.Url(), {"fleet", "-V", version}).exit_code, 4);
     EXPECT_EQ(broker.published(), 0);
   }
@@ -165,7 +171,8 @@ TEST_F(BrokerFailures, OfARefusedSubscriptionSendNothing) {
 }
 
 TEST_F(BrokerFailures, OfAcknowledgementsThatComeLateAreNoFailures) {
-  const ScriptedBroker slow({.before_suback = milliseconds(400), .before_puback = milliseconds(400)});
+  const ScriptedBroker slow(
+      {.before_suback = milliseconds(400), .before_puback = milliseconds(400)});
   const Finished published = Pause(slow.Url(), {"-q", "1", "-V", "5"});
   EXPECT_EQ(published.exit_code, 0) << published.output;
   const Finished unseen = Pause(slow.Url(), {"--wait", "--no-check", "-W", kShort});
@@ -174,10 +181,10 @@ TEST_F(BrokerFailures, OfAcknowledgementsThatComeLateAreNoFailures) {
 }
 
 TEST_F(BrokerFailures, OfAcknowledgementsThatComeTooLateSayWhatWasSent) {
-  const ScriptedBroker slow({.before_suback = milliseconds(1000), .before_puback = milliseconds(1000)});
+  const ScriptedBroker slow(
+      {.before_suback = milliseconds(1000), .before_puback = milliseconds(1000)});
   const auto start = steady_clock::now();
-  const Finished unheard =
-      Pause(slow.Url(), {"--wait", "--no-check", "--connect-timeout", kShort});
+  const Finished unheard = Pause(slow.Url(), {"--wait", "--no-check", "--connect-timeout", kShort});
   EXPECT_EQ(unheard.exit_code, 4) << unheard.output;
   EXPECT_THAT(unheard.errors, HasSubstr("nothing was sent"));
   const Finished unchecked = Pause(slow.Url(), {"--wait", "--connect-timeout", kShort});
@@ -197,7 +204,8 @@ TEST_F(BrokerFailures, OfABrokerThatStopsBetweenConnectAndPublishSendNothing) {
   for (const char* qos : {"0", "1"}) {
     const ScriptedBroker deaf({.answers_publish = false});
     Mosquitto broker;
-    Process holder(operator_.Prepare({"pause", "KIT/0001", "-q", "1", "-b", deaf.Url(), "--debug"}));
+    Process holder(
+        operator_.Prepare({"pause", "KIT/0001", "-q", "1", "-b", deaf.Url(), "--debug"}));
     ASSERT_TRUE(holder.AwaitErrors("-> PUBLISH"));
     Process run(operator_.Prepare({"resume", "KIT/0001", "-q", qos, "-b", broker.Url(), "-v"}));
     ASSERT_TRUE(run.AwaitErrors("connected to"));
@@ -215,7 +223,8 @@ TEST_F(BrokerFailures, OfABrokerThatHangsUpAfterAMessageSayThatItMayHaveIt) {
     const ScriptedBroker broker({.answers_publish = false, .hangs_up_after = kPublish});
     const Finished run = Pause(broker.Url(), {"-q", "1", "-V", version, "KIT/0002"});
     EXPECT_EQ(run.exit_code, 4) << run.output;
-    EXPECT_THAT(run.output, AnyOf(HasSubstr("sent, but not acknowledged"), HasSubstr("perhaps sent")));
+    EXPECT_THAT(run.output,
+                AnyOf(HasSubstr("sent, but not acknowledged"), HasSubstr("perhaps sent")));
     EXPECT_EQ(broker.connected(), 1) << "no second try";
   }
 }
@@ -230,8 +239,8 @@ TEST_F(BrokerFailures, OfTooLargeAMessageAreKnownBeforeItIsSent) {
   };
   const Finished known = Beep({"-V", "5"});
   EXPECT_EQ(known.exit_code, 4);
-  EXPECT_THAT(known.output, AllOf(HasSubstr("not sent"), HasSubstr("too large"),
-                                  HasSubstr("2000 bytes")));
+  EXPECT_THAT(known.output,
+              AllOf(HasSubstr("not sent"), HasSubstr("too large"), HasSubstr("2000 bytes")));
   EXPECT_THAT(History(), IsEmpty()) << "no header id was used";
   const Finished cut = Beep({"-V", "3.1.1"});
   EXPECT_EQ(cut.exit_code, 4) << cut.output;

@@ -41,8 +41,8 @@ class TlsFailures : public ::testing::Test {
     if (certificate.empty()) return arguments;
     const auto& files = Certificates::Get();
     const auto password = operator_.home().Write("key-password", "secret\n");
-    std::filesystem::permissions(password, std::filesystem::perms::owner_read |
-                                               std::filesystem::perms::owner_write);
+    std::filesystem::permissions(
+        password, std::filesystem::perms::owner_read | std::filesystem::perms::owner_write);
     arguments.insert(arguments.end(), {"--cert", files / certificate, "--key", files / key,
                                        "--key-password-file", password.string()});
     return arguments;
@@ -55,7 +55,8 @@ TEST_F(TlsFailures, OnTheWrongPortNameTheRightScheme) {
   const Mosquitto tls(Certificates::Get().Listener());
   const Mosquitto plain;
   ExpectRefusal(tls, Pause(tls.Url("mqtt", "localhost")), "a port for TLS (mqtts://)");
-  ExpectRefusal(plain, Pause(plain.Url("mqtts", "localhost"), Trusting()), "mqtt:// instead of mqtts://");
+  ExpectRefusal(plain, Pause(plain.Url("mqtts", "localhost"), Trusting()),
+                "mqtt:// instead of mqtts://");
 }
 
 TEST_F(TlsFailures, OfTheBrokersCertificateNameTheCheck) {
@@ -101,8 +102,8 @@ TEST_F(TlsFailures, OfOurOwnCertificateAreNamedInTls12) {
   const auto& files = Certificates::Get();
   const std::string port = std::to_string(FreePort());
   Process server({.arguments = {"openssl", "s_server", "-tls1_2", "-Verify", "1",
-                                "-verify_return_error", "-CAfile", files / "ca.crt", "-accept", port,
-                                "-cert", files / "server.crt", "-key", files / "server.key"},
+                                "-verify_return_error", "-CAfile", files / "ca.crt", "-accept",
+                                port, "-cert", files / "server.crt", "-key", files / "server.key"},
                   .input = std::nullopt});
   ASSERT_TRUE(server.AwaitOutput("ACCEPT")) << server.Errors();
   const std::string url = "mqtts://localhost:" + port;
