@@ -59,14 +59,14 @@ constexpr std::array<CodeText, 35> kReasons{{
 // What a person can do about a refused CONNECT. Codes of 3.1.1 §3.2.2.3 and of MQTT 5 §3.2.2.2 side
 // by side.
 constexpr std::array<CodeText, 18> kRefusals{{
-    {1, "it does not speak this version of MQTT: try -V 5 or -V 3.1.1"},
+    {1, "it does not speak this version of MQTT: try the other one with -V"},
     {2, "it does not accept this client id: choose another one with --client-id"},
     {3, "the MQTT service is unavailable: try again later"},
     {4, "bad user name or password: check --username and --password-file"},
     {5,
      "not authorized: check --username and --password-file, and what the broker allows this "
      "client"},
-    {0x84, "it does not speak this version of MQTT: try -V 3.1.1"},
+    {0x84, "it does not speak this version of MQTT: try the other one with -V"},
     {0x85, "it does not accept this client id: choose another one with --client-id"},
     {0x86, "bad user name or password: check --username and --password-file"},
     {0x87,

@@ -100,13 +100,13 @@ TEST_F(BrokerFailures, OfABrokerThatTalksNonsenseAreNoSuccess) {
 
 TEST_F(BrokerFailures, OfRefusalsSayWhatToDo) {
   const std::tuple<int, const char*, const char*> codes[] = {
-      {1, "3.1.1", "try -V 5"},
+      {1, "3.1.1", "try the other one with -V"},
       {2, "3.1.1", "choose another one with --client-id"},
       {3, "3.1.1", "try again later"},
       {4, "3.1.1", "bad user name or password: check --username"},
       {5, "3.1.1", "not authorized: check --username"},
       {0x80, "5", "unspecified error"},
-      {0x84, "5", "try -V 3.1.1"},
+      {0x84, "5", "try the other one with -V"},
       {0x85, "5", "choose another one with --client-id"},
       {0x86, "5", "bad user name or password: check --username"},
       {0x87, "5", "not authorized: check --username"},
