@@ -136,7 +136,8 @@ class RobotSender {
     return {};
   }
 
-  // Collects what the robots that were not heard yet have left on the topics that `topics_of` names.
+  // Collects what the robots that were not heard yet have left on the topics that `topics_of`
+  // names.
   Status Ask(const auto& topics_of, const dispatch::CollectOptions& discover, Heard& heard) {
     std::vector<std::string> filters;
     std::size_t wanted = 0;
