@@ -48,8 +48,9 @@ class OtherBroker : public ::testing::TestWithParam<Kind> {
   Operator operator_;
 };
 
-INSTANTIATE_TEST_SUITE_P(RabbitMq, OtherBroker, ::testing::Values(Kind::kRabbitMq));
-INSTANTIATE_TEST_SUITE_P(Aedes, OtherBroker, ::testing::Values(Kind::kAedes));
+constexpr auto kNoSuffix = [](const auto& /*kind*/) { return std::string("Core"); };
+INSTANTIATE_TEST_SUITE_P(RabbitMq, OtherBroker, ::testing::Values(Kind::kRabbitMq), kNoSuffix);
+INSTANTIATE_TEST_SUITE_P(Aedes, OtherBroker, ::testing::Values(Kind::kAedes), kNoSuffix);
 
 TEST_P(OtherBroker, CarriesWhatIsPublished) {
   const Subscriber subscriber(port_, "vda5050/v3/PUB/+/instantActions", 2);
