@@ -49,8 +49,13 @@ Result<std::vector<std::string>> FiltersOf(const Options& o, const RobotAddress&
   if (!dialect) return Fail(dialect.error());
   if (o.vda.version.empty() || o.vda.IsAutomatic()) {
     const std::string_view topic = o.topic;
-    return vda5050::DiscoveryFilters(dialect->topics, {robot.manufacturer, robot.serial_number},
-                                     {&topic, 1});
+    auto filters = vda5050::DiscoveryFilters(
+        dialect->topics, {robot.manufacturer, robot.serial_number}, {&topic, 1});
+    // RabbitMQ has nothing retained for a filter with wildcards.
+    auto exact = vda5050::SpecifiedTopics(dialect->topics, robot, {&topic, 1});
+    if (!filters || !exact) return Fail(std::move(filters ? exact.error() : filters.error()));
+    filters->insert(filters->end(), exact->begin(), exact->end());
+    return filters;
   }
   auto topic = vda5050::TopicFor(dialect->topics, dialect->version, robot, o.topic);
   if (!topic) return Fail(std::move(topic.error()));

@@ -88,6 +88,9 @@ class Batch {
     auto transport = mqtt::ConnectPaho(connect_);
     if (!transport) return Fail(transport.error());
     transport_ = std::move(*transport);
+    if (!plan_.defaults.wait_for) {
+      WarnOfSilentRefusals(connect_.version, plan_.send.qos, context_.output);
+    }
     dispatch::Stream stream(transport_, **ledger, plan_.send, plan_.wait, HooksFor());
     while (!IsDone(stream)) {
       if (MayRead(stream)) SendWhatIsThere(stream);

@@ -100,10 +100,11 @@ void DeclareGatheringOptions(OptionSet& set, GatheringOptions& options) {
 Result<FleetView> GatherFleet(const GatheringOptions& o, const Context& context) {
   auto view = FleetViewOf(o.fleet, context);
   if (!view) return Fail(std::move(view.error()));
-  const auto patience = PatienceOf(o);
-  if (!patience) return Fail(patience.error());
+  auto patience = PatienceOf(o);
+  if (!patience) return Fail(std::move(patience.error()));
   const auto connect = ConnectOptionsOf(context);
   if (!connect) return Fail(connect.error());
+  patience->discover.subscribe = connect->connect_timeout;
   const auto transport = mqtt::ConnectPaho(*connect);
   if (!transport) return Fail(transport.error());
   if (auto ok = Gather(**transport, *patience, *view); !ok) return Fail(std::move(ok.error()));

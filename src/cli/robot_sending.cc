@@ -40,6 +40,13 @@ bool SaysOnline(const mqtt::Message& message) {
   return connection && connection->connection_state == "ONLINE";
 }
 
+// The robot's topics in whichever interface and version.
+Result<std::vector<std::string>> AnyTopics(const vda5050::TopicScheme& scheme,
+                                           const RobotAddress& robot,
+                                           std::span<const std::string_view> names) {
+  return vda5050::DiscoveryFilters(scheme, {robot.manufacturer, robot.serial_number}, names);
+}
+
 bool IsSame(const vda5050::TopicScheme& a, const vda5050::TopicScheme& b) {
   return a.interface_name == b.interface_name && a.topic_template == b.topic_template;
 }
@@ -99,44 +106,6 @@ class RobotSender {
     return {};
   }
 
-  // Collects what the robots have said of themselves.
-  Status LookAround() {
-    const auto connect = ConnectOptionsOf(context_);
-    if (!connect) return Fail(connect.error());
-    auto transport = mqtt::ConnectPaho(*connect);
-    if (!transport) return Fail(transport.error());
-    outgoing_.transport = std::move(*transport);
-    std::vector<std::string> filters;
-    std::size_t wanted = 0;
-    for (const Addressee& addressee : addressees_) {
-      if (!IsLookedFor(addressee)) continue;
-      ++wanted;
-      const auto own = vda5050::DiscoveryFilters(
-          addressee.dialect.topics, {addressee.robot.manufacturer, addressee.robot.serial_number},
-          kRetainedTopics);
-      if (!own) return Fail(own.error());
-      filters.insert(filters.end(), own->begin(), own->end());
-    }
-    // A robot may have left messages under another version long ago: only ONLINE ends the search at
-    // once.
-    auto heard = Ears();
-    const auto schemes = Schemes();
-    std::size_t online = 0;
-    auto taken = dispatch::Collect(*outgoing_.transport, filters, waiting_.discover,
-                                   [&](const mqtt::Message& message) {
-                                     Hear(message, schemes, heard);
-                                     if (SaysOnline(message)) ++online;
-                                     return online >= wanted;
-                                   });
-    if (!taken) return taken;
-    for (Addressee& addressee : addressees_) {
-      const auto traces = heard.find(addressee.robot);
-      if (traces == heard.end() || traces->second.best.empty()) continue;
-      Apply(std::move(traces->second), addressee);
-    }
-    return {};
-  }
-
   // What one robot has left at the broker.
   struct Traces {
     const Dialect* dialect = nullptr;       ///< that it is spoken to in at first
@@ -145,6 +114,53 @@ class RobotSender {
   };
 
   using Heard = std::map<RobotAddress, Traces>;
+
+  // Collects what the robots have said of themselves.
+  Status LookAround() {
+    const auto connect = ConnectOptionsOf(context_);
+    if (!connect) return Fail(connect.error());
+    auto transport = mqtt::ConnectPaho(*connect);
+    if (!transport) return Fail(transport.error());
+    outgoing_.transport = std::move(*transport);
+    auto heard = Ears();
+    dispatch::CollectOptions discover = waiting_.discover;
+    discover.subscribe = connect->connect_timeout;
+    if (auto ok = Ask(AnyTopics, discover, heard); !ok) return ok;
+    // RabbitMQ has nothing retained for a filter with wildcards.
+    if (auto ok = Ask(vda5050::SpecifiedTopics, discover, heard); !ok) return ok;
+    for (Addressee& addressee : addressees_) {
+      const auto traces = heard.find(addressee.robot);
+      if (traces == heard.end() || traces->second.best.empty()) continue;
+      Apply(std::move(traces->second), addressee);
+    }
+    return {};
+  }
+
+  // Collects what the robots that were not heard yet have left on the topics that `topics_of`
+  // names.
+  Status Ask(const auto& topics_of, const dispatch::CollectOptions& discover, Heard& heard) {
+    std::vector<std::string> filters;
+    std::size_t wanted = 0;
+    for (const Addressee& addressee : addressees_) {
+      const auto traces = heard.find(addressee.robot);
+      if (traces == heard.end() || !traces->second.best.empty()) continue;
+      ++wanted;
+      const auto own = topics_of(addressee.dialect.topics, addressee.robot, kRetainedTopics);
+      if (!own) return Fail(own.error());
+      filters.insert(filters.end(), own->begin(), own->end());
+    }
+    if (wanted == 0) return {};
+    // A robot may have left messages under another version long ago: only ONLINE ends the search at
+    // once.
+    const auto schemes = Schemes();
+    std::size_t online = 0;
+    return dispatch::Collect(*outgoing_.transport, filters, discover,
+                             [&](const mqtt::Message& message) {
+                               Hear(message, schemes, heard);
+                               if (SaysOnline(message)) ++online;
+                               return online >= wanted;
+                             });
+  }
 
   [[nodiscard]] Heard Ears() const {
     Heard heard;

@@ -98,6 +98,7 @@ class Sender {
     auto ledger = OpenLedger(context_, ledger::OpenMode::kCreate);
     if (!ledger) return Fail(ledger.error());
     if (auto ok = Connect(); !ok) return Fail(ok.error());
+    if (!outgoing_.wait) WarnOfSilentRefusals(connect_.version, options_.qos, context_.output);
     Status trouble;
     const auto ran = outgoing_.wait ? Converse(**ledger, trouble) : Send(**ledger, trouble);
     if (outgoing_.transport != nullptr) outgoing_.transport->Disconnect();
@@ -127,13 +128,16 @@ class Sender {
   }
 
   Status Converse(ledger::Ledger& ledger, Status& trouble) {
-    const dispatch::ConnectHook connect =
-        [this, again = ConnectHookOf(connect_)](mqtt::Deadline deadline) {
-          context_.output.Warn("the connection to the broker was lost: connecting again");
-          return again(deadline);
-        };
-    return dispatch::Converse(outgoing_.commands, outgoing_.transport, connect, ledger, options_,
-                              *outgoing_.wait, sink_, sent_, trouble);
+    Output& output = context_.output;
+    const dispatch::StreamHooks hooks{
+        .report = sink_,
+        .sent = sent_,
+        .connect = ConnectHookOf(connect_),
+        .lost =
+            [&output](const Error& error) { output.Warn(error.message + ": connecting again"); },
+        .again = [&output] { output.Warn("connected again"); }};
+    return dispatch::Converse(outgoing_.commands, outgoing_.transport, ledger, options_,
+                              *outgoing_.wait, hooks, trouble);
   }
 
   Outgoing& outgoing_;
@@ -168,6 +172,13 @@ Error NothingSent(const std::vector<Command>& commands, Verdict verdict, Error e
   }
   error.message = "nothing was sent: " + error.message;
   return error;
+}
+
+void WarnOfSilentRefusals(mqtt::ProtocolVersion version, mqtt::Qos qos, Output& output) {
+  if (version != mqtt::ProtocolVersion::k311 || qos == mqtt::Qos::kAtMostOnce) return;
+  output.Warn(
+      "over MQTT 3.1.1 a broker may acknowledge what its access list drops: with -V 5 it can say "
+      "so, with --wait the robot does");
 }
 
 Result<std::vector<std::string>> ValidateAll(const std::vector<Command>& commands,

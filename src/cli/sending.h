@@ -42,6 +42,10 @@ struct Outgoing {
   std::unique_ptr<mqtt::Transport> transport;  ///< when one is open already
 };
 
+/// Says what an acknowledgement is worth when nobody waits for the robots: over MQTT 3.1.1 a broker
+/// has no word for no (§3.3.5.2).
+void WarnOfSilentRefusals(mqtt::ProtocolVersion version, mqtt::Qos qos, Output& output);
+
 /// Checks every command and returns what is to be warned of. Errors: kInvalid, naming the first
 /// target that is concerned.
 [[nodiscard]] Result<std::vector<std::string>> ValidateAll(

@@ -7,12 +7,12 @@ namespace fleetpub::dispatch {
 Status Collect(mqtt::Transport& transport, std::span<const std::string> filters,
                const CollectOptions& options, const Taker& take) {
   using std::chrono::steady_clock;
-  constexpr std::chrono::seconds kPatience{10};
+  auto ok = transport.Subscribe(filters, mqtt::kListeningQos,
+                                steady_clock::now() + options.subscribe);
+  if (!ok) return ok;
+  // A broker may take long to grant a subscription; what it has retained follows then.
   const auto start = steady_clock::now();
-  if (auto ok = transport.Subscribe(filters, mqtt::kListeningQos, start + kPatience); !ok) {
-    return ok;
-  }
-  auto quiet_at = steady_clock::now() + options.quiet;
+  auto quiet_at = start + options.quiet;
   for (;;) {
     const auto message = transport.Receive(std::min(quiet_at, start + options.most));
     if (!message) return Fail(message.error());

@@ -15,6 +15,7 @@ namespace fleetpub::dispatch {
 struct CollectOptions {
   std::chrono::milliseconds quiet{300};  ///< so long a silence is an end
   std::chrono::milliseconds most{2'000};
+  std::chrono::milliseconds subscribe{10'000};  ///< for the broker to acknowledge
 };
 
 /// Takes a message, retained or not; true when it was the last that is wanted.

@@ -28,6 +28,8 @@ struct PayloadTemplate {
   bool counted = true;
 
   [[nodiscard]] std::string Render(std::uint32_t header_id, base::WallTime now) const;
+  /// Bytes at most, whatever the header id.
+  [[nodiscard]] std::size_t LargestSize() const;
 };
 
 /// What a rule says that stands in the specification's text and not in its schema.

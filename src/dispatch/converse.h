@@ -7,9 +7,9 @@
 
 #include "base/result.h"
 #include "dispatch/command.h"
-#include "dispatch/connect_hook.h"
 #include "dispatch/follow.h"
 #include "dispatch/send.h"
+#include "dispatch/stream.h"
 
 namespace fleetpub::dispatch {
 
@@ -21,9 +21,8 @@ namespace fleetpub::dispatch {
 /// null when that did not succeed. Errors: the subscription failed, and nothing was sent. `trouble`
 /// receives what changes no verdict: an outcome that could not be recorded.
 [[nodiscard]] Status Converse(std::span<const Command> commands,
-                              std::unique_ptr<mqtt::Transport>& transport,
-                              const ConnectHook& connect, ledger::Ledger& ledger,
+                              std::unique_ptr<mqtt::Transport>& transport, ledger::Ledger& ledger,
                               const SendOptions& send, const WaitOptions& wait,
-                              const ReportSink& report, const SentHook& sent, Status& trouble);
+                              const StreamHooks& hooks, Status& trouble);
 
 }  // namespace fleetpub::dispatch

@@ -38,8 +38,17 @@ class Batch {
   // Errors: nothing of this batch was sent.
   Status Run(const SentHook& sent) {
     started_ = steady_clock::now();
+    for (const Command& command : commands_) {
+      auto admitted = transport_.Admits(command.topic, command.payload.LargestSize(), options_.qos);
+      if (!admitted) return admitted;
+    }
     auto lock = Lock();
     if (!lock) return Fail(std::move(lock.error()));
+    // The broker may have gone while somebody else held the topic.
+    if (auto ready = transport_.AwaitReady(steady_clock::now() + options_.acknowledge_timeout);
+        !ready) {
+      return GiveUp(std::move(ready.error()));
+    }
     if (auto reserved = Reserve(); !reserved) return reserved;
     Publish(sent);
     if (options_.qos != mqtt::Qos::kAtMostOnce) AwaitAcknowledgements();
@@ -56,6 +65,13 @@ class Batch {
     std::sort(topics.begin(), topics.end());
     topics.erase(std::unique(topics.begin(), topics.end()), topics.end());
     return ledger_.Lock(topics, started_ + options_.lock_timeout);
+  }
+
+  // Nothing was sent, and no id was used.
+  Status GiveUp(Error error) {
+    for (Report& report : reports_) SetError(report, error, "not sent: ");
+    broken_ = std::move(error);
+    return {};
   }
 
   Status Reserve() {
@@ -187,6 +203,7 @@ Status RecordOutcomes(std::span<const Report> reports, ledger::Ledger& ledger) {
   std::vector<ledger::Outcome> outcomes;
   outcomes.reserve(reports.size());
   for (const Report& report : reports) {
+    if (report.ledger_row == 0) continue;  // it came to nothing before it was recorded
     outcomes.push_back({report.ledger_row, std::string(NameOf(report.verdict)), report.message});
   }
   return ledger.RecordOutcomes(outcomes);

@@ -17,8 +17,12 @@ constexpr milliseconds kQuiet{20};
 constexpr milliseconds kLongestPause{500};
 // Messages that are read before somebody else gets his turn.
 constexpr int kTurn = 100;
-// Between attempts to connect again, and for one attempt.
-constexpr milliseconds kReconnectPause{200};
+// Before connecting again, between attempts, and for one attempt. Who lost the connection to a
+// client of the same id would throw that one out: by then a command has done its work. Two that
+// both wait do it ever more seldom; a connection that has lasted starts afresh.
+constexpr milliseconds kReconnectPause{500};
+constexpr milliseconds kLongestReconnectPause{5000};
+constexpr seconds kLasting{10};
 constexpr seconds kReconnectPatience{10};
 
 }  // namespace
@@ -32,6 +36,9 @@ Stream::Stream(std::unique_ptr<mqtt::Transport>& transport, ledger::Ledger& ledg
       hooks_(std::move(hooks)),
       follower_(wait, [this](Follower::Key key, Report ended) {
         again_.erase(key);
+        if (lost_ && ended.verdict == Verdict::kTimeout) {
+          ended.message += "; the broker was out of reach at the end";
+        }
         ended_.push_back(std::move(ended));
       }) {}
 
@@ -95,8 +102,9 @@ Status Stream::Bracket(std::span<const Command> commands) {
       lost_ ? Fail(*lost_) : SendBatch(commands, *transport_, ledger_, send_, hooks_.sent);
   if (!result) {
     for (std::size_t i = 0; i < commands.size(); ++i) follower_.Forget(first_key + i);
-    // One header id that was asked for must not keep the others from leaving.
-    if (result.error().kind == ErrorKind::kUsage && commands.size() > 1) {
+    // One header id that was asked for, or one message that is too large, must not keep the others
+    // from leaving.
+    if (result.error().kind != ErrorKind::kLedger && commands.size() > 1) {
       return SendOneByOne(commands);
     }
     ReportNotSent(commands, result.error(), hooks_.report);
@@ -178,7 +186,11 @@ bool Stream::ReadOne(mqtt::Deadline deadline) {
 void Stream::Lose(Error error) {
   if (lost_) return;
   transport_.reset();
-  next_try_ = steady_clock::now();
+  const auto now = steady_clock::now();
+  pause_ = now - connected_at_ < kLasting
+               ? std::clamp(pause_ * 2, kReconnectPause, kLongestReconnectPause)
+               : kReconnectPause;
+  next_try_ = now + pause_;
   if (hooks_.lost) hooks_.lost(error);
   lost_ = std::move(error);
 }
@@ -189,9 +201,10 @@ void Stream::TryAgain(mqtt::Deadline deadline) {
   const auto now = steady_clock::now();
   if (now < next_try_) return;
   auto transport = hooks_.connect(std::min(now + kReconnectPatience, follower_.NextLimit()));
-  next_try_ = steady_clock::now() + kReconnectPause;
+  next_try_ = steady_clock::now() + pause_;
   if (!transport) return;
   transport_ = std::move(*transport);
+  connected_at_ = steady_clock::now();
   const Error why = *std::exchange(lost_, std::nullopt);
   subscribed_.clear();
   if (!SubscribeNew(follower_.Topics())) {

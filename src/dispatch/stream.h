@@ -2,6 +2,7 @@
 // are known. Nothing of a command is kept once its report is out.
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -91,6 +92,8 @@ class Stream {
   std::vector<int> wake_;
   std::optional<Error> lost_;
   mqtt::Deadline next_try_ = {};
+  mqtt::Deadline connected_at_ = {};    // again
+  std::chrono::milliseconds pause_{0};  // before connecting again
   Status trouble_;
 };
 

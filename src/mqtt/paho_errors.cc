@@ -4,6 +4,7 @@
 #include <openssl/x509.h>
 #include <openssl/x509_vfy.h>
 
+#include <algorithm>
 #include <array>
 
 #include "base/text.h"
@@ -57,15 +58,15 @@ constexpr std::array<CodeText, 35> kReasons{{
 
 // What a person can do about a refused CONNECT. Codes of 3.1.1 §3.2.2.3 and of MQTT 5 §3.2.2.2 side
 // by side.
-constexpr std::array<CodeText, 14> kRefusals{{
-    {1, "it does not speak this version of MQTT: try -V 5 or -V 3.1.1"},
+constexpr std::array<CodeText, 18> kRefusals{{
+    {1, "it does not speak this version of MQTT: try the other one with -V"},
     {2, "it does not accept this client id: choose another one with --client-id"},
     {3, "the MQTT service is unavailable: try again later"},
     {4, "bad user name or password: check --username and --password-file"},
     {5,
      "not authorized: check --username and --password-file, and what the broker allows this "
      "client"},
-    {0x84, "it does not speak this version of MQTT: try -V 3.1.1"},
+    {0x84, "it does not speak this version of MQTT: try the other one with -V"},
     {0x85, "it does not accept this client id: choose another one with --client-id"},
     {0x86, "bad user name or password: check --username and --password-file"},
     {0x87,
@@ -74,7 +75,11 @@ constexpr std::array<CodeText, 14> kRefusals{{
     {0x88, "the MQTT service is unavailable: try again later"},
     {0x89, "the broker is busy: try again later"},
     {0x8A, "this client is banned: ask the broker's administrator"},
+    {0x8B, "it is shutting down: try again later"},
     {0x8C, "it wants another way of authentication than user name and password"},
+    {0x97, "quota exceeded (0x97): ask the broker's administrator"},
+    {0x9C, "it wants this client to use another server: name that one with --broker"},
+    {0x9D, "it has moved for good: name the new server with --broker"},
     {0x9F, "too many connections in a short time: try again later"},
 }};
 
@@ -113,6 +118,8 @@ std::string VerifyCause(const ConnectFacts& facts) {
     case X509_V_ERR_CERT_REVOKED:
       return "its certificate has been revoked";
     case X509_V_ERR_DEPTH_ZERO_SELF_SIGNED_CERT:
+      return "its certificate is signed by nobody but itself, and not trusted here: if it is the "
+             "right one, name it with --cafile";
     case X509_V_ERR_SELF_SIGNED_CERT_IN_CHAIN:
     case X509_V_ERR_UNABLE_TO_GET_ISSUER_CERT:
     case X509_V_ERR_UNABLE_TO_GET_ISSUER_CERT_LOCALLY:
@@ -135,13 +142,29 @@ std::string PeerCause(unsigned char first) {
   return "what answers there is no MQTT broker: check the port";
 }
 
-std::string TlsCause(const ConnectFacts& facts, const ConnectOptions& options) {
-  if (facts.verify_code != 0 && options.tls.verify) return VerifyCause(facts);
-  if (facts.tls_alert.find("certificate required") != std::string::npos ||
-      (options.tls.cert_file.empty() &&
-       facts.tls_alert.find("handshake failure") != std::string::npos)) {
+// What a server says to a client's certificate, or to none (RFC 8446 §6.2, RFC 5246 §7.4.6).
+bool IsAboutOurCertificate(const ConnectFacts& facts) {
+  constexpr std::array<std::string_view, 5> kAlerts{"certificate", "unknown CA", "access denied",
+                                                    "decrypt error", "handshake failure"};
+  return facts.wants_certificate && facts.alert_is_theirs &&
+         std::any_of(kAlerts.begin(), kAlerts.end(), [&](std::string_view alert) {
+           return facts.tls_alert.find(alert) != std::string::npos;
+         });
+}
+
+std::string OurCertificateCause(const ConnectFacts& facts, const ConnectOptions& options) {
+  if (options.tls.cert_file.empty()) {
     return "it asks for a certificate of ours: give --cert and --key";
   }
+  return fmt::format(
+      "it does not accept our certificate{}: is --cert the one that the broker's administrator "
+      "gave out, and still valid?",
+      facts.tls_alert.empty() ? "" : fmt::format(" ({})", base::Printable(facts.tls_alert)));
+}
+
+std::string TlsCause(const ConnectFacts& facts, const ConnectOptions& options) {
+  if (facts.verify_code != 0 && options.tls.verify) return VerifyCause(facts);
+  if (IsAboutOurCertificate(facts)) return OurCertificateCause(facts, options);
   if (facts.tls_errors.find("wrong version number") != std::string::npos) {
     return "what answers there does not speak TLS: is it the port without TLS? (mqtt:// instead of "
            "mqtts://)";
@@ -154,7 +177,8 @@ std::string TlsCause(const ConnectFacts& facts, const ConnectOptions& options) {
   if (!facts.tls_alert.empty()) {
     return fmt::format("the TLS handshake failed: {}", base::Printable(facts.tls_alert));
   }
-  return "it closed the connection during the TLS handshake: is that its port for TLS?";
+  return "it closed the connection during the TLS handshake: does it speak TLS on this port? "
+         "(otherwise mqtt:// instead of mqtts://)";
 }
 
 std::string Cause(const BrokerUrl& broker, const ConnectOptions& options,
@@ -180,8 +204,12 @@ std::string Cause(const BrokerUrl& broker, const ConnectOptions& options,
       (!facts.tls_errors.empty() || facts.verify_code != 0 || !facts.connect_sent)) {
     return TlsCause(facts, options);
   }
-  return "it closed the connection without an answer: does it speak this version of MQTT (-V), and "
-         "this scheme?";
+  // In TLS 1.3 the server looks at our certificate when we have spoken already, and mosquitto hangs
+  // up before its alert could be read.
+  if (facts.wants_certificate) return OurCertificateCause(facts, options);
+  return fmt::format(
+      "it closed the connection without an answer: does it speak this version of MQTT (-V){}?",
+      broker.UsesTls() ? "" : ", or is it a port for TLS (mqtts://)");
 }
 
 }  // namespace

@@ -41,7 +41,9 @@ constexpr unsigned long kBlindMilliseconds = 5;
 constexpr int kWebSocketProbes = 3;
 
 constexpr std::string_view kClosed =
-    "the broker closed it (does another client use the same client id?)";
+    "the broker closed it (does another client use the same client id? Is something not allowed?)";
+constexpr std::string_view kClosedBySubscribing =
+    "the broker closed it when we subscribed: may this client read these topics?";
 constexpr std::string_view kSilent = "the broker did not answer the keep-alive pings";
 
 milliseconds SliceFor(std::chrono::seconds keep_alive) {
@@ -274,7 +276,7 @@ Status PahoSession::Subscribe(std::span<const std::string> filters, Qos qos, Dea
   const PahoCall call(connection_.descriptor, deadline);
   subscribed_ = true;
   const int result = PahoSubscribe(names, codes);
-  if (!Connected()) return Lose(call, result, kClosed);
+  if (!Connected()) return Lose(call, result, kClosedBySubscribing);
   if (result != MQTTCLIENT_SUCCESS) {
     return Fail(ErrorKind::kBroker, fmt::format("{} did not answer the subscription", Name()),
                 MQTTClient_strerror(result));

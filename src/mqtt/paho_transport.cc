@@ -56,6 +56,32 @@ class PahoTransport final : public RobotTransport {
     return {};
   }
 
+  [[nodiscard]] Status Admits(const std::string& topic, std::size_t payload_size,
+                              Qos qos) const override {
+    if (!IsMqttString(topic) || topic.find_first_of("+#") != std::string::npos) {
+      return Fail(ErrorKind::kUsage,
+                  fmt::format("\"{}\" is no topic to publish to: UTF-8, without +, # and NUL",
+                              base::Printable(topic)));
+    }
+    const ServerInfo& server = session_.server();
+    const std::size_t limit =
+        std::min<std::size_t>(server.maximum_packet_size.value_or(kMaximumPacket), kMaximumPacket);
+    const std::size_t overhead = kPublishOverhead + session_.properties_size();
+    if (topic.size() + payload_size + overhead > limit) {
+      return Fail(ErrorKind::kBroker,
+                  fmt::format("a message of {} bytes is too large for {}, which takes packets of "
+                              "{} bytes: send less at once, or have its limit raised",
+                              payload_size, session_.Name(), limit));
+    }
+    if (server.maximum_qos && qos > *server.maximum_qos) {
+      return Fail(ErrorKind::kBroker,
+                  fmt::format("{} takes no QoS above {}: use --qos {}", session_.Name(),
+                              static_cast<int>(*server.maximum_qos),
+                              static_cast<int>(*server.maximum_qos)));
+    }
+    return {};
+  }
+
   [[nodiscard]] Result<int> Publish(const Message& message, Deadline deadline) override {
     return Publish(message, Retain::kNo, deadline);
   }
@@ -93,42 +119,23 @@ class PahoTransport final : public RobotTransport {
 
   void Cork(bool on) override { session_.Cork(on); }
 
+  [[nodiscard]] Status AwaitReady(Deadline deadline) override {
+    return session_.AwaitWritable(deadline);
+  }
+
   void WakeOn(std::span<const int> descriptors) override {
     wake_.assign(descriptors.begin(), descriptors.end());
   }
 
  private:
   [[nodiscard]] Result<int> Publish(const Message& message, Retain retain, Deadline deadline) {
-    if (auto status = Check(message); !status) return Fail(std::move(status.error()));
+    if (auto status = Admits(message.topic, message.payload.size(), message.qos); !status)
+      return Fail(std::move(status.error()));
     if (auto status = AwaitRoom(message.qos, deadline); !status)
       return Fail(std::move(status.error()));
     if (auto status = session_.AwaitWritable(deadline); !status)
       return Fail(std::move(status.error()));
     return session_.Publish(message, retain, deadline);
-  }
-
-  [[nodiscard]] Status Check(const Message& message) const {
-    if (!IsMqttString(message.topic) || message.topic.find_first_of("+#") != std::string::npos) {
-      return Fail(ErrorKind::kUsage,
-                  fmt::format("\"{}\" is no topic to publish to: UTF-8, without +, # and NUL",
-                              base::Printable(message.topic)));
-    }
-    const ServerInfo& server = session_.server();
-    const std::size_t limit =
-        std::min<std::size_t>(server.maximum_packet_size.value_or(kMaximumPacket), kMaximumPacket);
-    const std::size_t overhead = kPublishOverhead + session_.properties_size();
-    if (message.topic.size() + message.payload.size() + overhead > limit) {
-      return Fail(ErrorKind::kBroker,
-                  fmt::format("a message of {} bytes is too large for {}, which takes {}",
-                              message.payload.size(), session_.Name(), limit));
-    }
-    if (server.maximum_qos && message.qos > *server.maximum_qos) {
-      return Fail(ErrorKind::kBroker,
-                  fmt::format("{} takes no QoS above {}: use --qos {}", session_.Name(),
-                              static_cast<int>(*server.maximum_qos),
-                              static_cast<int>(*server.maximum_qos)));
-    }
-    return {};
   }
 
   Status AwaitRoom(Qos qos, Deadline deadline) {

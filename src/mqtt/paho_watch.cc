@@ -98,7 +98,12 @@ struct TraceCallback {
       facts.wrong_name = false;
     } else if (const auto alert = After(line, "SSL alert "); !alert.empty()) {
       // "write:fatal:unknown CA"; a close notify is a warning and says nothing.
-      if (const auto text = After(alert, "fatal:"); !text.empty()) facts.tls_alert = text;
+      if (const auto text = After(alert, "fatal:"); !text.empty()) {
+        facts.tls_alert = text;
+        facts.alert_is_theirs = alert.starts_with("read");
+      }
+    } else if (!After(line, "read server certificate request").empty()) {
+      facts.wants_certificate = true;
     } else if (!After(line, "X509_check_host for hostname").empty()) {
       facts.wrong_name = true;  // unless it is a host in numbers and CONNECT follows
       facts.certificate_names = NamesOf(watch.tls_.ssl());

@@ -129,6 +129,15 @@ class Transport {
   [[nodiscard]] virtual Status Subscribe(std::span<const std::string> filters, Qos qos,
                                          Deadline deadline) = 0;
 
+  /// Whether a message of this size can go through at all. Errors: kUsage for a topic that is none;
+  /// kBroker when the broker has said on connecting (MQTT 5) that it takes no such thing.
+  [[nodiscard]] virtual Status Admits(const std::string& topic, std::size_t payload_size,
+                                      Qos qos) const = 0;
+
+  /// Waits until the connection takes data. An error is a connection that is lost or stalled:
+  /// nothing has been written.
+  [[nodiscard]] virtual Status AwaitReady(Deadline deadline) = 0;
+
   /// QoS 0: returns 0 when the message is with the operating system. QoS 1 and 2: returns the token
   /// by which AwaitAcknowledgements names it; while the window is full, waits for room until the
   /// deadline.

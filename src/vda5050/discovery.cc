@@ -169,6 +169,22 @@ Result<std::vector<std::string>> DiscoveryFilters(const TopicScheme& scheme,
   return filters;
 }
 
+Result<std::vector<std::string>> SpecifiedTopics(const TopicScheme& scheme,
+                                                 const RobotAddress& robot,
+                                                 std::span<const std::string_view> topic_names) {
+  std::vector<std::string> topics;
+  for (const std::string_view name : topic_names) {
+    for (const Version version : kVersions) {
+      auto topic = TopicFor(scheme, version, robot, name);
+      if (!topic) return Fail(std::move(topic.error()));
+      if (std::find(topics.begin(), topics.end(), *topic) == topics.end()) {
+        topics.push_back(*std::move(topic));
+      }
+    }
+  }
+  return topics;
+}
+
 std::optional<TopicLevels> ReadTopic(const TopicScheme& scheme, std::string_view topic) {
   const auto patterns = base::Split(TemplateOf(scheme), '/');
   const auto levels = base::Split(topic, '/');

@@ -29,6 +29,13 @@ struct RobotFilter {
     const TopicScheme& scheme, const RobotFilter& filter,
     std::span<const std::string_view> topic_names);
 
+/// The robot's topics as every release would make them, each once: `uagv/v1/KIT/0001/connection`,
+/// `uagv/v2/…`, `vda5050/v3/…`. For brokers that keep retained messages for exact topics only
+/// (RabbitMQ). Errors: ErrorKind::kUsage.
+[[nodiscard]] Result<std::vector<std::string>> SpecifiedTopics(
+    const TopicScheme& scheme, const RobotAddress& robot,
+    std::span<const std::string_view> topic_names);
+
 /// The levels of a topic that the scheme's template would make.
 struct TopicLevels {
   RobotAddress robot;

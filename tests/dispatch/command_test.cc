@@ -29,5 +29,10 @@ TEST(PayloadTemplate, HasNoIdWhenItIsNotCounted) {
   EXPECT_EQ(payload.Render(7, kNow), "{2026-01-02T03:04:05.678Z}");
 }
 
+TEST(PayloadTemplate, KnowsItsLargestSize) {
+  const PayloadTemplate payload{.before_id = "{", .before_time = ",,", .rest = "}}}"};
+  EXPECT_EQ(payload.LargestSize(), payload.Render(4'294'967'295, base::WallTime()).size());
+}
+
 }  // namespace
 }  // namespace fleetpub::dispatch

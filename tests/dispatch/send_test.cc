@@ -176,6 +176,24 @@ TEST_F(SendAtQos0, SendsNothingWhenTheLedgerRefuses) {
                                    Says("not sent: header id 3 is not above"))));
 }
 
+TEST_F(SendAtQos0, UsesNoHeaderIdWhenTheConnectionWentWhileItWaited) {
+  transport_.ready_error = Error{ErrorKind::kBroker, "broker: gone"};
+  EXPECT_TRUE(SendAll(CommandsFor(2)));
+  EXPECT_THAT(journal_.entries(), ElementsAre("lock t/0 t/1", "unlock", "record"));
+  EXPECT_THAT(reports_, Each(AllOf(Is(Verdict::kError), Field(&Report::error, ErrorKind::kBroker),
+                                   Says("not sent: broker: gone"))));
+  EXPECT_THAT(reports_, SizeIs(2));
+}
+
+TEST_F(SendAtQos0, UsesNoHeaderIdForWhatTheBrokerDoesNotTake) {
+  auto commands = CommandsFor(2);
+  commands[1].payload.rest = std::string(100, '>');
+  transport_.largest = 100;
+  EXPECT_TRUE(SendAll(commands));
+  EXPECT_THAT(journal_.entries(), IsEmpty());
+  EXPECT_THAT(reports_, Each(Says("not sent: too large")));
+}
+
 TEST_F(SendAtQos0, StopsAtALostConnection) {
   transport_.publish_fails_at = 1;
   EXPECT_TRUE(SendAll(CommandsFor(3)));

@@ -108,6 +108,16 @@ TEST_F(Streaming, LetsOneUnfitHeaderIdStopNobodyElse) {
               ElementsAre("lock t/0 t/1", "unlock", "lock t/0", "unlock", "lock t/1", "unlock"));
 }
 
+TEST_F(Streaming, LetsOneMessageThatIsTooLargeStopNobodyElse) {
+  const auto stream = Open();
+  auto commands = Commands(3);
+  commands[1].payload.rest = std::string(100, '}');
+  fake_->largest = 100;
+  EXPECT_FALSE(stream->Send(commands));
+  EXPECT_THAT(reports_, ElementsAre("#0 SENT ", "#1 ERROR not sent: too large", "#2 SENT "));
+  EXPECT_FALSE(stream->lost());
+}
+
 TEST_F(Streaming, GoesOnAfterTroubleWithTheLedger) {
   const auto stream = Open();
   ledger_.lock_error = Error{ErrorKind::kLedger, "held"};

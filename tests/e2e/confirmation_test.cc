@@ -102,22 +102,6 @@ TEST_F(Confirmation, TellsThatARobotWasSwitchedOffHalfWay) {
   EXPECT_THAT(run.Output(), HasSubstr("OFFLINE"));
 }
 
-TEST_F(Confirmation, SurvivesARestartOfTheBroker) {
-  const auto robot = Robot({"KIT/0001", "--delay", "3s", "--state-interval", "1s"});
-  Process run(operator_.Prepare({"charge", "KIT/0001", "--wait", "-W", "15s", "--debug"}));
-  ASSERT_TRUE(run.AwaitErrors("-> PUBLISH"));
-  broker_.Kill();
-  broker_.Restart();
-  const auto code = run.Wait();
-  EXPECT_THAT(run.Errors(), HasSubstr("connecting again"));
-  // Whether the robot itself finds back to the broker is its own affair: what counts is the truth.
-  EXPECT_TRUE(code == 0 || code == 6) << run.Output();
-  EXPECT_THAT(run.Output(),
-              ::testing::AnyOf(HasSubstr("FINISHED"), HasSubstr("TIMEOUT"), HasSubstr("OFFLINE")));
-  const auto rows = Lines(Fleetpub({"history", "-o", "json"}).output);
-  EXPECT_EQ(rows.size(), 1U) << "sent once";
-}
-
 TEST_F(Confirmation, TimesOutAndSaysWhatWasHeard) {
   const auto silent = Robot({"KIT/0001", "--silent"});
   const Finished unseen = Fleetpub({"pause", "KIT/0001", "--wait", "-W", "300ms"});

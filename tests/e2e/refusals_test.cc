@@ -94,22 +94,6 @@ TEST_F(Refusals, ARefusedConnectionIsExit4) {
   EXPECT_STREQ(Json(Lines(json.output)[1])["status"].GetString(), "ERROR");
 }
 
-TEST_F(Refusals, ASilentBrokerIsExit4WithinTheTimeout) {
-  const BrokenBroker silent(BrokenBroker::Silent());
-  operator_.UseBroker(silent.Url());
-  const Finished run = Fleetpub({"pause", "KIT/0001", "--connect-timeout", "300ms"});
-  EXPECT_EQ(run.exit_code, 4);
-  EXPECT_THAT(run.errors, HasSubstr("nothing was sent"));
-}
-
-TEST_F(Refusals, ABrokerThatDoesNotAcknowledgeIsExit4AndSaysThatItMayHaveIt) {
-  const BrokenBroker deaf(BrokenBroker::Answers({BrokenBroker::Connack(0)}));
-  operator_.UseBroker(deaf.Url());
-  const Finished run = Fleetpub({"pause", "KIT/0001", "-q", "1", "--connect-timeout", "300ms"});
-  EXPECT_EQ(run.exit_code, 4);
-  EXPECT_THAT(run.output, AllOf(HasSubstr("ERROR"), HasSubstr("may or may not have")));
-}
-
 TEST(Login, IsRefusedWithExit4AndGrantedWithAPasswordFile) {
   const Mosquitto broker({"allow_anonymous false", "password_file {}/users"},
                          {{"users", PasswordFile("ann", "s3cret word")}});
@@ -133,15 +117,6 @@ TEST(Login, IsRefusedWithExit4AndGrantedWithAPasswordFile) {
   EXPECT_EQ(debugged.exit_code, 0) << debugged.errors;
   EXPECT_THAT(debugged.errors, Not(HasSubstr("s3cret")));
   EXPECT_EQ(ann.Fleetpub({"pause", "KIT/0001", "--password-file", file.string()}).exit_code, 2);
-}
-
-TEST(AccessList, ThatDeniesPublishingIsKnownOnlyToMqtt5) {
-  const Mosquitto broker({"allow_anonymous true", "acl_file {}/acl"}, {{"acl", "topic read #\n"}});
-  Operator someone;
-  someone.UseBroker(broker.Url());
-  const Finished known = someone.Fleetpub({"pause", "KIT/0001", "-q", "1", "-V", "5"});
-  EXPECT_EQ(known.exit_code, 4);
-  EXPECT_THAT(known.output, HasSubstr("not authorized"));
 }
 
 TEST_F(Refusals, ALedgerThatCannotBeUsedIsExit8AndSendsNothing) {

@@ -11,9 +11,8 @@ namespace {
 using ::testing::HasSubstr;
 using ::testing::SizeIs;
 
-// One start for both directions: RabbitMQ takes ten seconds.
 TEST(SoarBackbone, CarriesOurMessagesToAmqpAndItsAcknowledgementsBack) {
-  const RabbitMq backbone;
+  const RabbitMq& backbone = RabbitMq::Shared();
   Operator someone;
   someone.UseBroker(backbone.MqttUrl());
   const AmqpConsumer consumer(backbone, "soar.#");

@@ -17,8 +17,9 @@ class Certificates {
   static const Certificates& Get();
 
   /// The path of one of: ca.crt; server.crt and server.key (for localhost and 127.0.0.1); other.crt
-  /// (for other.example, with server.key); expired.crt (with server.key); client.crt and
-  /// client.key, whose password is "secret"; stranger.crt (another authority).
+  /// (for other.example, with server.key); expired.crt, self.crt (with server.key, the latter signed
+  /// by itself); client.crt and client.key, whose password is "secret"; stranger.crt and
+  /// stranger.key (another authority).
   [[nodiscard]] std::string operator/(const std::string& name) const {
     return (folder_ / name).string();
   }
@@ -52,6 +53,8 @@ inline Certificates::Certificates() {
   Sign("server", "server.key", here, "30");
   Sign("other", "server.key", "subjectAltName=DNS:other.example", "30");
   Sign("expired", "server.key", here, "-1");
+  Openssl({"req", "-x509", "-key", "server.key", "-days", "30", "-subj", "/CN=localhost", "-addext",
+           here, "-out", "self.crt"});
   Sign("client", "client.key", "extendedKeyUsage=clientAuth", "30");
 }
 

@@ -21,12 +21,24 @@ class FakeTransport : public mqtt::Transport {
     return mqtt::Acknowledgement{.token = token};
   };
   std::optional<Error> await_error;
+  std::optional<Error> ready_error;
+  std::size_t largest = 1'000'000;  ///< payload that is admitted
 
   [[nodiscard]] const std::vector<mqtt::Message>& published() const { return published_; }
 
   const mqtt::ServerInfo& server() const override { return server_; }
   Status Subscribe(std::span<const std::string> /*filters*/, mqtt::Qos /*qos*/,
                    mqtt::Deadline /*deadline*/) override {
+    return {};
+  }
+
+  Status Admits(const std::string& /*topic*/, std::size_t payload_size,
+                mqtt::Qos /*qos*/) const override {
+    if (payload_size > largest) return Fail(ErrorKind::kBroker, "too large");
+    return {};
+  }
+  Status AwaitReady(mqtt::Deadline /*deadline*/) override {
+    if (ready_error) return Fail(*ready_error);
     return {};
   }
 

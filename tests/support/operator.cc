@@ -37,10 +37,10 @@ Finished Operator::Fleetpub(std::vector<std::string> arguments) const {
 
 std::filesystem::path Operator::LedgerPath() const { return home_ / "ledger.db"; }
 
-Subscriber::Subscriber(const Mosquitto& broker, const std::string& filter, int qos) {
+Subscriber::Subscriber(std::uint16_t port, const std::string& filter, int qos) {
   Command command{.arguments = {"stdbuf", "-oL", "mosquitto_sub", "-h", "127.0.0.1", "-p",
-                                std::to_string(broker.port()), "-t", filter, "-q",
-                                std::to_string(qos), "-F", "received %r %q %t %p", "-d"}};
+                                std::to_string(port), "-t", filter, "-q", std::to_string(qos), "-F",
+                                "received %r %q %t %p", "-d"}};
   process_ = std::make_unique<Process>(std::move(command));
   if (!process_->AwaitOutput("SUBACK")) throw std::runtime_error("mosquitto_sub did not subscribe");
 }

@@ -40,7 +40,10 @@ class Operator {
 class Subscriber {
  public:
   /// Returns once the broker has acknowledged the subscription.
-  explicit Subscriber(const Mosquitto& broker, const std::string& filter = "#", int qos = 0);
+  explicit Subscriber(const Mosquitto& broker, const std::string& filter = "#", int qos = 0)
+      : Subscriber(broker.port(), filter, qos) {}
+  /// At the broker on this port of 127.0.0.1.
+  Subscriber(std::uint16_t port, const std::string& filter, int qos);
 
   /// A received message: `RETAINED QOS TOPIC PAYLOAD`, as mosquitto_sub saw it.
   struct Received {

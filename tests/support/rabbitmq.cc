@@ -76,6 +76,11 @@ void RabbitMq::Start() {
   server_ = std::make_unique<Process>(std::move(server));
 }
 
+const RabbitMq& RabbitMq::Shared() {
+  static const RabbitMq broker;
+  return broker;
+}
+
 std::string RabbitMq::MqttUrl() const { return Loopback("mqtt", mqtt_port_); }
 std::string RabbitMq::AmqpUrl() const { return Loopback("amqp", amqp_port_); }
 std::string RabbitMq::Log() const { return server_->Output() + server_->Errors(); }

@@ -1,4 +1,4 @@
-// A real RabbitMQ with its MQTT plugin, for one test: the kind of backbone that SoAR runs on.
+// A real RabbitMQ with its MQTT plugin: the kind of backbone that SoAR runs on.
 #pragma once
 
 #include <cstdint>
@@ -18,7 +18,10 @@ namespace fleetpub::testing {
 class RabbitMq {
  public:
   RabbitMq();
+  /// The one of this test program, started when it is first asked for.
+  [[nodiscard]] static const RabbitMq& Shared();
 
+  [[nodiscard]] std::uint16_t mqtt_port() const { return mqtt_port_; }
   /// `mqtt://127.0.0.1:port`
   [[nodiscard]] std::string MqttUrl() const;
   /// `amqp://127.0.0.1:port`

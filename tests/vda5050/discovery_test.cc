@@ -36,6 +36,18 @@ TEST(DiscoveryFilters, LeaveOpenWhatIsNotKnown) {
       ElementsAre("+/+/KIT/0001/connection", "+/+/KIT/0001/factsheet", "+/+/KIT/0001/state"));
 }
 
+TEST(SpecifiedTopics, AreThoseOfEveryReleaseEachOnce) {
+  const RobotAddress robot{"KIT", "0001"};
+  EXPECT_THAT(SpecifiedTopics({}, robot, kConnection).value(),
+              ElementsAre("uagv/v1/KIT/0001/connection", "uagv/v2/KIT/0001/connection",
+                          "vda5050/v3/KIT/0001/connection"));
+  EXPECT_THAT(SpecifiedTopics({.interface_name = "fts",
+                               .topic_template = "{interface}/{manufacturer}/{serial}/{topic}"},
+                              robot, kConnection)
+                  .value(),
+              ElementsAre("fts/KIT/0001/connection"));
+}
+
 TEST(DiscoveryFilters, KeepWhatIsStated) {
   EXPECT_THAT(FiltersOf({.interface_name = "fts"}), ElementsAre("fts/+/+/+/connection"));
   EXPECT_THAT(FiltersOf({.topic_template = "/site/{interface}/v2/{manufacturer}/{serial}/{topic}"}),

@@ -1,0 +1,146 @@
+// The core against brokers other than mosquitto: RabbitMQ's MQTT plugin and aedes. What each does
+// otherwise stands in docs/brokers.md.
+#include <gmock/gmock.h>
+
+#include <memory>
+
+#include "support/aedes.h"
+#include "support/operator.h"
+#include "support/rabbitmq.h"
+
+namespace fleetpub::testing {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::SizeIs;
+
+enum class Kind { kRabbitMq, kAedes };
+
+class OtherBroker : public ::testing::TestWithParam<Kind> {
+ protected:
+  OtherBroker() {
+    if (GetParam() == Kind::kAedes) aedes_ = std::make_unique<Aedes>();
+    port_ = aedes_ ? aedes_->port() : RabbitMq::Shared().mqtt_port();
+    operator_.UseBroker("mqtt://127.0.0.1:" + std::to_string(port_));
+  }
+
+  [[nodiscard]] bool IsRabbitMq() const { return GetParam() == Kind::kRabbitMq; }
+  [[nodiscard]] Finished Fleetpub(std::vector<std::string> arguments) const {
+    return operator_.Fleetpub(std::move(arguments));
+  }
+  /// `fleetpub simulate ARGUMENTS…`, online when this returns.
+  [[nodiscard]] std::unique_ptr<Process> Robot(std::vector<std::string> arguments) const {
+    arguments.insert(arguments.begin(), "simulate");
+    auto robot = std::make_unique<Process>(operator_.Prepare(std::move(arguments)));
+    EXPECT_TRUE(robot->AwaitErrors("online")) << robot->Errors();
+    return robot;
+  }
+  void ExpectEnd(const std::vector<std::string>& arguments, int exit_code,
+                 const std::string& words) const {
+    const Finished run = Fleetpub(arguments);
+    EXPECT_EQ(run.exit_code, exit_code) << arguments[0] << run.output << run.errors;
+    EXPECT_THAT(run.output + run.errors, HasSubstr(words));
+  }
+
+  std::unique_ptr<Aedes> aedes_;
+  std::uint16_t port_ = 0;
+  Operator operator_;
+};
+
+constexpr auto kNoSuffix = [](const auto& /*kind*/) { return std::string("Core"); };
+INSTANTIATE_TEST_SUITE_P(RabbitMq, OtherBroker, ::testing::Values(Kind::kRabbitMq), kNoSuffix);
+INSTANTIATE_TEST_SUITE_P(Aedes, OtherBroker, ::testing::Values(Kind::kAedes), kNoSuffix);
+
+TEST_P(OtherBroker, CarriesWhatIsPublished) {
+  const Subscriber subscriber(port_, "vda5050/v3/PUB/+/instantActions", 2);
+  ExpectEnd({"pause", "PUB/0001"}, 0, "SENT");
+  ExpectEnd({"pause", "PUB/0001", "-q", "1"}, 0, "PUBLISHED");
+  ExpectEnd({"resume", "PUB/0002", "-q", "2"}, 0, "PUBLISHED");
+  const auto messages = subscriber.Await(3);
+  ASSERT_THAT(messages, SizeIs(3));
+  EXPECT_EQ(messages[0].topic, "vda5050/v3/PUB/0001/instantActions");
+  EXPECT_EQ(Json(messages[1].payload)["headerId"].GetInt(), 1);
+  EXPECT_EQ(messages[2].qos, IsRabbitMq() ? 1 : 2);
+  for (const auto& message : messages) EXPECT_FALSE(message.retained);
+}
+
+TEST_P(OtherBroker, CarriesTheRobotsWord) {
+  for (const char* version : {"1.1.0", "2.1.0", "3.0.0"}) {
+    const std::string name = std::string("WORD/") + version[0];
+    const auto robot = Robot({name, "--vda", version, "--reject", "startCharging"});
+    ExpectEnd({"pause", name, "--wait", "--vda", version}, 0, "FINISHED");
+    ExpectEnd({"resume", name, "--wait", "--vda", "auto", "-q", "1"}, 0, "FINISHED");
+    ExpectEnd({"charge", name, "--wait", "--vda", version}, 5, "startCharging");
+  }
+  const auto silent = Robot({"WORD/0009", "--silent"});
+  ExpectEnd({"pause", "WORD/0009", "--wait", "-W", "300ms"}, 6, "TIMEOUT");
+  ExpectEnd({"resume", "WORD/0010", "--wait"}, 7, "unknown");
+}
+
+TEST_P(OtherBroker, PublishesTheLastWillOfARobotThatDies) {
+  const auto robot = Robot({"WILL/0001", "--delay", "30s", "-v"});
+  Process run(operator_.Prepare({"charge", "WILL/0001", "--wait"}));
+  ASSERT_TRUE(robot->AwaitErrors("startCharging"));
+  robot->Signal(SIGKILL);
+  EXPECT_EQ(run.Wait(), 6) << run.Errors();
+  EXPECT_THAT(run.Output(), HasSubstr("OFFLINE"));
+  ExpectEnd({"await", "WILL/0001", "connection", "connectionState=CONNECTION_BROKEN"}, 0, "WILL");
+}
+
+TEST_P(OtherBroker, ShowsTheFleet) {
+  const auto robot = Robot({"FLEET/0001", "--state-interval", "200ms"});
+  ExpectEnd({"fleet", "FLEET/*", "--state-wait", "5s"}, 0, "FLEET/0001");
+  ExpectEnd({"await", "FLEET/0001", "connection", "connectionState=ONLINE"}, 0, "ONLINE");
+  ExpectEnd({"await", "FLEET/0001", "state", "paused=false"}, 0, "FLEET/0001");
+  ExpectEnd({"ping"}, 0, "reachable");
+}
+
+TEST_P(OtherBroker, RefusesAWrongLogin) {
+  const Aedes closed("ann", "s3cret");
+  if (!IsRabbitMq()) operator_.UseBroker(closed.Url());
+  for (const char* user : {"nobody", "guest", "ann"}) {
+    Command command = operator_.Prepare({"pause", "LOGIN/0001", "-u", user});
+    command.environment.emplace_back("FLEETPUB_PASSWORD", "wr0ng");
+    const Finished run = testing::Run(command);
+    EXPECT_EQ(run.exit_code, 4);
+    EXPECT_THAT(run.errors,
+                AllOf(HasSubstr("nothing was sent"), HasSubstr("bad user name or password"),
+                      ::testing::Not(HasSubstr("wr0ng"))));
+  }
+}
+
+TEST_P(OtherBroker, SpeaksNoMqtt5) {
+  const Finished run = Fleetpub({"pause", "OLD/0001", "-V", "5"});
+  EXPECT_EQ(run.exit_code, 4);
+  EXPECT_THAT(run.errors, AllOf(HasSubstr("nothing was sent"), HasSubstr("-V")));
+}
+
+// It keeps `/` as `.` and turns every `.` into `/` on the way out.
+TEST_P(OtherBroker, MayMistakeADotInASerialNumber) {
+  const Subscriber subscriber(port_, "vda5050/v3/DOT/#", 0);
+  ExpectEnd({"pause", "DOT/00.1", "-q", "1"}, 0, "PUBLISHED");
+  const auto messages = subscriber.Await(1);
+  ASSERT_THAT(messages, SizeIs(1));
+  EXPECT_EQ(messages[0].topic, IsRabbitMq() ? "vda5050/v3/DOT/00/1/instantActions"
+                                            : "vda5050/v3/DOT/00.1/instantActions");
+}
+
+// aedes hangs up on who publishes what is not allowed.
+TEST(Aedes, DeniesWhatIsForbidden) {
+  const Aedes broker;
+  Operator someone;
+  someone.UseBroker(broker.Url());
+  const Finished published =
+      someone.Fleetpub({"pause", "KIT/0001", "--interface", "forbidden", "-q", "1"});
+  EXPECT_EQ(published.exit_code, 4) << published.output;
+  EXPECT_THAT(published.output, HasSubstr("Is something not allowed?"));
+  const Finished subscribed =
+      someone.Fleetpub({"pause", "KIT/0001", "--interface", "forbidden", "--wait", "--no-check"});
+  EXPECT_EQ(subscribed.exit_code, 4) << subscribed.output;
+  EXPECT_THAT(subscribed.errors,
+              AllOf(HasSubstr("nothing was sent"), HasSubstr("may not read it")));
+}
+
+}  // namespace
+}  // namespace fleetpub::testing

@@ -1,0 +1,42 @@
+// A network between a client and a broker, as slow or as dead as a test wants it.
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <cstdint>
+#include <string>
+
+#include "support/broken_broker.h"
+
+namespace fleetpub::testing {
+
+/// Passes on what arrives at its own port to a port of 127.0.0.1, and back, each byte after the
+/// delay.
+class Relay {
+ public:
+  explicit Relay(std::uint16_t port,
+                 std::chrono::milliseconds one_way = std::chrono::milliseconds(0))
+      : port_(port), one_way_(one_way), listener_([this](int socket) { Pass(socket); }) {}
+
+  [[nodiscard]] std::string Url() const { return listener_.Url(); }
+  [[nodiscard]] int connections() const { return connections_; }
+  /// The network is dead from now on: connections stay, and nothing gets through.
+  void Die() { dead_ = true; }
+  /// New connections get through again; those from before never will.
+  void Revive() {
+    ++generation_;
+    dead_ = false;
+  }
+
+ private:
+  void Pass(int socket);
+
+  std::uint16_t port_;
+  std::chrono::milliseconds one_way_;
+  std::atomic<bool> dead_ = false;
+  std::atomic<int> generation_ = 0;
+  std::atomic<int> connections_ = 0;
+  BrokenBroker listener_;  // the last: its threads use the others
+};
+
+}  // namespace fleetpub::testing
