@@ -41,6 +41,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "ledger/header_ids.h"
 #include "ledger/ledger_files.h"
 #include "ledger/sqlite_database.h"
 #include "ledger/sqlite_history.h"
