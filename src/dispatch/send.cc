@@ -40,6 +40,7 @@ class Batch {
     started_ = steady_clock::now();
     auto lock = Lock();
     if (!lock) return Fail(std::move(lock.error()));
+    lock_ = lock->get();
     if (auto reserved = Reserve(); !reserved) return reserved;
     Publish(sent);
     if (options_.qos != mqtt::Qos::kAtMostOnce) AwaitAcknowledgements();
@@ -86,6 +87,11 @@ class Batch {
     for (Report& report : reports_) {
       if (broken_) {
         SetError(report, *broken_, "not sent: ");
+        continue;
+      }
+      if (!lock_->StillHeld()) {
+        SetError(report, {ErrorKind::kLedger, "the ledger ended the lock on the topic"},
+                 "not sent: ");
         continue;
       }
       auto token = transport_.Publish({report.topic, report.payload, options_.qos}, deadline);
@@ -154,6 +160,7 @@ class Batch {
   mqtt::Transport& transport_;
   ledger::Ledger& ledger_;
   const SendOptions& options_;
+  const ledger::TopicLock* lock_ = nullptr;  // while Run runs
   steady_clock::time_point started_;
   std::vector<Report> reports_;
   std::vector<ledger::Draft> drafts_;

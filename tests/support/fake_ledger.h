@@ -68,6 +68,7 @@ class FakeLedger : public ledger::Ledger {
     return rows_[static_cast<std::size_t>(id - 1)];
   }
   Result<std::int64_t> Prune(ledger::WallTime /*older_than*/) override { return 0; }
+  Result<ledger::LedgerInfo> Describe() override { return ledger::LedgerInfo{.kind = "fake"}; }
 
  private:
   class Held : public ledger::TopicLock {
