@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <optional>
 
 #include "base/text.h"
 
@@ -11,21 +12,24 @@ namespace {
 constexpr std::string_view kSeparator = "://";
 constexpr std::array<std::string_view, 2> kSchemes = {"postgresql", "postgres"};
 
-/// Behind the scheme. The login reaches to the last @ of all: a password with a slash or a question
-/// mark in it must not be taken for something else, and shown.
+/// `scheme://user:password@place?parameters`. A password reaches to the last @ of all: one with a
+/// slash or a question mark in it must not be taken for something else, and shown.
 struct Pieces {
   std::string_view scheme;
-  std::string_view login;
-  std::string_view rest;
+  std::string_view behind;                              ///< all that follows the scheme
+  std::optional<std::string_view> user = std::nullopt;  ///< of a login with a password
+  std::string_view place;
 };
 
 Pieces Cut(std::string_view url) {
-  const std::size_t colon = url.find(kSeparator);
-  Pieces pieces{url.substr(0, colon), {}, url.substr(colon + kSeparator.size())};
-  const std::size_t at = pieces.rest.rfind('@');
-  if (at == std::string_view::npos) return pieces;
-  pieces.login = pieces.rest.substr(0, at);
-  pieces.rest.remove_prefix(at + 1);
+  const std::size_t end = url.find(kSeparator);
+  Pieces pieces{.scheme = url.substr(0, end), .behind = url.substr(end + kSeparator.size())};
+  const std::size_t at = pieces.behind.rfind('@');
+  const std::size_t colon = pieces.behind.find(':');
+  const bool has_password = at != std::string_view::npos && colon < at;
+  if (has_password) pieces.user = pieces.behind.substr(0, colon);
+  pieces.place = has_password ? pieces.behind.substr(at + 1) : pieces.behind;
+  pieces.place = pieces.place.substr(0, pieces.place.find_first_of("?&"));
   return pieces;
 }
 
@@ -39,14 +43,11 @@ bool NamesASecret(std::string_view parameter) {
 }
 
 bool HoldsASecret(const Pieces& pieces) {
-  if (pieces.login.find(':') != std::string_view::npos) return true;
-  for (const std::string_view part : {pieces.login, pieces.rest}) {
-    const std::size_t question = part.find('?');
-    if (question == std::string_view::npos) continue;
-    const auto parameters = base::Split(part.substr(question + 1), '&');
-    if (std::any_of(parameters.begin(), parameters.end(), NamesASecret)) return true;
-  }
-  return false;
+  if (pieces.user) return true;
+  const std::size_t question = pieces.behind.find('?');
+  if (question == std::string_view::npos) return false;
+  const auto parameters = base::Split(pieces.behind.substr(question + 1), '&');
+  return std::any_of(parameters.begin(), parameters.end(), NamesASecret);
 }
 
 }  // namespace
@@ -64,7 +65,7 @@ Status CheckPostgresUrl(std::string_view url) {
     return Fail(ErrorKind::kUsage,
                 "a ledger's URL carries no password, since other users of this machine can read it "
                 "in the process list: put it into ~/.pgpass (chmod 600) or a file that PGPASSFILE "
-                "names, or set PGPASSWORD (an @ behind the user is written %40)");
+                "names, or set PGPASSWORD (an @ that ends no user name is written %40)");
   }
   if (base::Printable(url) != url) {
     return Fail(ErrorKind::kUsage, "the ledger's URL has a character that no URL has");
@@ -74,14 +75,9 @@ Status CheckPostgresUrl(std::string_view url) {
 
 std::string PlaceOf(std::string_view url) {
   const Pieces pieces = Cut(url);
-  std::string place = std::string(pieces.scheme) + std::string(kSeparator);
-  if (!pieces.login.empty()) {
-    const std::size_t colon = pieces.login.find(':');
-    place += pieces.login.substr(0, colon);
-    if (colon != std::string_view::npos) place += ":********";
-    place += '@';
-  }
-  return place + std::string(pieces.rest.substr(0, pieces.rest.find('?')));
+  std::string text = std::string(pieces.scheme) + std::string(kSeparator);
+  if (pieces.user) text += std::string(*pieces.user) + ":********@";
+  return text + std::string(pieces.place);
 }
 
 }  // namespace fleetpub::ledger
