@@ -11,7 +11,6 @@
 #include "cli/config_files.h"
 #include "cli/config_settings.h"
 #include "cli/toml_text.h"
-#include "ledger/postgres_url.h"
 
 namespace fleetpub::cli {
 namespace {
@@ -43,7 +42,6 @@ std::string_view Wanted(SettingType type) {
   switch (type) {
     case SettingType::kText:
     case SettingType::kPath:
-    case SettingType::kPathOrUrl:
       return "a text in quotation marks";
     case SettingType::kTexts:
       return "a text in quotation marks or a list of such";
@@ -61,7 +59,6 @@ bool Suits(SettingType type, const TomlValue& value) {
   switch (type) {
     case SettingType::kText:
     case SettingType::kPath:
-    case SettingType::kPathOrUrl:
       return value.type == Type::kText;
     case SettingType::kTexts:
       return value.type == Type::kText ||
@@ -181,9 +178,7 @@ class Reader {
               ErrorAt(At(item.place), fmt::format("{}: {}", setting.key, ok.error().message)));
         }
       }
-      const bool is_path = setting.type == SettingType::kPath ||
-                           (setting.type == SettingType::kPathOrUrl && !ledger::IsUrl(item.text));
-      value.texts.push_back(is_path ? PathOf(item.text) : item.text);
+      value.texts.push_back(setting.type == SettingType::kPath ? PathOf(item.text) : item.text);
       return {};
     };
     if (member.value.type == Type::kArray) {

@@ -91,7 +91,7 @@ constexpr auto kSettings = std::to_array<Setting>({
     {"tls_alpn", kTexts, ""},
     {"insecure", kFlag, "false"},
     {"output", kText, "text", CheckOutput},
-    {"ledger", kPathOrUrl, "see the manual, \"Files\"", CheckLedger},
+    {"ledger", kPath, "see the manual, \"Files\"", CheckLedger},
     {"no_history", kFlag, "false"},
     {"header_id_start", kText, "zero", CheckStart},
     {"schema_dir", kPath, ""},

@@ -13,7 +13,6 @@ enum class SettingType {
   kText,
   kTexts,        ///< a text or a list of texts
   kPath,         ///< a text; relative to the file's folder
-  kPathOrUrl,    ///< the same, unless it is a URL
   kFlag,         ///< true, false
   kWhole,        ///< an integer
   kTextOrWhole,  ///< `5`, `"3.1.1"`

@@ -122,7 +122,7 @@ Status MigrateTables(Session& session, Deadline deadline) {
   const std::array<Query, 2> begin = {
       Query{"BEGIN"}, {"SELECT pg_advisory_xact_lock($1)", {std::to_string(LockKey(""))}}};
   const auto begun = session.Run(begin, deadline);
-  const Status migrated = begun ? RunMigrations(session, deadline) : Status(Fail(begun.error()));
+  Status migrated = begun ? RunMigrations(session, deadline) : Status(Fail(begun.error()));
   if (!migrated) session.Post({"ROLLBACK"});
   return migrated;
 }
