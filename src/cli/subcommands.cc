@@ -102,6 +102,10 @@ constexpr auto kSubcommands = std::to_array<Subcommand>({
      "config init\n"
      "config init --stdout",
      DeclareConfigInit, ConfigUse::kNone},
+    {"completion", kChecking, "SHELL", "the script by which bash, zsh or fish completes fleetpub",
+     "completion bash > ~/.local/share/bash-completion/completions/fleetpub\n"
+     "completion fish > ~/.config/fish/completions/fleetpub.fish",
+     DeclareCompletion, ConfigUse::kNone},
     {"ledger status", kChecking, "", "where header ids and history are kept, and how much of them",
      "ledger status\n"
      "ledger status --ledger postgresql://operator@db.example/fleet -o json",
