@@ -50,7 +50,7 @@ constexpr std::string_view kStarter =
 #allow_insecure = true
 
 #output = "text"                          # or "json"
-#ledger = "/var/lib/fleetpub/ledger.db"
+#ledger = "/var/lib/fleetpub/ledger.db"   # or, shared by hosts: "postgresql://operator@db.example/fleet"
 #no_history = false
 #header_id_start = "zero"                 # or "epoch": Unix seconds, for a ledger that may get lost
 #schema_dir = "schemas"

@@ -7,6 +7,7 @@
 
 #include "base/text.h"
 #include "base/time.h"
+#include "ledger/postgres_url.h"
 #include "mqtt/broker_url.h"
 #include "vda5050/version.h"
 
@@ -42,6 +43,10 @@ Status CheckProxy(const std::string& value) {
   if (value.find('@') == std::string::npos) return {};
   return Fail(ErrorKind::kUsage,
               "a proxy's login does not stand in a configuration file: set FLEETPUB_PROXY");
+}
+
+Status CheckLedger(const std::string& value) {
+  return ledger::IsUrl(value) ? ledger::CheckPostgresUrl(value) : Status();
 }
 
 Status CheckOutput(const std::string& value) {
@@ -86,7 +91,7 @@ constexpr auto kSettings = std::to_array<Setting>({
     {"tls_alpn", kTexts, ""},
     {"insecure", kFlag, "false"},
     {"output", kText, "text", CheckOutput},
-    {"ledger", kPath, "see the manual, \"Files\""},
+    {"ledger", kPath, "see the manual, \"Files\"", CheckLedger},
     {"no_history", kFlag, "false"},
     {"header_id_start", kText, "zero", CheckStart},
     {"schema_dir", kPath, ""},

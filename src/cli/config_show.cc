@@ -15,6 +15,7 @@
 #include "cli/sending.h"
 #include "cli/soar_options.h"
 #include "cli/subcommand.h"
+#include "ledger/postgres_url.h"
 
 namespace fleetpub::cli {
 namespace {
@@ -59,6 +60,12 @@ std::string Masked(const std::string& text) {
 
 bool MayHoldALogin(std::string_view key) { return key == "broker" || key == "proxy"; }
 
+// A password in it is refused as soon as the ledger is opened, but this command opens none.
+std::string MaskedLedger(const std::string& text) {
+  const bool may_be_shown = !ledger::IsUrl(text) || ledger::CheckPostgresUrl(text);
+  return may_be_shown ? text : ledger::PlaceOf(text);
+}
+
 Row RowOf(const ConfigBindings::Effective& setting) {
   Row row{std::string(setting.key), {}, setting.origin};
   if (setting.texts.empty()) {
@@ -67,6 +74,7 @@ Row RowOf(const ConfigBindings::Effective& setting) {
   }
   std::vector<std::string> texts = setting.texts;
   if (MayHoldALogin(setting.key)) std::transform(texts.begin(), texts.end(), texts.begin(), Masked);
+  if (setting.key == "ledger") texts.front() = MaskedLedger(texts.front());
   row.value = base::Join(texts, ", ");
   return row;
 }

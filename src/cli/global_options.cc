@@ -13,6 +13,9 @@
 #include "cli/identity.h"
 #include "cli/option_set.h"
 #include "cli/password.h"
+#include "ledger/postgres_ledger.h"
+#include "ledger/postgres_url.h"
+#include "ledger/sqlite_ledger.h"
 
 namespace fleetpub::cli {
 namespace {
@@ -137,8 +140,10 @@ void DeclareFiles(OptionSet& set, GlobalOptions& o) {
   ConfigBindings& bindings = set.bindings();
   bindings.Bind(
       "ledger",
-      set.AddOption("--ledger", o.ledger, "Header ids and history [see the manual, \"Files\"]")
-          ->type_name("FILE")
+      set.AddOption(
+             "--ledger", o.ledger,
+             "Header ids and history: a file, or postgresql://... [see the manual, \"Files\"]")
+          ->type_name("PLACE")
           ->envname("FLEETPUB_LEDGER")
           ->group(kFiles),
       &o.ledger);
@@ -341,19 +346,45 @@ Result<mqtt::ConnectOptions> ConnectOptionsOf(const Context& context) {
   return connect;
 }
 
+namespace {
+
+void Describe(const Context& context, ledger::Options& options) {
+  options.keep_history = !context.options.no_history;
+  options.user = UserName();
+  options.host = HostName();
+  options.profile = context.config.profile;
+  if (context.options.header_id_start == "epoch") options.start = ledger::HeaderIdStart::kEpoch;
+}
+
+Result<std::unique_ptr<ledger::Ledger>> OpenPostgres(const Context& context,
+                                                     ledger::OpenMode mode) {
+  if (auto right = ledger::CheckPostgresUrl(context.options.ledger); !right) {
+    return Fail(std::move(right.error()));
+  }
+  ledger::PostgresOptions options;
+  Describe(context, options);
+  options.url = context.options.ledger;
+  const auto timeout = base::ParseDuration(context.options.connect_timeout);
+  if (!timeout) return Fail(timeout.error());
+  options.connect_timeout = *timeout;
+  auto password = FindLedgerPassword(context.output);
+  if (!password) return Fail(std::move(password.error()));
+  options.password = std::move(*password);
+  return ledger::OpenPostgres(std::move(options), mode);
+}
+
+}  // namespace
+
 Result<std::unique_ptr<ledger::Ledger>> OpenLedger(const Context& context, ledger::OpenMode mode) {
+  if (ledger::IsUrl(context.options.ledger)) return OpenPostgres(context, mode);
   ledger::SqliteOptions options;
+  Describe(context, options);
   options.path = context.options.ledger;
   if (options.path.empty()) {
     auto path = ledger::DefaultLedgerPath();
     if (!path) return Fail(std::move(path.error()));
     options.path = std::move(*path);
   }
-  options.keep_history = !context.options.no_history;
-  options.user = UserName();
-  options.host = HostName();
-  options.profile = context.config.profile;
-  if (context.options.header_id_start == "epoch") options.start = ledger::HeaderIdStart::kEpoch;
   return ledger::OpenSqlite(std::move(options), mode);
 }
 

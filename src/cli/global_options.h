@@ -13,7 +13,7 @@
 #include "cli/config.h"
 #include "cli/output.h"
 #include "ledger/ledger.h"
-#include "ledger/sqlite_ledger.h"
+#include "ledger/options.h"
 #include "mqtt/transport.h"
 
 namespace fleetpub::cli {
@@ -77,6 +77,8 @@ struct Context {
 /// password. Errors: ErrorKind::kUsage, kLedger (a password file that cannot be read).
 [[nodiscard]] Result<mqtt::ConnectOptions> ConnectOptionsOf(const Context& context);
 
+/// The file or the database that the options name. Errors: ErrorKind::kUsage (a URL that is none of
+/// PostgreSQL's, or holds a password), kLedger.
 [[nodiscard]] Result<std::unique_ptr<ledger::Ledger>> OpenLedger(const Context& context,
                                                                  ledger::OpenMode mode);
 

@@ -15,6 +15,8 @@
 namespace fleetpub::cli {
 namespace {
 
+constexpr const char* kCredential = "fleetpub.password";
+constexpr const char* kLedgerCredential = "fleetpub.ledger_password";
 constexpr std::size_t kLongestPassword = 65'535;  // MQTT §3.1.3.5
 
 // Switches the terminal's echo off while it lives.
@@ -77,10 +79,10 @@ std::optional<std::string> FromEnvironment() {
   return password;
 }
 
-std::optional<std::string> SystemdCredential() {
+std::optional<std::string> SystemdCredential(const char* name) {
   const char* folder = std::getenv("CREDENTIALS_DIRECTORY");
   if (folder == nullptr) return std::nullopt;
-  const std::filesystem::path file = std::filesystem::path(folder) / "fleetpub.password";
+  const std::filesystem::path file = std::filesystem::path(folder) / name;
   std::error_code ignored;
   if (!std::filesystem::exists(file, ignored)) return std::nullopt;
   return file.string();
@@ -89,7 +91,7 @@ std::optional<std::string> SystemdCredential() {
 }  // namespace
 
 bool HasPasswordInEnvironment() {
-  return std::getenv("FLEETPUB_PASSWORD") != nullptr || SystemdCredential();
+  return std::getenv("FLEETPUB_PASSWORD") != nullptr || SystemdCredential(kCredential);
 }
 
 Result<std::string> ReadPasswordFile(const std::string& path, Output& output) {
@@ -103,6 +105,14 @@ Result<std::string> ReadPasswordFile(const std::string& path, Output& output) {
   return FirstLine(std::move(*content));
 }
 
+Result<std::optional<std::string>> FindLedgerPassword(Output& output) {
+  const auto file = SystemdCredential(kLedgerCredential);
+  if (!file || std::getenv("PGPASSWORD") != nullptr) return std::optional<std::string>();
+  auto password = ReadPasswordFile(*file, output);
+  if (!password) return Fail(std::move(password.error()));
+  return std::move(*password);
+}
+
 Result<std::optional<std::string>> FindPassword(const Context& context) {
   const GlobalOptions& options = context.options;
   std::optional<std::string> from_environment = FromEnvironment();
@@ -114,7 +124,7 @@ Result<std::optional<std::string>> FindPassword(const Context& context) {
   std::string file = options.password_file;
   if (file.empty()) {
     if (from_environment) return from_environment;
-    file = SystemdCredential().value_or("");
+    file = SystemdCredential(kCredential).value_or("");
   }
   if (file.empty()) return std::optional<std::string>();
   auto password = ReadPasswordFile(file, context.output);

@@ -18,6 +18,10 @@ namespace fleetpub::cli {
 /// before the configuration's password_file, as the environment goes before the configuration.
 [[nodiscard]] bool HasPasswordInEnvironment();
 
+/// The systemd credential `fleetpub.ledger_password`, unless PGPASSWORD says otherwise; nothing:
+/// libpq finds it. Errors: ErrorKind::kLedger.
+[[nodiscard]] Result<std::optional<std::string>> FindLedgerPassword(Output& output);
+
 /// The file's first line. Warns when others may read the file. Errors: ErrorKind::kLedger.
 [[nodiscard]] Result<std::string> ReadPasswordFile(const std::string& path, Output& output);
 

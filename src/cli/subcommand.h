@@ -46,6 +46,8 @@ struct Subcommand {
 [[nodiscard]] Run DeclareHistory(OptionSet& set);
 [[nodiscard]] Run DeclareHistoryPrune(OptionSet& set);
 [[nodiscard]] Run DeclareHistoryShow(OptionSet& set);
+[[nodiscard]] Run DeclareLedgerMigrate(OptionSet& set);
+[[nodiscard]] Run DeclareLedgerStatus(OptionSet& set);
 [[nodiscard]] Run DeclarePing(OptionSet& set);
 [[nodiscard]] Run DeclarePublish(OptionSet& set);
 [[nodiscard]] Run DeclareRequests(OptionSet& set);

@@ -106,6 +106,14 @@ constexpr auto kSubcommands = std::to_array<Subcommand>({
      "completion bash > ~/.local/share/bash-completion/completions/fleetpub\n"
      "completion fish > ~/.config/fish/completions/fleetpub.fish",
      DeclareCompletion, ConfigUse::kNone},
+    {"ledger status", kChecking, "", "where header ids and history are kept, and how much of them",
+     "ledger status\n"
+     "ledger status --ledger postgresql://operator@db.example/fleet -o json",
+     DeclareLedgerStatus},
+    {"ledger migrate", kChecking, "", "make the ledger's tables, or bring them up to date",
+     "ledger migrate\n"
+     "ledger migrate --ledger postgresql://owner@db.example/fleet",
+     DeclareLedgerMigrate},
     {"ping", kChecking, "", "can the broker be reached with these settings, and what does it grant",
      "ping\n"
      "ping -b mqtt://broker.example:1883 -u operator --password-file pw",

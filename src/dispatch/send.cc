@@ -44,6 +44,7 @@ class Batch {
     }
     auto lock = Lock();
     if (!lock) return Fail(std::move(lock.error()));
+    lock_ = lock->get();
     // The broker may have gone while somebody else held the topic.
     if (auto ready = transport_.AwaitReady(steady_clock::now() + options_.acknowledge_timeout);
         !ready) {
@@ -102,6 +103,11 @@ class Batch {
     for (Report& report : reports_) {
       if (broken_) {
         SetError(report, *broken_, "not sent: ");
+        continue;
+      }
+      if (!lock_->StillHeld()) {
+        SetError(report, {ErrorKind::kLedger, "the ledger ended the lock on the topic"},
+                 "not sent: ");
         continue;
       }
       auto token = transport_.Publish({report.topic, report.payload, options_.qos}, deadline);
@@ -170,6 +176,7 @@ class Batch {
   mqtt::Transport& transport_;
   ledger::Ledger& ledger_;
   const SendOptions& options_;
+  const ledger::TopicLock* lock_ = nullptr;  // while Run runs
   steady_clock::time_point started_;
   std::vector<Report> reports_;
   std::vector<ledger::Draft> drafts_;

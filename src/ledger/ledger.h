@@ -9,7 +9,7 @@
 // Gaps are allowed (a receiver reads them as a lost message); repeats are not.
 //
 // Threads: a Ledger belongs to one thread. Processes share the store, not the object.
-// Errors: ErrorKind::kLedger with the file's name and how to repair it.
+// Errors: ErrorKind::kLedger with the ledger's place and how to repair it.
 #pragma once
 
 #include <chrono>
@@ -97,15 +97,31 @@ struct HistoryFilter {
   int limit = 50;                      ///< the newest so many, returned oldest first; 0: all
 };
 
+/// What there is, for who looks after it.
+struct LedgerInfo {
+  std::string kind;   ///< "SQLite", "PostgreSQL"
+  std::string place;  ///< a path, or a URL without secrets
+  int version = 0;    ///< of the tables; 0: there are none yet
+  std::int64_t rows = 0;
+  std::int64_t topics = 0;  ///< that have a header id
+  std::int64_t bytes = 0;   ///< on the disk, with everything that belongs to it
+};
+
 /// Held from reserving to writing. Released by the destructor, and by the system when the process
 /// dies. Independent of the Ledger that gave it. A forked child holds it too, until it ends or
 /// starts another program.
+///
+/// At most one of a Ledger's at a time.
 class TopicLock {
  public:
   TopicLock() = default;
   TopicLock(const TopicLock&) = delete;
   TopicLock& operator=(const TopicLock&) = delete;
   virtual ~TopicLock() = default;
+
+  /// False once the store has, or may have, taken it back: nothing more may be sent. Asks nobody,
+  /// and is cheap enough to be called before each message.
+  [[nodiscard]] virtual bool StillHeld() const { return true; }
 };
 
 class Ledger {
@@ -140,6 +156,8 @@ class Ledger {
   [[nodiscard]] virtual Result<std::optional<Record>> Find(std::int64_t id) = 0;
   /// Removes rows recorded before this time, never the header ids. Returns how many.
   [[nodiscard]] virtual Result<std::int64_t> Prune(WallTime older_than) = 0;
+
+  [[nodiscard]] virtual Result<LedgerInfo> Describe() = 0;
 };
 
 /// The payload of a draft with its id in place.

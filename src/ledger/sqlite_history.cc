@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "base/json.h"
+#include "ledger/stored_actions.h"
 
 namespace fleetpub::ledger {
 namespace {
@@ -16,18 +16,6 @@ constexpr char kSelect[] =
 
 WallTime FromMicros(std::int64_t micros) { return WallTime(microseconds(micros)); }
 
-Result<std::vector<ActionRef>> ActionsFromJson(const std::string& text) {
-  const Result<rapidjson::Document> document = base::ParseJson(text);
-  if (!document) return Fail(document.error());
-  std::vector<ActionRef> actions;
-  if (!document->IsArray()) return actions;
-  for (const rapidjson::Value& action : document->GetArray()) {
-    actions.push_back({std::string(base::StringMember(action, "type")),
-                       std::string(base::StringMember(action, "id"))});
-  }
-  return actions;
-}
-
 Result<Record> ReadRecord(const Statement& row) {
   Record record;
   record.id = row.Integer(0);
@@ -39,12 +27,8 @@ Result<Record> ReadRecord(const Statement& row) {
     *text = row.Text(column++);
   }
   if (!row.IsNull(11)) record.header_id = static_cast<std::uint32_t>(row.Integer(11));
-  Result<std::vector<ActionRef>> actions = ActionsFromJson(row.Text(12));
-  if (!actions) {
-    return Fail(ErrorKind::kLedger,
-                "the ledger's row " + std::to_string(record.id) + " is damaged: its actions",
-                actions.error().message);
-  }
+  Result<std::vector<ActionRef>> actions = ActionsFromJson(row.Text(12), record.id);
+  if (!actions) return Fail(std::move(actions.error()));
   record.actions = std::move(*actions);
   record.payload = row.Text(13);
   record.status = row.Text(14);
@@ -96,16 +80,6 @@ void GiveSpaceBack(Database& database) {
 
 std::int64_t ToMicros(WallTime time) {
   return std::chrono::duration_cast<microseconds>(time.time_since_epoch()).count();
-}
-
-std::string ActionsToJson(const std::vector<ActionRef>& actions) {
-  std::string json = "[";
-  for (const ActionRef& action : actions) {
-    if (json.size() > 1) json += ',';
-    json += "{\"type\":" + base::JsonString(action.type) +
-            ",\"id\":" + base::JsonString(action.id) + "}";
-  }
-  return json + "]";
 }
 
 Result<std::vector<Record>> ReadHistory(Database& database, const HistoryFilter& filter) {

@@ -14,9 +14,6 @@ namespace fleetpub::ledger {
 /// How times are stored: microseconds since 1970.
 [[nodiscard]] std::int64_t ToMicros(WallTime time);
 
-/// How actions are stored: `[{"type":"startPause","id":"…"}]`.
-[[nodiscard]] std::string ActionsToJson(const std::vector<ActionRef>& actions);
-
 [[nodiscard]] Result<std::vector<Record>> ReadHistory(Database& database,
                                                       const HistoryFilter& filter);
 [[nodiscard]] Result<std::optional<Record>> FindRecord(Database& database, std::int64_t id);

@@ -41,6 +41,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "ledger/header_ids.h"
 #include "ledger/ledger_files.h"
 #include "ledger/sqlite_database.h"
 #include "ledger/sqlite_history.h"
@@ -81,6 +82,7 @@ class SqliteLedger : public Ledger {
   Result<std::vector<Record>> History(const HistoryFilter& filter) override;
   Result<std::optional<Record>> Find(std::int64_t id) override;
   Result<std::int64_t> Prune(WallTime older_than) override;
+  Result<LedgerInfo> Describe() override;
 
  private:
   [[nodiscard]] Status CheckWritable() const;
@@ -139,6 +141,16 @@ Result<std::optional<Record>> SqliteLedger::Find(std::int64_t id) {
 Result<std::int64_t> SqliteLedger::Prune(WallTime older_than) {
   if (Status writable = CheckWritable(); !writable) return Fail(writable.error());
   return PruneHistory(*database_, older_than);
+}
+
+Result<LedgerInfo> SqliteLedger::Describe() {
+  LedgerInfo info{.kind = "SQLite", .place = options_.path.string()};
+  if (!database_) return info;
+  if (Status counted = CountTables(*database_, info); !counted) return Fail(counted.error());
+  for (const char* end : {"", "-wal", "-shm", "-journal", ".locks"}) {
+    info.bytes += static_cast<std::int64_t>(SizeOf(options_.path.string() + end));
+  }
+  return info;
 }
 
 Result<std::unique_ptr<Database>> OpenForWriting(const SqliteOptions& options) {

@@ -8,41 +8,22 @@
 #include <chrono>
 #include <filesystem>
 #include <memory>
-#include <string>
 
 #include "base/result.h"
 #include "ledger/ledger.h"
+#include "ledger/options.h"
 
 namespace fleetpub::ledger {
 
-/// Where the ids of a topic that the ledger does not know begin.
-enum class HeaderIdStart {
-  kZero,   ///< as the specification's examples do
-  kEpoch,  ///< Unix seconds: still rises when the ledger was lost
-};
-
-struct SqliteOptions {
+struct SqliteOptions : Options {
   std::filesystem::path path;
-  HeaderIdStart start = HeaderIdStart::kZero;
-  bool keep_history = true;  ///< false: ids only
-  std::string user;          ///< who commands, for the audit trail
-  std::string host;
-  std::string profile;
   /// How long another process may hold SQLite's own lock.
   std::chrono::milliseconds busy_timeout{5'000};
 };
 
-enum class OpenMode {
-  /// Makes file and folders when missing: the user's own (0600, 0700), except that in a folder
-  /// which its group may write
-  /// in the files are the group's as well (0660).
-  kCreate,
-  /// A missing file is an empty ledger and stays missing; nothing in an existing one is changed.
-  /// Works on a read-only
-  /// medium. Lock, Reserve, RecordOutcomes and Prune fail.
-  kReadOnly,
-};
-
+/// New files are the user's own (0600, their folders 0700), except that in a folder which its group
+/// may write in they are the group's as well (0660). Reading works on a read-only medium.
+///
 /// May block for `busy_timeout`. Errors: ErrorKind::kLedger, with the file, the cause and the
 /// remedy, when the file is damaged, another program's, written by a newer version, or cannot be
 /// opened or written.

@@ -1,13 +1,12 @@
 #include "ledger/sqlite_reservation.h"
 
-#include <fmt/format.h>
-
 #include <chrono>
-#include <limits>
 #include <string>
 #include <utility>
 
+#include "ledger/header_ids.h"
 #include "ledger/sqlite_history.h"
+#include "ledger/stored_actions.h"
 
 namespace fleetpub::ledger {
 namespace {
@@ -69,18 +68,6 @@ class Recorder {
   Statement insert_;
 };
 
-/// After a wrap every id lies above the last one.
-Result<std::uint32_t> ChooseId(const Draft& draft, std::optional<std::uint32_t> last,
-                               HeaderIdStart start) {
-  if (!draft.header_id) return NextId(last, start);
-  constexpr auto kHighest = std::numeric_limits<std::uint32_t>::max();
-  if (!last || *last == kHighest || *draft.header_id > *last) return *draft.header_id;
-  return Fail(ErrorKind::kUsage,
-              fmt::format("header id {} is not above {}, the last one on topic {}: ask for a "
-                          "higher one, or for none",
-                          *draft.header_id, *last, draft.topic));
-}
-
 Result<std::uint32_t> TakeId(const Draft& draft, LastIds& last_ids, HeaderIdStart start) {
   if (!draft.counted) return 0;
   const Result<std::optional<std::uint32_t>> last = last_ids.Read(draft.topic);
@@ -109,13 +96,6 @@ Result<std::vector<Reservation>> ReserveEach(Database& database, const SqliteOpt
 }
 
 }  // namespace
-
-std::uint32_t NextId(std::optional<std::uint32_t> last, HeaderIdStart start) {
-  if (last) return *last + 1;  // wraps, as a uint32 headerId does
-  if (start == HeaderIdStart::kZero) return 0;
-  const auto now = std::chrono::system_clock::now().time_since_epoch();
-  return static_cast<std::uint32_t>(std::chrono::duration_cast<std::chrono::seconds>(now).count());
-}
 
 Result<std::optional<std::uint32_t>> ReadLastId(Database& database, std::string_view topic) {
   return LastIds(database).Read(topic);

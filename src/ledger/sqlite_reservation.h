@@ -14,9 +14,6 @@
 
 namespace fleetpub::ledger {
 
-/// The id that follows `last`; the first one of a topic that has none.
-[[nodiscard]] std::uint32_t NextId(std::optional<std::uint32_t> last, HeaderIdStart start);
-
 [[nodiscard]] Result<std::optional<std::uint32_t>> ReadLastId(Database& database,
                                                               std::string_view topic);
 

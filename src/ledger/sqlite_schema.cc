@@ -108,6 +108,18 @@ Status Inspect(Database& database) {
   return {};
 }
 
+Status CountTables(Database& database, LedgerInfo& info) {
+  Statement statement(database,
+                      "SELECT user_version, (SELECT count(*) FROM messages), "
+                      "(SELECT count(*) FROM header_ids) FROM pragma_user_version");
+  const Result<bool> row = statement.Step();
+  if (!row) return Fail(row.error());
+  info.version = static_cast<int>(statement.Integer(0));
+  info.rows = statement.Integer(1);
+  info.topics = statement.Integer(2);
+  return {};
+}
+
 Status ChooseJournal(Database& database, Journal journal) {
   const Result<std::string> mode = database.Ask(
       journal == Journal::kRollback ? "PRAGMA journal_mode=PERSIST" : "PRAGMA journal_mode");

@@ -5,6 +5,7 @@
 #include <filesystem>
 
 #include "base/result.h"
+#include "ledger/ledger.h"
 #include "ledger/sqlite_database.h"
 
 namespace fleetpub::ledger {
@@ -23,6 +24,9 @@ enum class Journal {
 /// Reads, never writes. A file of another program, of a newer version, a damaged one:
 /// ErrorKind::kLedger.
 [[nodiscard]] Status Inspect(Database& database);
+
+/// Version, rows and topics.
+[[nodiscard]] Status CountTables(Database& database, LedgerInfo& info);
 
 /// Keeps whatever journal the file has, except that with kRollback a write-ahead log is given up.
 [[nodiscard]] Status ChooseJournal(Database& database, Journal journal);

@@ -172,12 +172,13 @@ TEST(Config, UnknownNamesAreRefusedWithTheNearest) {
 TEST(Config, PathsAreRelativeToTheFile) {
   const EnvironmentVariable home("HOME", "/home/me");
   const auto config = Loaded(
-      "password_file = \"pw\"\ncafile = \"/etc/ca\"\ncert = \"~/c\"\nledger = \"pg://a/b\"\n");
+      "password_file = \"pw\"\ncafile = \"/etc/ca\"\ncert = \"~/c\"\nledger = "
+      "\"postgresql://a/b\"\n");
   ASSERT_TRUE(config) << config.error().message;
   EXPECT_EQ(Text(*config, "password_file"), "/f/pw");
   EXPECT_EQ(Text(*config, "cafile"), "/etc/ca");
   EXPECT_EQ(Text(*config, "cert"), "/home/me/c");
-  EXPECT_EQ(Text(*config, "ledger"), "pg://a/b");
+  EXPECT_EQ(Text(*config, "ledger"), "postgresql://a/b");
 }
 
 class ConfigFiles : public ::testing::Test {

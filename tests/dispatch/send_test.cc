@@ -194,6 +194,17 @@ TEST_F(SendAtQos0, UsesNoHeaderIdForWhatTheBrokerDoesNotTake) {
   EXPECT_THAT(reports_, Each(Says("not sent: too large")));
 }
 
+TEST_F(SendAtQos0, SendsNothingMoreOnceTheLedgerHasEndedTheLock) {
+  ledger_.held_so_often = 2;
+  ASSERT_TRUE(SendAll(CommandsFor(4)));
+  EXPECT_THAT(transport_.published(), SizeIs(2));
+  EXPECT_THAT(reports_, ElementsAre(Is(Verdict::kSent), Is(Verdict::kSent),
+                                    AllOf(Is(Verdict::kError), Says("not sent: the ledger ended")),
+                                    Is(Verdict::kError)));
+  EXPECT_EQ(reports_.back().error, ErrorKind::kLedger);
+  EXPECT_THAT(Statuses(), ElementsAre("SENT", "SENT", "ERROR", "ERROR"));
+}
+
 TEST_F(SendAtQos0, StopsAtALostConnection) {
   transport_.publish_fails_at = 1;
   EXPECT_TRUE(SendAll(CommandsFor(3)));

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "ledger/ledger_support.h"
+#include "ledger/contract.h"
 
 namespace fleetpub::ledger {
 namespace {
@@ -13,59 +13,59 @@ using ::testing::HasSubstr;
 
 constexpr std::uint32_t kHighest = std::numeric_limits<std::uint32_t>::max();
 
-class HeaderIds : public ::testing::Test {
+class HeaderIds : public Contract {
  protected:
   std::uint32_t Next(const Draft& draft = DraftFor()) {
     return MustReserve(*ledger_, draft).header_id;
   }
 
-  testing::TemporaryFolder folder_;
-  std::filesystem::path path_ = folder_ / "ledger.db";
-  std::unique_ptr<Ledger> ledger_ = MustOpen(path_);
+  std::unique_ptr<Ledger> ledger_ = place_.MustOpen();
 };
 
-TEST_F(HeaderIds, BeginAtZeroAndRiseByOne) {
+FLEETPUB_FOR_EACH_LEDGER(HeaderIds);
+
+TEST_P(HeaderIds, BeginAtZeroAndRiseByOne) {
   EXPECT_EQ(Next(), 0U);
   EXPECT_EQ(Next(), 1U);
   EXPECT_EQ(Next(), 2U);
 }
 
-TEST_F(HeaderIds, AreCountedPerTopic) {
+TEST_P(HeaderIds, AreCountedPerTopic) {
   EXPECT_EQ(Next(DraftFor(1)), 0U);
   EXPECT_EQ(Next(DraftFor(2)), 0U);
   EXPECT_EQ(Next(DraftFor(1)), 1U);
 }
 
-TEST_F(HeaderIds, SurviveTheProcess) {
+TEST_P(HeaderIds, SurviveTheProcess) {
   Next();
-  ledger_ = MustOpen(path_);
+  ledger_ = place_.MustOpen();
   EXPECT_EQ(Next(), 1U);
 }
 
-TEST_F(HeaderIds, BeginAtTheUnixTimeWhenAsked) {
-  SqliteOptions options = OptionsFor(folder_ / "epoch.db");
+TEST_P(HeaderIds, BeginAtTheUnixTimeWhenAsked) {
+  Options options = OptionsFor("");
   options.start = HeaderIdStart::kEpoch;
   const auto now = static_cast<std::uint32_t>(time(nullptr));
-  const auto ledger = MustOpen(options);
+  const auto ledger = NewPlace().MustOpen(OpenMode::kCreate, options);
   const std::uint32_t first = MustReserve(*ledger).header_id;
   EXPECT_GE(first, now);
   EXPECT_LE(first, now + 2);
   EXPECT_EQ(MustReserve(*ledger).header_id, first + 1);
 }
 
-TEST_F(HeaderIds, WrapAfterTheHighest) {
+TEST_P(HeaderIds, WrapAfterTheHighest) {
   EXPECT_EQ(Next(DraftWithId(kHighest)), kHighest);
   EXPECT_EQ(ledger_->PeekNext(TopicOf(1)), 0U);
   EXPECT_EQ(Next(), 0U);
   EXPECT_EQ(Next(), 1U);
 }
 
-TEST_F(HeaderIds, AskedForAreTakenAndCountedOn) {
+TEST_P(HeaderIds, AskedForAreTakenAndCountedOn) {
   EXPECT_EQ(Next(DraftWithId(41)), 41U);
   EXPECT_EQ(Next(), 42U);
 }
 
-TEST_F(HeaderIds, AskedForAtOrBelowTheLastAreRefusedAndTakeNothing) {
+TEST_P(HeaderIds, AskedForAtOrBelowTheLastAreRefusedAndTakeNothing) {
   Next(DraftWithId(41));
   for (const std::uint32_t asked : {41U, 40U, 0U}) {
     const Draft draft = DraftWithId(asked);
@@ -78,13 +78,13 @@ TEST_F(HeaderIds, AskedForAtOrBelowTheLastAreRefusedAndTakeNothing) {
   EXPECT_EQ(Next(), 42U);
 }
 
-TEST_F(HeaderIds, AskedForMayBeAnyAfterTheHighest) {
+TEST_P(HeaderIds, AskedForMayBeAnyAfterTheHighest) {
   Next(DraftWithId(kHighest));
   EXPECT_EQ(Next(DraftWithId(7)), 7U);
   EXPECT_EQ(Next(), 8U);
 }
 
-TEST_F(HeaderIds, OfOneCallOnOneTopicAreConsecutive) {
+TEST_P(HeaderIds, OfOneCallOnOneTopicAreConsecutive) {
   const std::vector<Draft> drafts = {DraftFor(1), DraftFor(2), DraftFor(1), DraftFor(1)};
   const auto reserved = ledger_->Reserve(drafts);
   ASSERT_TRUE(reserved);
@@ -94,7 +94,7 @@ TEST_F(HeaderIds, OfOneCallOnOneTopicAreConsecutive) {
   EXPECT_THAT(ids, ElementsAre(0, 0, 1, 2));
 }
 
-TEST_F(HeaderIds, AreAllGivenOrNone) {
+TEST_P(HeaderIds, AreAllGivenOrNone) {
   Next(DraftWithId(5));
   const std::vector<Draft> drafts = {DraftFor(2), DraftFor(1), DraftWithId(3)};
   EXPECT_FALSE(ledger_->Reserve(drafts));
@@ -103,7 +103,7 @@ TEST_F(HeaderIds, AreAllGivenOrNone) {
   EXPECT_EQ(ledger_->History({})->size(), 1U);
 }
 
-TEST_F(HeaderIds, AreNotTakenByWhatIsNotCounted) {
+TEST_P(HeaderIds, AreNotTakenByWhatIsNotCounted) {
   Draft draft = DraftFor();
   draft.counted = false;
   draft.before_id = R"({"message_ID":"x"})";
@@ -115,17 +115,17 @@ TEST_F(HeaderIds, AreNotTakenByWhatIsNotCounted) {
   EXPECT_EQ((*record)->payload, R"({"message_ID":"x"})");
 }
 
-TEST_F(HeaderIds, CanBeSeenBeforeTheyAreTaken) {
+TEST_P(HeaderIds, CanBeSeenBeforeTheyAreTaken) {
   EXPECT_EQ(ledger_->PeekNext(TopicOf(1)), 0U);
   Next(DraftWithId(9));
   EXPECT_EQ(ledger_->PeekNext(TopicOf(1)), 10U);
   EXPECT_EQ(ledger_->PeekNext(TopicOf(1)), 10U);
 }
 
-TEST_F(HeaderIds, AreKeptWithoutHistory) {
-  SqliteOptions options = OptionsFor(path_);
+TEST_P(HeaderIds, AreKeptWithoutHistory) {
+  Options options = OptionsFor("");
   options.keep_history = false;
-  ledger_ = MustOpen(options);
+  ledger_ = place_.MustOpen(OpenMode::kCreate, options);
   const Reservation reserved = MustReserve(*ledger_);
   EXPECT_EQ(reserved.row, 0);
   MustRecord(*ledger_, {reserved.row, "SENT", ""});
@@ -133,7 +133,7 @@ TEST_F(HeaderIds, AreKeptWithoutHistory) {
   EXPECT_EQ(Next(), 1U);
 }
 
-TEST_F(HeaderIds, OfThousandsOfTopicsTakeOneCall) {
+TEST_P(HeaderIds, OfThousandsOfTopicsTakeOneCall) {
   std::vector<Draft> drafts;
   drafts.reserve(5'000);
   for (int robot = 0; robot < 5'000; ++robot) drafts.push_back(DraftFor(robot));

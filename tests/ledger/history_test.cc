@@ -2,7 +2,7 @@
 
 #include <thread>
 
-#include "ledger/ledger_support.h"
+#include "ledger/contract.h"
 
 namespace fleetpub::ledger {
 namespace {
@@ -11,7 +11,7 @@ using std::chrono::system_clock;
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 
-class History : public ::testing::Test {
+class History : public Contract {
  protected:
   std::int64_t Add(const Draft& draft = DraftFor()) { return MustReserve(*ledger_, draft).row; }
 
@@ -37,12 +37,12 @@ class History : public ::testing::Test {
     return now;
   }
 
-  testing::TemporaryFolder folder_;
-  std::filesystem::path path_ = folder_ / "ledger.db";
-  std::unique_ptr<Ledger> ledger_ = MustOpen(path_);
+  std::unique_ptr<Ledger> ledger_ = place_.MustOpen();
 };
 
-TEST_F(History, KeepsEverythingOfAMessage) {
+FLEETPUB_FOR_EACH_LEDGER(History);
+
+TEST_P(History, KeepsEverythingOfAMessage) {
   const WallTime before = Moment();
   Draft draft = DraftFor();
   draft.actions = {{"startPause", "a"}, {"say \"hi\"\n", "ü/1"}};
@@ -67,7 +67,7 @@ TEST_F(History, KeepsEverythingOfAMessage) {
   EXPECT_EQ(record.detail, "");
 }
 
-TEST_F(History, LearnsTheOutcome) {
+TEST_P(History, LearnsTheOutcome) {
   const std::int64_t row = Add();
   const std::int64_t other = Add();
   const WallTime before = Moment();
@@ -79,7 +79,7 @@ TEST_F(History, LearnsTheOutcome) {
   EXPECT_EQ(ledger_->Find(other)->value().status, "RECORDED");
 }
 
-TEST_F(History, LearnsManyOutcomesAtOnce) {
+TEST_P(History, LearnsManyOutcomesAtOnce) {
   const std::vector<Outcome> outcomes = {
       {Add(), "SENT", ""}, {0, "SENT", ""}, {Add(), "FINISHED", ""}};
   ASSERT_TRUE(ledger_->RecordOutcomes(outcomes));
@@ -87,7 +87,7 @@ TEST_F(History, LearnsManyOutcomesAtOnce) {
   EXPECT_THAT(Rows({.status = "FINISHED"}), ElementsAre(outcomes[2].row));
 }
 
-TEST_F(History, GivesTheNewestOldestFirst) {
+TEST_P(History, GivesTheNewestOldestFirst) {
   std::vector<std::int64_t> rows;
   rows.reserve(5);
   for (int i = 0; i < 5; ++i) rows.push_back(Add());
@@ -95,21 +95,21 @@ TEST_F(History, GivesTheNewestOldestFirst) {
   EXPECT_EQ(Rows({.limit = 0}), rows);
 }
 
-TEST_F(History, GivesFiftyUnlessAsked) {
+TEST_P(History, GivesFiftyUnlessAsked) {
   const std::vector<Draft> drafts(60, DraftFor());
   ASSERT_TRUE(ledger_->Reserve(drafts));
   EXPECT_EQ(Rows({}).size(), 50U);
   EXPECT_EQ(Rows({.limit = 0}).size(), 60U);
 }
 
-TEST_F(History, IsFilteredByTarget) {
+TEST_P(History, IsFilteredByTarget) {
   Add(DraftFor(1));
   const std::int64_t row = Add(DraftFor(12));
   EXPECT_THAT(Rows({.target = "KIT/12"}), ElementsAre(row));
   EXPECT_THAT(Rows({.target = "KIT/%"}), IsEmpty());
 }
 
-TEST_F(History, IsFilteredByAnyOfItsActions) {
+TEST_P(History, IsFilteredByAnyOfItsActions) {
   const std::int64_t pause = AddAction("startPause");
   AddAction("stopPause", "startPause");  // the word as an id is no such action
   EXPECT_THAT(Rows({.action = "startPause"}), ElementsAre(pause));
@@ -117,12 +117,12 @@ TEST_F(History, IsFilteredByAnyOfItsActions) {
   EXPECT_THAT(Rows({.action = "Pause"}), IsEmpty());
 }
 
-TEST_F(History, IsFilteredByUserAndTime) {
+TEST_P(History, IsFilteredByUserAndTime) {
   const std::int64_t first = Add();
   const WallTime between = Moment();
-  SqliteOptions options = OptionsFor(path_);
+  Options options = OptionsFor("");
   options.user = "somebody";
-  ledger_ = MustOpen(options);
+  ledger_ = place_.MustOpen(OpenMode::kCreate, options);
   const std::int64_t second = Add();
   EXPECT_THAT(Rows({.user = "somebody"}), ElementsAre(second));
   EXPECT_THAT(Rows({.since = between}), ElementsAre(second));
@@ -130,13 +130,46 @@ TEST_F(History, IsFilteredByUserAndTime) {
   EXPECT_THAT(Rows({.user = "somebody", .until = between}), IsEmpty());
 }
 
-TEST_F(History, HasNoRowThatIsNotThere) {
+TEST_P(History, SaysHowMuchThereIs) {
+  EXPECT_EQ(ledger_->Describe()->rows, 0);
+  Add(DraftFor(1));
+  Add(DraftFor(1));
+  Add(DraftFor(2));
+  const auto info = place_.MustOpen(OpenMode::kReadOnly)->Describe();
+  ASSERT_TRUE(info) << info.error().message;
+  EXPECT_EQ(info->kind, IsSqlite() ? "SQLite" : "PostgreSQL");
+  EXPECT_EQ(info->place, place_.where);
+  EXPECT_EQ(info->version, 1);
+  EXPECT_EQ(info->rows, 3);
+  EXPECT_EQ(info->topics, 2);
+  EXPECT_GT(info->bytes, 1'000);
+}
+
+TEST_P(History, IsEmptyWhereThereIsNoLedger) {
+  const auto ledger = NewPlace().MustOpen(OpenMode::kReadOnly);
+  EXPECT_TRUE(ledger->History({})->empty());
+  EXPECT_EQ(*ledger->Find(1), std::nullopt);
+  EXPECT_EQ(ledger->PeekNext(TopicOf(1)), 0U);
+  EXPECT_EQ(ledger->Describe()->version, 0);
+}
+
+TEST_P(History, IsNotWrittenByAReader) {
+  const auto reader = place_.MustOpen(OpenMode::kReadOnly);
+  const std::string topic = TopicOf(1);
+  const Draft draft = DraftFor();
+  EXPECT_FALSE(reader->Lock(std::span(&topic, 1), In(milliseconds(0))));
+  EXPECT_FALSE(reader->Reserve(std::span(&draft, 1)));
+  EXPECT_FALSE(reader->RecordOutcomes({}));
+  EXPECT_FALSE(reader->Prune(system_clock::now()));
+}
+
+TEST_P(History, HasNoRowThatIsNotThere) {
   const auto found = ledger_->Find(4711);
   ASSERT_TRUE(found);
   EXPECT_EQ(*found, std::nullopt);
 }
 
-TEST_F(History, IsPrunedByAgeButKeepsTheIds) {
+TEST_P(History, IsPrunedByAgeButKeepsTheIds) {
   Add();
   Add();
   const WallTime between = Moment();
@@ -147,24 +180,11 @@ TEST_F(History, IsPrunedByAgeButKeepsTheIds) {
   EXPECT_EQ(ledger_->Prune(between), 0);
 }
 
-TEST_F(History, NeverGivesARowNumberTwice) {
+TEST_P(History, NeverGivesARowNumberTwice) {
   Add();
   const std::int64_t last = Add();
   EXPECT_EQ(ledger_->Prune(system_clock::now() + std::chrono::hours(1)), 2);
   EXPECT_GT(Add(), last);
-}
-
-TEST_F(History, GivesSpaceBackWhenPruned) {
-  Draft draft = DraftFor();
-  draft.after_id = std::string(2'000, 'x');
-  const std::vector<Draft> drafts(2'500, draft);
-  ASSERT_TRUE(ledger_->Reserve(drafts));
-  MustRecord(*ledger_, {1, "SENT", ""});
-  EXPECT_GT(std::filesystem::file_size(path_), 5'000'000U);
-  EXPECT_EQ(ledger_->Prune(system_clock::now() + std::chrono::hours(1)), 2'500);
-  EXPECT_LT(std::filesystem::file_size(path_), 100'000U);
-  EXPECT_EQ(std::filesystem::file_size(path_.string() + "-wal"), 0U);
-  EXPECT_EQ(MustReserve(*ledger_).header_id, 2'500U);
 }
 
 }  // namespace

@@ -307,6 +307,20 @@ TEST_F(SqliteFile, WithALogGivesItUpWhereHostsShareTheFile) {
   EXPECT_EQ(MustReserve(*MustOpen(path_)).header_id, 2U);
 }
 
+TEST_F(SqliteFile, GivesSpaceBackWhenPruned) {
+  const auto ledger = MustOpen(path_);
+  Draft draft = DraftFor();
+  draft.after_id = std::string(2'000, 'x');
+  const std::vector<Draft> drafts(2'500, draft);
+  ASSERT_TRUE(ledger->Reserve(drafts));
+  MustRecord(*ledger, {1, "SENT", ""});
+  EXPECT_GT(fs::file_size(path_), 5'000'000U);
+  EXPECT_EQ(ledger->Prune(std::chrono::system_clock::now() + std::chrono::hours(1)), 2'500);
+  EXPECT_LT(fs::file_size(path_), 100'000U);
+  EXPECT_EQ(fs::file_size(path_.string() + "-wal"), 0U);
+  EXPECT_EQ(MustReserve(*ledger).header_id, 2'500U);
+}
+
 TEST(DefaultLedgerPath, IsTheSharedFolderWhereThereIsOne) {
   const testing::TemporaryFolder shared;
   EXPECT_EQ(DefaultLedgerPath(shared.path()), shared / "ledger.db");

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <limits>
 #include <map>
 #include <set>
 #include <stdexcept>
@@ -22,6 +23,8 @@ class FakeLedger : public ledger::Ledger {
   std::optional<Error> reserve_error;
   std::optional<Error> record_error;
   int reserve_errors_begin_at = 0;  ///< so many calls of Reserve succeed before
+  /// A lock is still held so often that it is asked for.
+  int held_so_often = std::numeric_limits<int>::max();
 
   [[nodiscard]] const std::vector<ledger::Record>& rows() const { return rows_; }
   [[nodiscard]] ledger::Deadline last_deadline() const { return last_deadline_; }
@@ -68,6 +71,7 @@ class FakeLedger : public ledger::Ledger {
     return rows_[static_cast<std::size_t>(id - 1)];
   }
   Result<std::int64_t> Prune(ledger::WallTime /*older_than*/) override { return 0; }
+  Result<ledger::LedgerInfo> Describe() override { return ledger::LedgerInfo{.kind = "fake"}; }
 
  private:
   class Held : public ledger::TopicLock {
@@ -79,6 +83,7 @@ class FakeLedger : public ledger::Ledger {
       ledger_.locked_.clear();
       ledger_.journal_.Note("unlock");
     }
+    [[nodiscard]] bool StillHeld() const override { return --ledger_.held_so_often >= 0; }
 
    private:
     FakeLedger& ledger_;

@@ -22,7 +22,7 @@ Command Operator::Prepare(std::vector<std::string> arguments) const {
       {"XDG_CONFIG_HOME", std::nullopt},
       {"FLEETPUB_CONFIG", std::nullopt},
       {"FLEETPUB_PROFILE", std::nullopt},
-      {"FLEETPUB_LEDGER", LedgerPath().string()},
+      {"FLEETPUB_LEDGER", ledger_},
       {"FLEETPUB_VDA", std::nullopt},
       {"FLEETPUB_PASSWORD", std::nullopt},
       {"FLEETPUB_SOAR_PREFIX", std::nullopt},

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -30,10 +31,13 @@ class Operator {
   [[nodiscard]] std::filesystem::path LedgerPath() const;
   /// From now on every call uses this broker.
   void UseBroker(std::string url) { broker_ = std::move(url); }
+  /// And this ledger; nothing: what the configuration says.
+  void UseLedger(std::optional<std::string> place) { ledger_ = std::move(place); }
 
  private:
   TemporaryFolder home_;
   std::string broker_;
+  std::optional<std::string> ledger_ = LedgerPath().string();
 };
 
 /// Listens with mosquitto_sub, a client that we did not write.

@@ -1,0 +1,21 @@
+// Which header id comes next on a topic: the same in every ledger.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "base/result.h"
+#include "ledger/ledger.h"
+#include "ledger/options.h"
+
+namespace fleetpub::ledger {
+
+/// The id that follows `last`; the first one of a topic that has none.
+[[nodiscard]] std::uint32_t NextId(std::optional<std::uint32_t> last, HeaderIdStart start);
+
+/// The draft's id: the next one, or the one that it asks for. Errors: ErrorKind::kUsage when that
+/// one is at or below the last. After a wrap every id lies above the last one.
+[[nodiscard]] Result<std::uint32_t> ChooseId(const Draft& draft, std::optional<std::uint32_t> last,
+                                             HeaderIdStart start);
+
+}  // namespace fleetpub::ledger
