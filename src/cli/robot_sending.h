@@ -1,5 +1,5 @@
-// Sends one message to each of several robots: learns how each is spoken to where that is asked,
-// checks it, sends, waits.
+// Sends one message to each of some robots, one or a hundred thousand: finds out who is meant, learns
+// how each is spoken to where that is asked, checks it, sends, waits.
 #pragma once
 
 #include <cstdint>
@@ -43,14 +43,18 @@ class RobotMessage {
 };
 
 struct RobotSending {
-  std::vector<AddressedRobot> robots;
+  Targets targets;
+  Speaker speaker;
+  Harm harm = Harm::kPossible;
   std::optional<std::uint32_t> header_id;
   std::function<std::unique_ptr<RobotMessage>()> make_message;  ///< one for each robot
   SendingOptions options;
   Waiting waiting;
 };
 
-/// Sends to all of the robots, or to none when a message is invalid. Prints a result for each.
+/// Asks who is meant where only the broker knows, and for consent where it is needed, then sends to
+/// all of the robots, batch by batch, or to none when the message is invalid. Prints a result for
+/// each as it becomes known, and a summary when a word stands for several.
 [[nodiscard]] Result<ExitCode> SendToRobots(RobotSending sending, const Context& context);
 
 }  // namespace fleetpub::cli
