@@ -22,9 +22,8 @@ using vda5050::RobotPattern;
 using vda5050::Roster;
 using vda5050::RosterEntry;
 
-// More robots than this are asked for by manufacturer: each filter of its own costs a broker more
-// than it spares.
-constexpr std::size_t kMostFilters = 500;
+// A default mosquitto queues so many messages for a client and drops the rest.
+constexpr std::size_t kBrokersQueue = 1'000;
 
 // What many have left takes its time, and it ends.
 constexpr std::chrono::seconds kLongestCollection{60};
@@ -35,24 +34,12 @@ bool Needs(const Targets& targets, std::string_view topic_name) {
       [&](const Condition& condition) { return vda5050::TopicOf(condition) == topic_name; });
 }
 
-// In the order in which a broker hands them out: when the connection message is there, so is the
-// rest.
-std::vector<std::string_view> TopicNames(const Targets& targets, bool factsheets) {
-  std::vector<std::string_view> names;
-  if (Needs(targets, "state")) names.emplace_back("state");
-  if (factsheets || Needs(targets, "factsheet")) names.emplace_back("factsheet");
-  names.emplace_back("connection");
-  return names;
-}
-
-// What to subscribe to.
+// What to subscribe to, each once.
 class Filters {
  public:
-  explicit Filters(std::vector<std::string_view> topic_names)
-      : topic_names_(std::move(topic_names)) {}
-
-  Status Add(const vda5050::TopicScheme& scheme, const RobotFilter& filter) {
-    auto filters = vda5050::DiscoveryFilters(scheme, filter, topic_names_);
+  Status Add(const vda5050::TopicScheme& scheme, const RobotFilter& filter,
+             std::span<const std::string_view> topic_names) {
+    auto filters = vda5050::DiscoveryFilters(scheme, filter, topic_names);
     if (!filters) return Fail(std::move(filters.error()));
     for (std::string& one : *filters) {
       if (known_.insert(one).second) filters_.push_back(std::move(one));
@@ -63,32 +50,143 @@ class Filters {
   std::vector<std::string> Take() { return std::move(filters_); }
 
  private:
-  std::vector<std::string_view> topic_names_;
   std::vector<std::string> filters_;
   std::set<std::string> known_;
 };
 
-// Until every robot that is online has sent a state, or nobody may wait any longer.
-Status AwaitStates(mqtt::Transport& transport, const Targets& targets, mqtt::Deadline end,
-                   Roster& roster, Output& output) {
-  std::set<const RosterEntry*> silent;
-  for (const auto& [robot, entry] : roster.robots()) {
-    if (entry.IsOnline() && !entry.state_heard) silent.insert(&entry);
-  }
-  if (silent.empty()) return {};
-  output.Tell(fmt::format("waiting up to {} for the states of {} robots that are online",
-                          base::FormatElapsed(targets.state_wait), silent.size()));
-  while (!silent.empty() && steady_clock::now() < end) {
-    const auto message = transport.Receive(end);
-    if (!message) return Fail(message.error());
-    if (!*message) continue;
-    const auto origin =
-        (*message)->retained ? vda5050::Origin::kRetained : vda5050::Origin::kLive;
-    const RosterEntry* entry = roster.Deliver((*message)->topic, (*message)->payload, origin);
-    if (entry != nullptr && (entry->state_heard || !entry->IsOnline())) silent.erase(entry);
-  }
-  return {};
+RobotFilter Exactly(const RobotAddress& robot) {
+  return {.manufacturer = robot.manufacturer, .serial_number = robot.serial_number};
 }
+
+class Caller {
+ public:
+  Caller(mqtt::Transport& transport, const Targets& targets, const RollCall& call, Roster& roster,
+         Output& output)
+      : transport_(transport), targets_(targets), call_(call), roster_(roster), output_(output) {}
+
+  Status Run() {
+    const auto start = steady_clock::now();
+    auto ok = CallNamed();
+    if (ok && !targets_.who.patterns.empty()) ok = CallPatterns();
+    if (ok && NeedsFactsheets() && !targets_.who.patterns.empty()) ok = AskForFactsheets();
+    if (ok && Needs(targets_, "state")) ok = AwaitStates(start + targets_.state_wait);
+    return ok;
+  }
+
+ private:
+  [[nodiscard]] bool NeedsFactsheets() const {
+    return call_.check || Needs(targets_, "factsheet");
+  }
+
+  void Take(const mqtt::Message& message) {
+    const auto origin = message.retained ? vda5050::Origin::kRetained : vda5050::Origin::kLive;
+    roster_.Deliver(message.topic, message.payload, origin);
+  }
+
+  // Those that are named outright, by topics of their own.
+  Status CallNamed() {
+    // In the order in which a broker hands them out: when the connection message is there, so is
+    // the factsheet.
+    constexpr std::array<std::string_view, 2> kTopics = {"factsheet", "connection"};
+    const bool all = call_.check || !targets_.where.empty();
+    Filters filters;
+    std::size_t wanted = 0;
+    for (const auto& [robot, entry] : roster_.robots()) {
+      if (!all && !entry.automatic) continue;
+      ++wanted;
+      if (auto ok = filters.Add(entry.base->topics, Exactly(robot), kTopics); !ok) return ok;
+    }
+    if (wanted == 0) return {};
+    // A robot may have left messages under another version long ago: only ONLINE ends the search at
+    // once.
+    return dispatch::Collect(transport_, filters.Take(), call_.discover,
+                             [&](const mqtt::Message& message) {
+                               Take(message);
+                               return roster_.online() >= wanted;
+                             });
+  }
+
+  // Connection messages alone: with the large ones the broker's queue would run over. It may do so
+  // with small ones too when there are many; then they are asked for again, and those that are known
+  // by now are read faster, until nobody new turns up.
+  Status CallPatterns() {
+    constexpr std::array<std::string_view, 1> kTopics = {"connection"};
+    Filters filters;
+    for (const vda5050::TopicScheme& scheme : roster_.schemes()) {
+      for (const RobotPattern& pattern : targets_.who.patterns) {
+        if (auto ok = filters.Add(scheme, pattern.Filter(), kTopics); !ok) return ok;
+      }
+    }
+    const std::vector<std::string> all = filters.Take();
+    dispatch::CollectOptions discover = call_.discover;
+    discover.most = kLongestCollection;
+    for (;;) {
+      const std::size_t before = roster_.robots().size();
+      std::size_t messages = 0;
+      const auto take = [&](const mqtt::Message& message) {
+        Take(message);
+        ++messages;
+        return false;
+      };
+      if (auto ok = dispatch::Collect(transport_, all, discover, take); !ok) return ok;
+      if (messages < kBrokersQueue || roster_.robots().size() == before) return {};
+    }
+  }
+
+  // Of those that have been found; 1.1 knows no factsheet.
+  Status AskForFactsheets() {
+    constexpr std::array<std::string_view, 1> kTopics = {"factsheet"};
+    Filters filters;
+    std::set<const RosterEntry*> wanted;
+    for (const auto& [robot, entry] : roster_.robots()) {
+      if (!entry.own || entry.own->version == vda5050::Version::k110 || entry.factsheet) continue;
+      wanted.insert(&entry);
+      if (auto ok = filters.Add(entry.base->topics, Exactly(robot), kTopics); !ok) return ok;
+    }
+    if (wanted.empty()) return {};
+    return dispatch::Collect(
+        transport_, filters.Take(), call_.discover, [&](const mqtt::Message& message) {
+          const auto* entry = roster_.Deliver(message.topic, message.payload,
+                                              vda5050::Origin::kRetained);
+          if (entry != nullptr && entry->factsheet) wanted.erase(entry);
+          return wanted.empty();
+        });
+  }
+
+  // Until every robot that is online has sent a state, or time is up.
+  Status AwaitStates(mqtt::Deadline end) {
+    constexpr std::array<std::string_view, 1> kTopics = {"state"};
+    Filters filters;
+    std::set<const RosterEntry*> silent;
+    for (const auto& [robot, entry] : roster_.robots()) {
+      if (!entry.IsOnline()) continue;
+      silent.insert(&entry);
+      if (auto ok = filters.Add(entry.base->topics, Exactly(robot), kTopics); !ok) return ok;
+    }
+    if (silent.empty()) return {};
+    output_.Tell(fmt::format("waiting up to {} for the states of {} robot{}",
+                             base::FormatElapsed(targets_.state_wait), silent.size(),
+                             silent.size() == 1 ? "" : "s"));
+    const auto left = std::max(end - steady_clock::now(), steady_clock::duration(0));
+    const auto most = std::chrono::ceil<std::chrono::milliseconds>(left);
+    return dispatch::Collect(
+        transport_, filters.Take(), {.quiet = most, .most = most},
+        [&](const mqtt::Message& message) {
+          const auto origin =
+              message.retained ? vda5050::Origin::kRetained : vda5050::Origin::kLive;
+          const auto* entry = roster_.Deliver(message.topic, message.payload, origin);
+          const bool is_heard = entry != nullptr && (entry->state_heard || !entry->IsOnline());
+          if (is_heard) silent.erase(entry);
+          return silent.empty();
+        });
+  }
+
+  mqtt::Transport& transport_;
+  const Targets& targets_;
+  const RollCall& call_;
+  Roster& roster_;
+  Output& output_;
+};
 
 enum class Answer { kYes, kNo, kUnheard, kAway };
 
@@ -156,41 +254,7 @@ Result<Roster> RosterOf(const Targets& targets, const Speaker& speaker) {
 
 Status CallRoll(mqtt::Transport& transport, const Targets& targets, const RollCall& call,
                 Roster& roster, Output& output) {
-  const bool all = call.check || !targets.where.empty();
-  const bool any_automatic =
-      std::any_of(roster.robots().begin(), roster.robots().end(),
-                  [](const auto& listed) { return listed.second.automatic; });
-  Filters filters(TopicNames(targets, call.check || any_automatic));
-  const bool each = targets.who.robots.size() <= kMostFilters;
-  std::size_t wanted = 0;
-  for (const auto& [robot, entry] : roster.robots()) {
-    if (!all && !entry.automatic) continue;
-    ++wanted;
-    RobotFilter filter{.manufacturer = robot.manufacturer, .serial_number = {}};
-    if (each) filter.serial_number = robot.serial_number;
-    if (auto ok = filters.Add(entry.base->topics, filter); !ok) return ok;
-  }
-  for (const vda5050::TopicScheme& scheme : roster.schemes()) {
-    for (const RobotPattern& pattern : targets.who.patterns) {
-      if (auto ok = filters.Add(scheme, pattern.Filter()); !ok) return ok;
-    }
-  }
-  dispatch::CollectOptions discover = call.discover;
-  if (!each || !targets.who.patterns.empty()) discover.most = kLongestCollection;
-  // A robot may have left messages under another version long ago: only ONLINE ends the search at
-  // once.
-  const bool may_end = targets.who.patterns.empty() && !Needs(targets, "state");
-  const auto start = steady_clock::now();
-  auto ok = dispatch::Collect(
-      transport, filters.Take(), discover, [&](const mqtt::Message& message) {
-        const auto origin = message.retained ? vda5050::Origin::kRetained : vda5050::Origin::kLive;
-        roster.Deliver(message.topic, message.payload, origin);
-        return may_end && roster.online() >= wanted;
-      });
-  if (ok && Needs(targets, "state")) {
-    ok = AwaitStates(transport, targets, start + targets.state_wait, roster, output);
-  }
-  return ok;
+  return Caller(transport, targets, call, roster, output).Run();
 }
 
 Chosen Choose(const Targets& targets, const Roster& roster, Output& output) {
@@ -236,7 +300,7 @@ Error NobodyChosen(mqtt::Transport& transport, const Targets& targets, const Spe
   const auto meant = std::count_if(
       roster.robots().begin(), roster.robots().end(),
       [](const ListedRobot& listed) { return listed.second.connection.has_value(); });
-  const std::string nobody = fmt::format("nothing was sent: no robot is {}", WordsOf(targets));
+  const std::string nobody = fmt::format("nothing was sent: no robot matches {}", WordsOf(targets));
   if (meant > 0) {
     return {ErrorKind::kPreflight,
             fmt::format("{}: {} robot{} heard, none satisfies every --where{}", nobody, meant,

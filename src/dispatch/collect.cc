@@ -4,15 +4,33 @@
 
 namespace fleetpub::dispatch {
 
+namespace {
+
+using std::chrono::steady_clock;
+
+// So many filters at a time, reading in between: a default mosquitto drops what it has to queue
+// beyond 1,000 messages, retained ones included.
+constexpr std::size_t kFiltersAtOnce = 500;
+constexpr std::chrono::seconds kPatience{10};
+
+}  // namespace
+
 Status Collect(mqtt::Transport& transport, std::span<const std::string> filters,
                const CollectOptions& options, const Taker& take) {
-  using std::chrono::steady_clock;
-  constexpr std::chrono::seconds kPatience{10};
-  const auto start = steady_clock::now();
-  if (auto ok = transport.Subscribe(filters, mqtt::kListeningQos, start + kPatience); !ok) {
-    return ok;
+  while (!filters.empty()) {
+    const auto some = filters.first(std::min(kFiltersAtOnce, filters.size()));
+    filters = filters.subspan(some.size());
+    const auto now = steady_clock::now();
+    if (auto ok = transport.Subscribe(some, mqtt::kListeningQos, now + kPatience); !ok) return ok;
+    while (!filters.empty()) {
+      const auto message = transport.Receive(steady_clock::now());
+      if (!message) return Fail(message.error());
+      if (!*message) break;
+      if (take(**message)) return {};
+    }
   }
-  auto quiet_at = steady_clock::now() + options.quiet;
+  const auto start = steady_clock::now();
+  auto quiet_at = start + options.quiet;
   for (;;) {
     const auto message = transport.Receive(std::min(quiet_at, start + options.most));
     if (!message) return Fail(message.error());

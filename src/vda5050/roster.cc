@@ -99,6 +99,8 @@ const RosterEntry* Roster::Deliver(std::string_view topic, std::string_view payl
 
 bool Roster::Take(RosterEntry& entry, const TopicLevels& levels, std::string_view topic,
                   std::string_view payload, Origin origin) {
+  // Asked for again, a broker repeats what it has.
+  if (origin == Origin::kRetained && topic == entry.connection_topic) return true;
   const auto message = base::ParseJson(payload);
   if (!message || !message->IsObject()) return false;
   if (levels.topic_name == "state") {

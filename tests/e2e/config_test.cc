@@ -267,6 +267,7 @@ TEST_F(Configuration, AMixedGroupConfirmsRobotByRobot) {
   EXPECT_EQ(run.exit_code, 0) << run.output << run.errors;
   std::vector<std::string> versions;
   for (const std::string& line : Lines(run.output)) {
+    if (Json(line).HasMember("summary")) continue;
     EXPECT_STREQ(Json(line)["status"].GetString(), "FINISHED");
     versions.emplace_back(Json(line)["version"].GetString());
   }
