@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <set>
 #include <utility>
 
 #include "base/text.h"
@@ -45,26 +46,20 @@ std::string AwaySentence(const ListedRobot& robot) {
 }  // namespace
 
 Status CommandMaker::Judge(const std::vector<const ListedRobot*>& robots) {
+  const auto message = sending_.make_message();
+  const bool is_alike = message->IsAlikeForAll();
+  std::set<const Dialect*> judged;
   const Dialect* last = nullptr;  // mostly it is the one before
   bool any_good = false;
   Status first;
   for (const ListedRobot* robot : robots) {
     const auto& dialect = robot->second.Spoken();
-    if (dialect.get() == last) continue;
+    if (is_alike && (dialect.get() == last || !judged.insert(dialect.get()).second)) continue;
     last = dialect.get();
-    const auto [judged, is_new] = judged_.try_emplace(dialect.get());
-    if (is_new) {
-      auto command =
-          sending_.make_message()->Build(robot->first, *dialect, sending_.header_id);
-      if (command) {
-        auto warnings = ValidateCommand(*command, registry_);
-        if (!warnings) judged->second = Fail(std::move(warnings.error()));
-      } else {
-        judged->second = Fail(std::move(command.error()));
-      }
-    }
-    any_good = any_good || judged->second.has_value();
-    if (first && !judged->second) first = judged->second;
+    const auto command = message->Build(robot->first, *dialect, sending_.header_id);
+    const auto warnings = command ? ValidateCommand(*command, registry_) : Fail(command.error());
+    any_good = any_good || warnings;
+    if (first && !warnings) first = Fail(warnings.error());
   }
   return sending_.targets.IsSet() && any_good ? Status() : first;
 }
@@ -74,8 +69,8 @@ Status CommandMaker::Make(const ListedRobot& robot, Made& made) {
   const vda5050::RosterEntry& entry = robot.second;
   if (entry.factsheet) message->Suit(*entry.factsheet);
   const bool is_set = sending_.targets.IsSet();
-  bool is_away = entry.connection && !entry.IsOnline() &&
-                 entry.connection->connection_state != "HIBERNATING";
+  bool is_away =
+      entry.connection && !entry.IsOnline() && entry.connection->connection_state != "HIBERNATING";
   if (check_ || entry.automatic) {
     PreflightFindings findings = FindingsOn(robot, *message);
     is_away = is_away || findings.unreachable;
@@ -155,8 +150,7 @@ PreflightFindings CommandMaker::FindingsOn(const ListedRobot& robot,
 dispatch::Report CommandMaker::ReportOn(const ListedRobot& robot, Verdict verdict, ErrorKind kind,
                                         std::string message) const {
   const auto& [address, entry] = robot;
-  const auto command =
-      sending_.make_message()->Build(address, *entry.Spoken(), sending_.header_id);
+  const auto command = sending_.make_message()->Build(address, *entry.Spoken(), sending_.header_id);
   dispatch::Report report = command ? dispatch::ReportOn(*command) : dispatch::Report();
   report.target = address.ToString();
   report.verdict = verdict;

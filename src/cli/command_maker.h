@@ -60,7 +60,6 @@ class CommandMaker {
   schema::Registry registry_;
   bool check_ = false;
   std::map<vda5050::RobotAddress, std::string> suggestions_;
-  std::map<const vda5050::Dialect*, Status> judged_;
   /// Checked ones are no assumption any more.
   std::map<const vda5050::Dialect*, std::shared_ptr<const vda5050::Dialect>> checked_;
 };

@@ -65,9 +65,8 @@ void FleetSummary::Add(const dispatch::Report& report) {
   ++counts_[index];
   elapsed_.push_back(std::chrono::duration<float>(report.elapsed).count());
   if (fate == Fate::kFinished) {
-    const auto place = std::find_if(slowest_.begin(), slowest_.end(), [&](const Slow& slow) {
-      return slow.first < report.elapsed;
-    });
+    const auto place = std::find_if(slowest_.begin(), slowest_.end(),
+                                    [&](const Slow& slow) { return slow.first < report.elapsed; });
     slowest_.insert(place, {report.elapsed, report.target});
     if (slowest_.size() > kSlowNamed) slowest_.pop_back();
   } else if (fate != Fate::kSent && names_[index].size() < kNamed) {

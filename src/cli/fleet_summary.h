@@ -31,8 +31,8 @@ class FleetSummary {
 
   /// `965 finished, 10 failed`: those fates that there are.
   [[nodiscard]] std::string Counts() const;
-  /// For people: a line of counts, and one for each fate that a person has to look after, naming the
-  /// first fifty of it, and for those that took much longer than the others.
+  /// For people: a line of counts, and one for each fate that a person has to look after, naming
+  /// the first fifty of it, and for those that took much longer than the others.
   [[nodiscard]] std::vector<std::string> Lines(std::chrono::nanoseconds elapsed) const;
   /// The last object of the results (docs/manual.md).
   [[nodiscard]] std::string Json(std::chrono::nanoseconds elapsed, ExitCode code) const;

@@ -44,6 +44,8 @@ class InstantMessage final : public RobotMessage {
     return vda5050::ConfirmInstantAction(robot, dialect, action.type, action.id, wait_for);
   }
 
+  [[nodiscard]] bool IsAlikeForAll() const override { return true; }
+
   void Suit(const vda5050::Factsheet& factsheet) override {
     if (!has_given_id_) action_.id = vda5050::SuitableActionId(&factsheet);
   }
@@ -73,23 +75,23 @@ Result<ExitCode> SendInstantAction(const InstantSendingOptions& options, std::st
   if (!targets) return Fail(std::move(targets.error()));
   auto speaker = Speaker::For(options.instant.vda, context.config);
   if (!speaker) return Fail(std::move(speaker.error()));
-  const auto action =
-      ActionOf(options.instant, type, std::move(parameters), targets->IsSet() ? 2 : targets->who.robots.size());
+  const auto action = ActionOf(options.instant, type, std::move(parameters),
+                               targets->IsSet() ? 2 : targets->who.robots.size());
   if (!action) return Fail(action.error());
   const auto header_id = HeaderIdOf(options.instant.header_id);
   if (!header_id) return Fail(header_id.error());
-  return SendToRobots(
-      {.targets = *std::move(targets),
-       .speaker = *std::move(speaker),
-       .harm = HarmOf(type),
-       .header_id = *header_id,
-       .make_message =
-           [&] {
-             return std::make_unique<InstantMessage>(*action, options.instant.id.has_value());
-           },
-       .options = options.sending,
-       .waiting = *waiting},
-      context);
+  return SendToRobots({.targets = *std::move(targets),
+                       .speaker = *std::move(speaker),
+                       .harm = HarmOf(type),
+                       .header_id = *header_id,
+                       .make_message =
+                           [&] {
+                             return std::make_unique<InstantMessage>(
+                                 *action, options.instant.id.has_value());
+                           },
+                       .options = options.sending,
+                       .waiting = *waiting},
+                      context);
 }
 
 }  // namespace fleetpub::cli

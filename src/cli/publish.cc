@@ -108,24 +108,21 @@ Result<ExitCode> Send(std::string_view topic, const TargetOptions& target_option
 
   if (waiting->wait_for) {  // what cannot be waited for costs no connection
     const RobotAddress anybody{"KIT", "0001"};
-    const RobotAddress& first =
-        targets->who.robots.empty() ? anybody : targets->who.robots.front();
-    const auto possible = vda5050::ConfirmPrepared(first, speaker->common(), topic, message,
-                                                   *waiting->wait_for);
+    const RobotAddress& first = targets->who.robots.empty() ? anybody : targets->who.robots.front();
+    const auto possible =
+        vda5050::ConfirmPrepared(first, speaker->common(), topic, message, *waiting->wait_for);
     if (!possible) return Fail(possible.error());
   }
   const auto shared = std::make_shared<const rapidjson::Document>(std::move(message));
-  return SendToRobots({.targets = *std::move(targets),
-                       .speaker = *std::move(speaker),
-                       .harm = Harm::kPossible,
-                       .header_id = *header_id,
-                       .make_message =
-                           [=] {
-                             return std::make_unique<PreparedMessage>(topic, shared, foreign);
-                           },
-                       .options = options.sending,
-                       .waiting = *waiting},
-                      context);
+  return SendToRobots(
+      {.targets = *std::move(targets),
+       .speaker = *std::move(speaker),
+       .harm = Harm::kPossible,
+       .header_id = *header_id,
+       .make_message = [=] { return std::make_unique<PreparedMessage>(topic, shared, foreign); },
+       .options = options.sending,
+       .waiting = *waiting},
+      context);
 }
 
 Result<rapidjson::Document> ReadMessage(const std::string& file) {

@@ -76,16 +76,19 @@ class RobotSender {
     if (!ready) return Fail(std::move(ready.error()));
     for (const ListedRobot* robot : robots_) reporter_.Fit(robot->first.ToString());
     for (const ListedRobot* robot : unheard_) {
+      const std::string why =
+          robot->second.WasHeard()
+              ? "it sent no state within " + base::FormatElapsed(sending_.targets.state_wait)
+              : "no message of it is at the broker";
       Show(maker_.ReportOn(*robot, Verdict::kRefused, ErrorKind::kPreflight,
-                           fmt::format("not sent: it sent no state within {}, so --where cannot be "
-                                       "decided",
-                                       base::FormatElapsed(sending_.targets.state_wait))));
+                           fmt::format("not sent: {}, so --where cannot be decided", why)));
     }
     const auto start = steady_clock::now();
     auto ran = sending_.options.dry_run ? ShowOnly() : Send();
     if (!ran) return Fail(std::move(ran.error()));
     warnings_.TellRest();
-    if (sending_.targets.IsSet() && !sending_.options.dry_run) Conclude(steady_clock::now() - start);
+    if (sending_.targets.IsSet() && !sending_.options.dry_run)
+      Conclude(steady_clock::now() - start);
     return reporter_.worst();
   }
 
@@ -348,7 +351,7 @@ class RobotSender {
   std::unique_ptr<mqtt::Transport> transport_;
   bool check_ = false;
   std::vector<const ListedRobot*> robots_;   // of the roster
-  std::vector<const ListedRobot*> unheard_;  // online, but --where cannot be decided
+  std::vector<const ListedRobot*> unheard_;  // whether --where is true is not known
   std::size_t next_ = 0;
   ProgressBar* bar_ = nullptr;  // while something is sent
 };

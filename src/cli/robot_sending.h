@@ -1,5 +1,5 @@
-// Sends one message to each of some robots, one or a hundred thousand: finds out who is meant, learns
-// how each is spoken to where that is asked, checks it, sends, waits.
+// Sends one message to each of some robots, one or a hundred thousand: finds out who is meant,
+// learns how each is spoken to where that is asked, checks it, sends, waits.
 #pragma once
 
 #include <cstdint>
@@ -38,6 +38,8 @@ class RobotMessage {
   [[nodiscard]] virtual Result<std::unique_ptr<dispatch::Confirmation>> Confirm(
       const vda5050::RobotAddress& robot, const vda5050::Dialect& dialect,
       const dispatch::Command& command, vda5050::WaitFor wait_for) const = 0;
+  /// Whether, in one dialect, it is valid for every robot or for none.
+  [[nodiscard]] virtual bool IsAlikeForAll() const { return false; }
   /// The robot's limits, before it is built for the last time.
   virtual void Suit(const vda5050::Factsheet& /*factsheet*/) {}
 };

@@ -29,9 +29,9 @@ constexpr std::size_t kBrokersQueue = 1'000;
 constexpr std::chrono::seconds kLongestCollection{60};
 
 bool Needs(const Targets& targets, std::string_view topic_name) {
-  return std::any_of(
-      targets.where.begin(), targets.where.end(),
-      [&](const Condition& condition) { return vda5050::TopicOf(condition) == topic_name; });
+  return std::any_of(targets.where.begin(), targets.where.end(), [&](const Condition& condition) {
+    return vda5050::TopicOf(condition) == topic_name;
+  });
 }
 
 // What to subscribe to, each once.
@@ -74,9 +74,7 @@ class Caller {
   }
 
  private:
-  [[nodiscard]] bool NeedsFactsheets() const {
-    return call_.check || Needs(targets_, "factsheet");
-  }
+  [[nodiscard]] bool NeedsFactsheets() const { return call_.check || Needs(targets_, "factsheet"); }
 
   void Take(const mqtt::Message& message) {
     const auto origin = message.retained ? vda5050::Origin::kRetained : vda5050::Origin::kLive;
@@ -107,8 +105,8 @@ class Caller {
   }
 
   // Connection messages alone: with the large ones the broker's queue would run over. It may do so
-  // with small ones too when there are many; then they are asked for again, and those that are known
-  // by now are read faster, until nobody new turns up.
+  // with small ones too when there are many; then they are asked for again, and those that are
+  // known by now are read faster, until nobody new turns up.
   Status CallPatterns() {
     constexpr std::array<std::string_view, 1> kTopics = {"connection"};
     Filters filters;
@@ -146,8 +144,8 @@ class Caller {
     if (wanted.empty()) return {};
     return dispatch::Collect(
         transport_, filters.Take(), call_.discover, [&](const mqtt::Message& message) {
-          const auto* entry = roster_.Deliver(message.topic, message.payload,
-                                              vda5050::Origin::kRetained);
+          const auto* entry =
+              roster_.Deliver(message.topic, message.payload, vda5050::Origin::kRetained);
           if (entry != nullptr && entry->factsheet) wanted.erase(entry);
           return wanted.empty();
         });
@@ -276,11 +274,10 @@ Chosen Choose(const Targets& targets, const Roster& roster, Output& output) {
   for (const RobotAddress& robot : targets.who.robots) {
     const auto found = roster.robots().find(robot);
     if (!targets.who.patterns.empty()) named.insert(robot);
-    // One that nothing is known of is for the check to refuse.
-    if (found->second.WasHeard()) {
+    if (found->second.WasHeard() || targets.where.empty()) {
       consider(*found);
     } else {
-      chosen.robots.push_back(&*found);
+      chosen.unheard.push_back(&*found);
     }
   }
   if (!targets.who.patterns.empty()) {
@@ -289,17 +286,17 @@ Chosen Choose(const Targets& targets, const Roster& roster, Output& output) {
     }
   }
   if (!away.empty()) {
-    output.Warn(fmt::format("left out, as they are offline and have left no state: {}",
-                            ListOf(away)));
+    output.Warn(
+        fmt::format("left out, as they are offline and have left no state: {}", ListOf(away)));
   }
   return chosen;
 }
 
 Error NobodyChosen(mqtt::Transport& transport, const Targets& targets, const Speaker& speaker,
                    const Roster& roster, const dispatch::CollectOptions& discover) {
-  const auto meant = std::count_if(
-      roster.robots().begin(), roster.robots().end(),
-      [](const ListedRobot& listed) { return listed.second.connection.has_value(); });
+  const auto meant =
+      std::count_if(roster.robots().begin(), roster.robots().end(),
+                    [](const ListedRobot& listed) { return listed.second.connection.has_value(); });
   const std::string nobody = fmt::format("nothing was sent: no robot matches {}", WordsOf(targets));
   if (meant > 0) {
     return {ErrorKind::kPreflight,
@@ -307,15 +304,14 @@ Error NobodyChosen(mqtt::Transport& transport, const Targets& targets, const Spe
                         meant == 1 ? " was" : "s were", FirstReason(roster))};
   }
   const auto all = AllRobots(transport, speaker.common().topics, discover);
-  const std::string heard =
-      all.empty() ? "it knows no robot: none has left a connection message"
-                  : fmt::format("it knows {} robot{}: {}", all.size(), all.size() == 1 ? "" : "s",
-                                ListOf(all));
+  const std::string heard = all.empty() ? "it knows no robot: none has left a connection message"
+                                        : fmt::format("it knows {} robot{}: {}", all.size(),
+                                                      all.size() == 1 ? "" : "s", ListOf(all));
   return {ErrorKind::kPreflight,
           fmt::format("{} at {}: {}{}", nobody, transport.server().broker.ToString(), heard,
                       targets.except.set.empty() && targets.except.robots.empty()
                           ? ""
-                          : "; --except was heeded")};
+                          : " (--except spares some)")};
 }
 
 std::vector<RobotAddress> AllRobots(mqtt::Transport& transport, const vda5050::TopicScheme& scheme,

@@ -18,8 +18,9 @@ using ListedRobot = std::map<vda5050::RobotAddress, vda5050::RosterEntry>::value
 
 /// Robots of a roster. Valid as long as that.
 struct Chosen {
-  std::vector<const ListedRobot*> robots;   ///< named ones in their order, then the found ones by name
-  std::vector<const ListedRobot*> unheard;  ///< online, but --where cannot be decided
+  std::vector<const ListedRobot*>
+      robots;  ///< named ones in their order, then the found ones by name
+  std::vector<const ListedRobot*> unheard;  ///< whether --where is true of them is not known
 };
 
 /// A roster with the robots that are named outright, of which nothing is known yet. `targets` and
@@ -38,8 +39,8 @@ struct RollCall {
                               const RollCall& call, vda5050::Roster& roster, Output& output);
 
 /// Those that are meant, and satisfy the conditions. Robots without a connection message are meant
-/// only when they are named outright. Warns of robots that are offline and whose state is not known.
-/// Nobody at all is not an error.
+/// only when they are named outright. Warns of robots that are offline and whose state is not
+/// known. Nobody at all is not an error.
 [[nodiscard]] Chosen Choose(const Targets& targets, const vda5050::Roster& roster, Output& output);
 
 /// Why nobody was chosen: what was heard instead. ErrorKind::kPreflight, or the connection's.

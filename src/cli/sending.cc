@@ -99,14 +99,12 @@ class Sender {
     auto transport = mqtt::ConnectPaho(connect_);
     if (!transport) return Fail(transport.error());
     transport_ = std::move(*transport);
-    context_.output.Note(
-        fmt::format("connected to {}", transport_->server().broker.ToString()));
+    context_.output.Note(fmt::format("connected to {}", transport_->server().broker.ToString()));
     return {};
   }
 
   Status Send(ledger::Ledger& ledger, Status& trouble) {
-    trouble =
-        dispatch::Send(outgoing_.commands, *transport_, ledger, options_, sink_, sent_);
+    trouble = dispatch::Send(outgoing_.commands, *transport_, ledger, options_, sink_, sent_);
     return {};
   }
 
@@ -155,7 +153,8 @@ Error NothingSent(const std::vector<Command>& commands, Verdict verdict, Error e
   return error;
 }
 
-Result<std::vector<std::string>> ValidateCommand(const Command& command, schema::Registry& registry) {
+Result<std::vector<std::string>> ValidateCommand(const Command& command,
+                                                 schema::Registry& registry) {
   const auto findings = dispatch::Validate(command, registry);
   if (!findings) return Fail(findings.error());
   if (!findings->errors.empty()) {

@@ -50,7 +50,7 @@ struct Outgoing {
 /// Checks a command and returns what is to be warned of, with its target's name before it. Errors:
 /// kInvalid, naming the target.
 [[nodiscard]] Result<std::vector<std::string>> ValidateCommand(const dispatch::Command& command,
-                                                        schema::Registry& registry);
+                                                               schema::Registry& registry);
 
 /// Sends all of the commands, or none when one of them is invalid. Prints a result for each.
 [[nodiscard]] Result<ExitCode> SendCommands(Outgoing outgoing, const SendingOptions& options,

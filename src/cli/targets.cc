@@ -121,8 +121,7 @@ class WordReader {
       any = true;
       auto ok = word == "-" ? Fail(ErrorKind::kUsage, "'-' is standard input itself") : Take(word);
       if (!ok) {
-        ok.error().message =
-            fmt::format("standard input, line {}: {}", number, ok.error().message);
+        ok.error().message = fmt::format("standard input, line {}: {}", number, ok.error().message);
         return ok;
       }
     }
@@ -167,8 +166,8 @@ void WarnOfIdleExceptions(const Targets& targets, const Context& context) {
   for (const RobotAddress& robot : targets.except.robots) {
     const auto& named = targets.who.robots;
     if (std::find(named.begin(), named.end(), robot) != named.end()) continue;
-    context.output.Warn(fmt::format("--except {}: it is not among the targets",
-                                    base::Printable(robot.ToString())));
+    context.output.Warn(
+        fmt::format("--except {}: it is not among the targets", base::Printable(robot.ToString())));
   }
 }
 
@@ -227,7 +226,8 @@ Result<Speaker> Speaker::For(const VdaOptions& given, const Config& config) {
 }
 
 Result<AddressedRobot> Speaker::Named(RobotAddress robot) const {
-  if (!config_->robots.contains(robot)) return AddressedRobot{std::move(robot), common_, automatic_};
+  if (!config_->robots.contains(robot))
+    return AddressedRobot{std::move(robot), common_, automatic_};
   const VdaOptions own = Configured(given_, *config_, robot);
   auto dialect = Shared(own, assumed_);
   if (!dialect) return Fail(std::move(dialect.error()));

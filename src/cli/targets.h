@@ -95,8 +95,8 @@ struct Targets {
 [[nodiscard]] Result<RobotWords> ReadWords(const std::vector<std::string>& words,
                                            const Context& context);
 
-/// Reads standard input when that is asked. The excepted ones are taken out of those that are named.
-/// Errors: ErrorKind::kUsage; kLedger: standard input cannot be read.
+/// Reads standard input when that is asked. The excepted ones are taken out of those that are
+/// named. Errors: ErrorKind::kUsage; kLedger: standard input cannot be read.
 [[nodiscard]] Result<Targets> TargetsOf(const TargetOptions& options, const Context& context);
 
 /// Robots named outright, for those who do not ask the broker.

@@ -35,9 +35,9 @@ std::string_view TopicOf(const Condition& condition) {
   constexpr std::array<std::string_view, 4> kConnection = {"connectionState", "version",
                                                            "manufacturer", "serialNumber"};
   constexpr std::array<std::string_view, 9> kFactsheet = {
-      "typeSpecification",  "physicalParameters",  "protocolLimits",
-      "protocolFeatures",   "agvGeometry",         "mobileRobotGeometry",
-      "loadSpecification",  "vehicleConfig",       "mobileRobotConfiguration"};
+      "typeSpecification", "physicalParameters", "protocolLimits",
+      "protocolFeatures",  "agvGeometry",        "mobileRobotGeometry",
+      "loadSpecification", "vehicleConfig",      "mobileRobotConfiguration"};
   const auto is_among = [level = FirstLevel(condition.path)](const auto& names) {
     return std::find(names.begin(), names.end(), level) != names.end();
   };

@@ -1,6 +1,6 @@
-// The robots that a command may be for, with what each has left at the broker: gathered once, before
-// anything is sent. Small, as there may be a hundred thousand: what robots of one make have in common
-// is kept once.
+// The robots that a command may be for, with what each has left at the broker: gathered once,
+// before anything is sent. Small, as there may be a hundred thousand: what robots of one make have
+// in common is kept once.
 #pragma once
 
 #include <cstddef>
@@ -53,9 +53,8 @@ class Roster {
  public:
   /// How a robot that a pattern has found is spoken to: base dialect, and whether in its own then.
   /// Nothing: it is not wanted.
-  using Admission =
-      std::function<std::optional<std::pair<std::shared_ptr<const Dialect>, bool>>(
-          const RobotAddress& robot)>;
+  using Admission = std::function<std::optional<std::pair<std::shared_ptr<const Dialect>, bool>>(
+      const RobotAddress& robot)>;
 
   /// `conditions` must outlive the roster. `admit` may be empty: no further robots.
   Roster(std::span<const Condition> conditions, Admission admit)

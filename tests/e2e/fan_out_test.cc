@@ -26,16 +26,15 @@ class FanOut : public EndToEnd {
           R"({{"headerId":1,"timestamp":"2026-01-02T03:04:05.000Z","version":"2.1.0",)"
           R"("manufacturer":"OFF","serialNumber":"{:04}","connectionState":"OFFLINE"}})",
           i);
-      const Finished done =
-          fleetpub::testing::Run({.arguments = {"mosquitto_pub", "-h", "127.0.0.1", "-p",
-                             std::to_string(broker_.port()), "-q", "1", "-r", "-t",
-                             fmt::format("uagv/v2/OFF/{:04}/connection", i), "-m", payload}});
+      const Finished done = fleetpub::testing::Run(
+          {.arguments = {"mosquitto_pub", "-h", "127.0.0.1", "-p", std::to_string(broker_.port()),
+                         "-q", "1", "-r", "-t", fmt::format("uagv/v2/OFF/{:04}/connection", i),
+                         "-m", payload}});
       ASSERT_EQ(done.exit_code, 0) << done.errors;
     }
   }
   // Names by status.
-  [[nodiscard]] static std::map<std::string, std::set<std::string>> ByStatus(
-      const Finished& run) {
+  [[nodiscard]] static std::map<std::string, std::set<std::string>> ByStatus(const Finished& run) {
     std::map<std::string, std::set<std::string>> names;
     for (const std::string& line : Lines(run.output)) {
       const auto report = Json(line);

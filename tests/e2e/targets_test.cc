@@ -1,4 +1,5 @@
-// Whom a command is for: patterns, exclusions, filters, standard input, and who must be asked first.
+// Whom a command is for: patterns, exclusions, filters, standard input, and who must be asked
+// first.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
@@ -48,10 +49,9 @@ TEST_F(Targets, OneCommandReachesAMixedFleetEachInItsOwnVersion) {
   StartFleet();
   const Finished run = Fleetpub({"pause", "--all", "--wait", "-o", "json"});
   EXPECT_EQ(run.exit_code, 0) << run.output << run.errors;
-  EXPECT_THAT(Results(run),
-              ElementsAre("ABC/0001 FINISHED 2.1.0", "ABC/0002 FINISHED 2.1.0",
-                          "KIT/0001 FINISHED 1.1.0", "KIT/0002 FINISHED 1.1.0",
-                          "KIT/0003 FINISHED 1.1.0", "XYZ/0001 FINISHED 3.0.0"));
+  EXPECT_THAT(Results(run), ElementsAre("ABC/0001 FINISHED 2.1.0", "ABC/0002 FINISHED 2.1.0",
+                                        "KIT/0001 FINISHED 1.1.0", "KIT/0002 FINISHED 1.1.0",
+                                        "KIT/0003 FINISHED 1.1.0", "XYZ/0001 FINISHED 3.0.0"));
   const auto summary = Json(Lines(run.output).back());
   EXPECT_EQ(summary["summary"]["robots"].GetInt(), 6);
   EXPECT_EQ(summary["summary"]["finished"].GetInt(), 6);
@@ -116,8 +116,8 @@ TEST_F(Targets, StandardInputNamesOnePerLine) {
   StartFleet();
   const Finished run =
       WithInput({"pause", "-", "--vda", "auto", "-o", "json"}, "KIT/0001\n\n  ABC/0002\r\nXYZ/*");
-  EXPECT_THAT(Results(run), ElementsAre("ABC/0002 SENT 2.1.0", "KIT/0001 SENT 1.1.0",
-                                        "XYZ/0001 SENT 3.0.0"))
+  EXPECT_THAT(Results(run),
+              ElementsAre("ABC/0002 SENT 2.1.0", "KIT/0001 SENT 1.1.0", "XYZ/0001 SENT 3.0.0"))
       << run.errors;
   const Finished bad = WithInput({"pause", "-"}, "KIT/0001\nKIT\n");
   EXPECT_EQ(bad.exit_code, 2);
@@ -132,8 +132,9 @@ TEST_F(Targets, MoreThanOneRobotNeedsAWord) {
   const Subscriber subscriber(broker_, "+/+/+/+/instantActions");
   const Finished refused = Fleetpub({"cancel", "KIT/*"});
   EXPECT_EQ(refused.exit_code, 2);
-  EXPECT_THAT(refused.errors, AllOf(HasSubstr("KIT/* means 3 robots (KIT/0001, KIT/0002, KIT/0003)"),
-                                    HasSubstr("--yes")));
+  EXPECT_THAT(
+      refused.errors,
+      AllOf(HasSubstr("KIT/* means 3 robots (KIT/0001, KIT/0002, KIT/0003)"), HasSubstr("--yes")));
   EXPECT_THAT(subscriber.SoFar(), IsEmpty());
   EXPECT_EQ(Fleetpub({"cancel", "XYZ/*"}).exit_code, 0) << "it is one robot";
   EXPECT_EQ(Fleetpub({"cancel", "KIT/*", "--yes"}).exit_code, 0);
@@ -171,13 +172,27 @@ TEST_F(Targets, AnActionThatSomeVersionsLackIsRefusedForThose) {
   StartFleet();
   const Finished run = Fleetpub({"factsheetRequest", "--all", "-o", "json"});
   EXPECT_EQ(run.exit_code, 3) << run.errors;
-  EXPECT_THAT(Results(run),
-              ElementsAre("ABC/0001 SENT 2.1.0", "ABC/0002 SENT 2.1.0", "KIT/0001 INVALID 1.1.0",
-                          "KIT/0002 INVALID 1.1.0", "KIT/0003 INVALID 1.1.0",
-                          "XYZ/0001 SENT 3.0.0"));
+  EXPECT_THAT(Results(run), ElementsAre("ABC/0001 SENT 2.1.0", "ABC/0002 SENT 2.1.0",
+                                        "KIT/0001 INVALID 1.1.0", "KIT/0002 INVALID 1.1.0",
+                                        "KIT/0003 INVALID 1.1.0", "XYZ/0001 SENT 3.0.0"));
   const Finished all = Fleetpub({"factsheetRequest", "KIT/*"});
   EXPECT_EQ(all.exit_code, 3);
   EXPECT_THAT(all.errors, HasSubstr("nothing was sent"));
+}
+
+TEST_F(Targets, AwaitWaitsForEachRobotOfAPattern) {
+  const auto one = Robot({"KIT/0001", "--state-interval", "1s", "--vda", "2.1.0"});
+  const auto two = Robot({"KIT/0002", "--state-interval", "1s"});
+  ASSERT_EQ(Fleetpub({"pause", "KIT/*", "--wait"}).exit_code, 0);
+  const Finished both = Fleetpub({"await", "KIT/*", "state", "paused=true", "-o", "json"});
+  EXPECT_EQ(both.exit_code, 0) << both.errors;
+  EXPECT_THAT(Lines(both.output), ::testing::SizeIs(2));
+  ASSERT_EQ(Fleetpub({"resume", "KIT/0002", "--wait"}).exit_code, 0);
+  const Finished half = Fleetpub({"await", "KIT/*", "state", "paused=true", "-W", "2s"});
+  EXPECT_EQ(half.exit_code, 6);
+  EXPECT_THAT(half.errors,
+              AllOf(HasSubstr("KIT/0002: not so within"), HasSubstr("paused is false")));
+  EXPECT_EQ(Fleetpub({"await", "KTI/*", "state", "paused=true"}).exit_code, 7);
 }
 
 }  // namespace
