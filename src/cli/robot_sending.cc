@@ -237,11 +237,10 @@ class RobotSender {
     if (!ledger) return Fail(NothingSentToAny(Verdict::kError, ledger.error()));
     if (auto ok = Connect(); !ok) return Fail(NothingSentToAny(Verdict::kError, ok.error()));
     options_.acknowledge_timeout = connect_.connect_timeout;
-    InterruptGuard interrupt(robots_.size());
+    InterruptGuard::Expect(robots_.size());
     ProgressBar bar(sending_.targets.IsSet() ? robots_.size() : 0, context_.output);
     bar_ = sending_.targets.IsSet() && bar.IsPossible() ? &bar : nullptr;
-    dispatch::Stream stream(transport_, **ledger, options_, sending_.waiting.wait,
-                            HooksFor(interrupt));
+    dispatch::Stream stream(transport_, **ledger, options_, sending_.waiting.wait, HooksFor());
     const auto sent = SendAll(stream);
     bar_ = nullptr;
     if (transport_ != nullptr) transport_->Disconnect();
@@ -253,15 +252,15 @@ class RobotSender {
     return {};
   }
 
-  dispatch::StreamHooks HooksFor(InterruptGuard& interrupt) {
+  dispatch::StreamHooks HooksFor() {
     return {.report =
                 [this](const Report& report) {
                   Show(report);
                   Output::FlushNow();
                 },
             .sent =
-                [this, &interrupt] {
-                  interrupt.CountSent();
+                [this] {
+                  InterruptGuard::CountSent();
                   context_.output.SomethingWasSent();
                 },
             .connect =
@@ -340,6 +339,7 @@ class RobotSender {
 
   const RobotSending& sending_;
   const Context& context_;
+  const InterruptGuard interrupt_{0};
   vda5050::Roster roster_;
   CommandMaker maker_;
   Reporter reporter_;

@@ -130,7 +130,7 @@ class Sender {
     context_.output.FlushNow();
   };
   dispatch::SentHook sent_ = [this] {
-    interrupt_.CountSent();
+    InterruptGuard::CountSent();
     context_.output.SomethingWasSent();
   };
 };
