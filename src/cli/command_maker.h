@@ -19,9 +19,9 @@ namespace fleetpub::cli {
 
 class CommandMaker {
  public:
-  /// All must outlive it.
+  /// `sending` must outlive it.
   CommandMaker(const RobotSending& sending, const Context& context)
-      : sending_(sending), context_(context), registry_(context.options.schema_directory) {}
+      : sending_(sending), registry_(context.options.schema_directory) {}
 
   /// Whether robots are checked before they are commanded.
   void SetCheck(bool check) { check_ = check; }
@@ -56,7 +56,6 @@ class CommandMaker {
                     Made& made);
 
   const RobotSending& sending_;
-  const Context& context_;
   schema::Registry registry_;
   bool check_ = false;
   std::map<vda5050::RobotAddress, std::string> suggestions_;
