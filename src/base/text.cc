@@ -66,6 +66,13 @@ std::vector<std::string> Split(std::string_view text, char separator) {
   }
 }
 
+std::string_view Trimmed(std::string_view text) {
+  constexpr std::string_view kBlank = " \t\r\n";
+  const std::size_t first = text.find_first_not_of(kBlank);
+  if (first == std::string_view::npos) return {};
+  return text.substr(first, text.find_last_not_of(kBlank) - first + 1);
+}
+
 int EditDistance(std::string_view a, std::string_view b) {
   // Optimal string alignment over three rows.
   std::vector<int> before(b.size() + 1);

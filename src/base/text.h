@@ -20,6 +20,9 @@ namespace fleetpub::base {
 [[nodiscard]] std::string Join(std::span<const std::string> parts, std::string_view separator);
 [[nodiscard]] std::vector<std::string> Split(std::string_view text, char separator);
 
+/// Without the blanks, tabs and line ends around it.
+[[nodiscard]] std::string_view Trimmed(std::string_view text);
+
 /// How many letters must be changed, added, left out or swapped with their neighbour, ignoring
 /// case.
 [[nodiscard]] int EditDistance(std::string_view a, std::string_view b);

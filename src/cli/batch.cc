@@ -5,7 +5,6 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <charconv>
 #include <memory>
 
 #include "base/line_reader.h"
@@ -38,7 +37,6 @@ constexpr std::size_t kLargestBracket = 1'000;
 
 struct Options {
   std::string file = "-";
-  std::string rate;
   std::string reconnect = "60s";
   bool stop_on_error = false;
   std::string prefix = "soar";
@@ -238,21 +236,6 @@ Result<ExitCode> ShowOnly(base::LineReader reader, const Plan& plan, const Conte
   return results.worst();
 }
 
-Result<dispatch::Pace> PaceOf(const std::string& text) {
-  if (text.empty()) return dispatch::Pace();
-  double rate = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), rate);
-  constexpr double kSlowest = 1e-3;
-  constexpr double kFastest = 1e6;
-  if (error == std::errc() && end == text.data() + text.size() && rate >= kSlowest &&
-      rate <= kFastest) {
-    return dispatch::Pace(rate);
-  }
-  return Fail(ErrorKind::kUsage, fmt::format("--rate takes messages per second, from 0.001 to "
-                                             "1000000, not '{}'",
-                                             base::Printable(text)));
-}
-
 Result<Plan> PlanOf(const Options& options) {
   Plan plan;
   if (options.vda.IsAutomatic()) {
@@ -286,10 +269,10 @@ Result<Plan> PlanOf(const Options& options) {
   // Each bracket waits for the disk once. While nobody waits for a robot's answer, and no
   // acknowledgement comes, it may be as large as what a default broker queues.
   if (*qos == mqtt::Qos::kAtMostOnce && !plan.defaults.wait_for) plan.send.batch = kLargestBracket;
-  const auto pace = PaceOf(options.rate);
+  const auto pace = PaceOf(options.sending.rate);
   if (!pace) return Fail(pace.error());
   plan.pace = *pace;
-  plan.is_paced = !options.rate.empty();
+  plan.is_paced = !options.sending.rate.empty();
   const auto reconnect = base::ParseDuration(options.reconnect);
   if (!reconnect) return Fail(reconnect.error());
   plan.reconnect = *reconnect;
@@ -317,9 +300,7 @@ Run DeclareBatch(OptionSet& set) {
   const auto options = std::make_shared<Options>();
   set.AddOption("file", options->file, "The commands, one per line; - or nothing: standard input")
       ->type_name("FILE");
-  set.AddOption("--rate", options->rate, "At most so many messages per second [no limit]")
-      ->type_name("N")
-      ->group("Sending");
+  DeclareRate(set, options->sending);
   set.AddFlag("--stop-on-error", options->stop_on_error,
               "Read no further line once a result is an error")
       ->group("Sending");

@@ -75,11 +75,11 @@ Status Gather(mqtt::Transport& transport, const Patience& patience, FleetView& v
   return ok;
 }
 
-Error NoRobot(const std::string& broker, const std::string& pattern) {
+Error NoRobot(const std::string& broker, const FleetOptions& fleet) {
   return {ErrorKind::kPreflight,
           fmt::format("{} knows no robot{}: none has left a connection message, and none sent a "
                       "state",
-                      broker, pattern.empty() ? "" : " " + base::Printable(pattern))};
+                      broker, fleet.words.empty() ? "" : " " + NameOf(fleet))};
 }
 
 }  // namespace
@@ -110,7 +110,7 @@ Result<FleetView> GatherFleet(const GatheringOptions& o, const Context& context)
   if (auto ok = Gather(**transport, *patience, *view); !ok) return Fail(std::move(ok.error()));
   const std::string broker = (*transport)->server().broker.ToString();
   (*transport)->Disconnect();
-  if (view->size() == 0) return Fail(NoRobot(broker, o.fleet.pattern));
+  if (view->size() == 0) return Fail(NoRobot(broker, o.fleet));
   if (const std::size_t silent = Silent(*view).size();
       silent > 0 && patience->state_wait.count() > 0) {
     context.output.Warn(

@@ -44,6 +44,8 @@ class InstantMessage final : public RobotMessage {
     return vda5050::ConfirmInstantAction(robot, dialect, action.type, action.id, wait_for);
   }
 
+  [[nodiscard]] bool IsAlikeForAll() const override { return true; }
+
   void Suit(const vda5050::Factsheet& factsheet) override {
     if (!has_given_id_) action_.id = vda5050::SuitableActionId(&factsheet);
   }
@@ -56,9 +58,10 @@ class InstantMessage final : public RobotMessage {
 }  // namespace
 
 void DeclareInstantSendingOptions(OptionSet& set, InstantSendingOptions& options) {
+  DeclareTargetOptions(set, options.targets);
   DeclareInstantOptions(set, options.instant);
   DeclareSendingOptions(set, options.sending);
-  DeclareYes(set, options.sending);
+  DeclareManyOptions(set, options.sending);
   DeclareWaitingOptions(set, options.waiting);
   DeclareVdaOptions(set, options.instant.vda);
 }
@@ -68,25 +71,27 @@ Result<ExitCode> SendInstantAction(const InstantSendingOptions& options, std::st
                                    const Context& context) {
   const auto waiting = WaitingOf(options.waiting);
   if (!waiting) return Fail(waiting.error());
-  auto targets = TargetsOf(options.instant.targets, options.instant.vda, context);
+  auto targets = TargetsOf(options.targets, context);
   if (!targets) return Fail(std::move(targets.error()));
-  const auto action =
-      ActionOf(options.instant, type, std::move(parameters), targets->robots.size());
+  auto speaker = Speaker::For(options.instant.vda, context.config);
+  if (!speaker) return Fail(std::move(speaker.error()));
+  const auto action = ActionOf(options.instant, type, std::move(parameters),
+                               targets->IsSet() ? 2 : targets->who.robots.size());
   if (!action) return Fail(action.error());
   const auto header_id = HeaderIdOf(options.instant.header_id);
   if (!header_id) return Fail(header_id.error());
-
-  RobotSending sending;
-  const bool unasked = options.sending.yes || options.sending.dry_run;
-  if (auto ok = Consent(*targets, HarmOf(type), unasked); !ok) return Fail(std::move(ok.error()));
-  sending.robots = std::move(targets->robots);
-  sending.header_id = *header_id;
-  sending.make_message = [&action, &options] {
-    return std::make_unique<InstantMessage>(*action, options.instant.id.has_value());
-  };
-  sending.options = options.sending;
-  sending.waiting = *waiting;
-  return SendToRobots(std::move(sending), context);
+  return SendToRobots({.targets = *std::move(targets),
+                       .speaker = *std::move(speaker),
+                       .harm = HarmOf(type),
+                       .header_id = *header_id,
+                       .make_message =
+                           [&] {
+                             return std::make_unique<InstantMessage>(
+                                 *action, options.instant.id.has_value());
+                           },
+                       .options = options.sending,
+                       .waiting = *waiting},
+                      context);
 }
 
 }  // namespace fleetpub::cli

@@ -8,6 +8,7 @@
 #include "base/result.h"
 #include "cli/exit_code.h"
 #include "cli/sending.h"
+#include "cli/targets.h"
 #include "cli/vda_options.h"
 #include "cli/wait_options.h"
 #include "vda5050/parameter.h"
@@ -18,6 +19,7 @@ class OptionSet;
 
 /// Everything that a command for instant actions takes besides its parameters.
 struct InstantSendingOptions {
+  TargetOptions targets;
   InstantOptions instant;
   SendingOptions sending;
   WaitingOptions waiting;

@@ -67,6 +67,8 @@ InterruptGuard::~InterruptGuard() {
   sigaction(SIGTERM, &old_terminate_, nullptr);
 }
 
+void InterruptGuard::Expect(std::size_t total) { g_total = total; }
+
 void InterruptGuard::CountSent() { ++g_sent; }
 
 }  // namespace fleetpub::cli

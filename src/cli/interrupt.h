@@ -18,8 +18,10 @@ class InterruptGuard {
   InterruptGuard& operator=(const InterruptGuard&) = delete;
   ~InterruptGuard();
 
+  /// How many it is that are to be sent, when that becomes known later.
+  static void Expect(std::size_t total);
   /// One more message was handed to the network.
-  void CountSent();
+  static void CountSent();
 
  private:
   struct sigaction old_interrupt_ {};

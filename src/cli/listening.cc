@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 
+#include "base/text.h"
 #include "base/time.h"
 #include "cli/option_set.h"
 #include "cli/targets.h"
@@ -24,23 +25,26 @@ void DeclareTopicOptions(OptionSet& set, VdaOptions& options) {
 }
 
 void DeclareFleetOptions(OptionSet& set, FleetOptions& options) {
-  set.AddOption("pattern", options.pattern,
-                "Robots: manufacturer/serialNumber with * and ?, quoted [all]")
-      ->type_name("PATTERN");
+  set.AddOption("targets", options.words,
+                "Robots: manufacturer/serialNumber, alias, @group, 'KIT/*' [all]")
+      ->type_name("TARGET");
   DeclareTopicOptions(set, options.vda);
 }
 
+std::string NameOf(const FleetOptions& options) {
+  return options.words.empty() ? "all" : base::Printable(base::Join(options.words, " "));
+}
+
 Result<vda5050::FleetView> FleetViewOf(const FleetOptions& options, const Context& context) {
-  const Config& config = context.config;
-  const auto dialect = DialectOf(Configured(options.vda, config));
+  const auto dialect = DialectOf(Configured(options.vda, context.config));
   if (!dialect) return Fail(dialect.error());
-  std::string text = options.pattern.empty() ? "*/*" : options.pattern;
-  if (const auto alias = config.aliases.find(text); alias != config.aliases.end()) {
-    text = alias->second.ToString();
+  auto words = ReadWords(options.words, context);
+  if (!words) return Fail(std::move(words.error()));
+  auto patterns = std::move(words->patterns);
+  for (vda5050::RobotAddress& robot : words->robots) {
+    patterns.push_back({std::move(robot.manufacturer), std::move(robot.serial_number)});
   }
-  auto pattern = vda5050::ParseRobotPattern(text);
-  if (!pattern) return Fail(std::move(pattern.error()));
-  return vda5050::FleetView(dialect->topics, *std::move(pattern));
+  return vda5050::FleetView(dialect->topics, std::move(patterns));
 }
 
 dispatch::ConnectHook ConnectHookOf(mqtt::ConnectOptions options) {

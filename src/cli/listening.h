@@ -3,6 +3,7 @@
 
 #include <chrono>
 #include <string>
+#include <vector>
 
 #include "base/result.h"
 #include "cli/global_options.h"
@@ -21,12 +22,15 @@ void DeclareTopicOptions(OptionSet& set, VdaOptions& options);
 
 /// Options of `fleet` and `watch`.
 struct FleetOptions {
-  std::string pattern;  ///< empty: all
+  std::vector<std::string> words;  ///< none: all
   VdaOptions vda;
 };
 
-/// The pattern and the topics' options.
+/// The robots and the topics' options.
 void DeclareFleetOptions(OptionSet& set, FleetOptions& options);
+
+/// The words as a person reads them; `all` without any.
+[[nodiscard]] std::string NameOf(const FleetOptions& options);
 
 /// An empty view for these options. Errors: ErrorKind::kUsage.
 [[nodiscard]] Result<vda5050::FleetView> FleetViewOf(const FleetOptions& options,

@@ -28,6 +28,7 @@ class Output {
   [[nodiscard]] Format format() const { return settings_.format; }
   [[nodiscard]] bool json() const { return settings_.format == Format::kJson; }
   [[nodiscard]] bool verbose() const { return settings_.verbose; }
+  [[nodiscard]] bool quiet() const { return settings_.quiet; }
 
   /// A line of results on standard output.
   void Line(std::string_view text);

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <memory>
 
 #include "base/file.h"
@@ -31,7 +32,7 @@ struct PreparedOptions {
 
 struct PublishOptions : PreparedOptions {
   std::string topic;
-  std::vector<std::string> targets;
+  TargetOptions targets;
   std::string file;
   bool restamp = false;
 };
@@ -82,15 +83,14 @@ void DeclarePrepared(OptionSet& set, PreparedOptions& options) {
       ->type_name("N")
       ->group("Message");
   DeclareSendingOptions(set, options.sending);
-  DeclareYes(set, options.sending);
+  DeclareManyOptions(set, options.sending);
   DeclareWaitingOptions(set, options.waiting);
   DeclareVdaOptions(set, options.vda);
 }
 
-Result<ExitCode> Send(std::string_view topic, const std::vector<std::string>& words,
+Result<ExitCode> Send(std::string_view topic, const TargetOptions& target_options,
                       rapidjson::Document message, vda5050::ForeignHeader foreign,
                       const PreparedOptions& options, const Context& context) {
-  RobotSending sending;
   WaitingOptions waiting_options = options.waiting;
   // An order may take hours: that the robot has it is what one usually waits for.
   if (topic == "order" && waiting_options.wait && waiting_options.wait_for.empty()) {
@@ -98,35 +98,31 @@ Result<ExitCode> Send(std::string_view topic, const std::vector<std::string>& wo
   }
   auto waiting = WaitingOf(waiting_options);
   if (!waiting) return Fail(std::move(waiting.error()));
-  auto targets = TargetsOf(words, options.vda, context);
+  auto targets = TargetsOf(target_options, context);
   if (!targets) return Fail(std::move(targets.error()));
-  const auto said = vda5050::VersionSaidBy(message);
-  for (AddressedRobot& target : targets->robots) {
-    if (!target.dialect.assumed || !said) continue;
-    target.dialect.version = *said;
-    target.dialect.assumed = false;
-  }
+  auto speaker = Speaker::For(options.vda, context.config);
+  if (!speaker) return Fail(std::move(speaker.error()));
+  if (const auto said = vda5050::VersionSaidBy(message)) speaker->Assume(*said);
   const auto header_id = HeaderIdOf(options.header_id);
   if (!header_id) return Fail(header_id.error());
 
   if (waiting->wait_for) {  // what cannot be waited for costs no connection
-    const AddressedRobot& first = targets->robots.front();
+    const RobotAddress anybody{"KIT", "0001"};
+    const RobotAddress& first = targets->who.robots.empty() ? anybody : targets->who.robots.front();
     const auto possible =
-        vda5050::ConfirmPrepared(first.robot, first.dialect, topic, message, *waiting->wait_for);
+        vda5050::ConfirmPrepared(first, speaker->common(), topic, message, *waiting->wait_for);
     if (!possible) return Fail(possible.error());
   }
-  const bool unasked = options.sending.yes || options.sending.dry_run;
-  if (auto ok = Consent(*targets, Harm::kPossible, unasked); !ok) return Fail(ok.error());
-
   const auto shared = std::make_shared<const rapidjson::Document>(std::move(message));
-  sending.robots = std::move(targets->robots);
-  sending.header_id = *header_id;
-  sending.make_message = [topic, shared, foreign] {
-    return std::make_unique<PreparedMessage>(topic, shared, foreign);
-  };
-  sending.options = options.sending;
-  sending.waiting = *waiting;
-  return SendToRobots(std::move(sending), context);
+  return SendToRobots(
+      {.targets = *std::move(targets),
+       .speaker = *std::move(speaker),
+       .harm = Harm::kPossible,
+       .header_id = *header_id,
+       .make_message = [=] { return std::make_unique<PreparedMessage>(topic, shared, foreign); },
+       .options = options.sending,
+       .waiting = *waiting},
+      context);
 }
 
 Result<rapidjson::Document> ReadMessage(const std::string& file) {
@@ -151,6 +147,11 @@ Result<ExitCode> RunPublish(const PublishOptions& options, const Context& contex
     return Fail(ErrorKind::kUsage,
                 "name the file with the message: --file FILE, or - for standard "
                 "input");
+  }
+  const auto& words = options.targets.words;
+  if (options.file == "-" && std::find(words.begin(), words.end(), "-") != words.end()) {
+    return Fail(ErrorKind::kUsage,
+                "standard input is the message or the targets, not both: put one into a file");
   }
   auto message = ReadMessage(options.file);
   if (!message) return Fail(std::move(message.error()));
@@ -196,7 +197,9 @@ Result<ExitCode> RunRespond(const RespondOptions& options, const Context& contex
   }
   const auto robot = RobotOf(options.target, context.config);  // request ids are its own
   if (!robot) return Fail(robot.error());
-  return Send("responses", {robot->ToString()}, vda5050::ResponsesMessage(response),
+  TargetOptions target;
+  target.words = {robot->ToString()};
+  return Send("responses", target, vda5050::ResponsesMessage(response),
               vda5050::ForeignHeader::kRefuse, options, context);
 }
 
@@ -206,8 +209,7 @@ Run DeclarePublish(OptionSet& set) {
   const auto options = std::make_shared<PublishOptions>();
   set.AddOption("topic", options->topic, "order, instantActions, zoneSet or responses")
       ->type_name("TOPIC");
-  set.AddOption("targets", options->targets, "Robots: manufacturer/serialNumber, alias, @group")
-      ->type_name("TARGET");
+  DeclareTargetOptions(set, options->targets);
   set.AddOption("-f,--file", options->file, "The message as JSON; - reads standard input")
       ->type_name("FILE")
       ->group("Message");

@@ -3,309 +3,368 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <map>
 
 #include "base/text.h"
-#include "dispatch/collect.h"
-#include "dispatch/send.h"
+#include "cli/command_maker.h"
+#include "cli/dry_run.h"
+#include "cli/fleet_summary.h"
+#include "cli/interrupt.h"
+#include "cli/listening.h"
+#include "cli/reporter.h"
+#include "cli/roll_call.h"
+#include "dispatch/stream.h"
 #include "mqtt/paho_transport.h"
-#include "vda5050/discovery.h"
 
 namespace fleetpub::cli {
 namespace {
 
-using dispatch::Command;
-using vda5050::Dialect;
-using vda5050::KnownRobot;
+using dispatch::Report;
+using dispatch::Verdict;
+using std::chrono::milliseconds;
+using std::chrono::steady_clock;
 using vda5050::RobotAddress;
 
-// In the order in which a broker hands them out: when the connection message is there, so is the
-// factsheet.
-constexpr std::array<std::string_view, 2> kRetainedTopics = {"factsheet", "connection"};
+// So many wait for their robots at once: no further one is commanded before some have answered.
+constexpr std::size_t kMostWaiting = 10'000;
 
-// One robot on the way to its command.
-struct Addressee {
-  RobotAddress robot;
-  Dialect dialect;
-  bool automatic;  ///< its own dialect is to be learnt
-  std::unique_ptr<RobotMessage> message;
-  KnownRobot known = {};
-  bool unspeakable = false;  ///< it speaks a version that we do not
-};
+// Between two drawings of the progress bar.
+constexpr milliseconds kGlance{100};
 
-bool SaysOnline(const mqtt::Message& message) {
-  if (!message.topic.ends_with("/connection")) return false;
-  const auto connection = vda5050::ReadConnection(message.payload);
-  return connection && connection->connection_state == "ONLINE";
-}
-
-// The robot's topics in whichever interface and version.
-Result<std::vector<std::string>> AnyTopics(const vda5050::TopicScheme& scheme,
-                                           const RobotAddress& robot,
-                                           std::span<const std::string_view> names) {
-  return vda5050::DiscoveryFilters(scheme, {robot.manufacturer, robot.serial_number}, names);
-}
-
-bool IsSame(const vda5050::TopicScheme& a, const vda5050::TopicScheme& b) {
-  return a.interface_name == b.interface_name && a.topic_template == b.topic_template;
-}
-
-class RobotSender {
+// A thousand robots may all be warned of in the same words.
+class Warnings {
  public:
-  RobotSender(RobotSending sending, const Context& context)
-      : sending_(std::move(sending)), waiting_(sending_.waiting), context_(context) {
-    addressees_.reserve(sending_.robots.size());
-    for (auto& [robot, dialect, is_automatic] : sending_.robots) {
-      automatic_ = automatic_ || is_automatic;
-      addressees_.push_back(
-          {std::move(robot), std::move(dialect), is_automatic, sending_.make_message()});
-    }
-  }
+  explicit Warnings(Output& output) : output_(output) {}
 
-  Result<ExitCode> Run() {
-    if (!automatic_) {  // what is invalid anyway costs no connection
-      if (auto ok = Build(); !ok) return Fail(ok.error());
+  void Tell(const std::string& target, const std::string& warning) {
+    const std::string words = warning.starts_with(target) ? warning.substr(target.size()) : warning;
+    if (++told_[words] <= kTold) output_.Warn(warning);
+  }
+  void Tell(const std::string& warning) {
+    const std::size_t colon = warning.find_first_of(": ");
+    Tell(warning.substr(0, colon == std::string::npos ? 0 : colon), warning);
+  }
+  void TellRest() const {
+    for (const auto& [words, count] : told_) {
+      if (count <= kTold) continue;
+      output_.Warn(fmt::format("the same of {} more robots{}", count - kTold, words));
     }
-    const bool look = automatic_ || (waiting_.check && !sending_.options.dry_run);
-    if (look) {
-      if (auto ok = LookAround(); !ok) {
-        return Fail(
-            NothingSent(outgoing_.commands, dispatch::Verdict::kError, ok.error(), context_));
-      }
-      outgoing_.commands.clear();
-      outgoing_.validated = false;
-      Check();
-      if (auto ok = Build(); !ok) return Fail(ok.error());
-    }
-    if (waiting_.wait_for) {
-      if (auto ok = AddConfirmations(); !ok) return Fail(ok.error());
-      outgoing_.wait = waiting_.wait;
-    }
-    for (const std::string& warning : warnings_) context_.output.Warn(warning);
-    addressees_ = std::vector<Addressee>();  // of ten thousand robots it is felt
-    return SendCommands(std::move(outgoing_), sending_.options, context_);
   }
 
  private:
-  Status Build() {
-    outgoing_.commands.reserve(addressees_.size());
-    for (const Addressee& addressee : addressees_) {
-      auto command =
-          addressee.message->Build(addressee.robot, addressee.dialect, sending_.header_id);
-      if (!command) return Fail(std::move(command.error()));
-      outgoing_.commands.push_back(std::move(*command));
-    }
-    auto warnings = ValidateAll(outgoing_.commands, context_);
-    if (!warnings) {
-      return Fail(
-          NothingSent(outgoing_.commands, dispatch::Verdict::kInvalid, warnings.error(), context_));
-    }
-    warnings_ = std::move(*warnings);
-    outgoing_.validated = true;
-    return {};
+  static constexpr std::size_t kTold = 10;
+  Output& output_;
+  std::map<std::string, std::size_t> told_;
+};
+
+class RobotSender {
+ public:
+  RobotSender(const RobotSending& sending, const Context& context, vda5050::Roster roster,
+              mqtt::Qos qos, dispatch::Pace pace)
+      : sending_(sending),
+        context_(context),
+        roster_(std::move(roster)),
+        maker_(sending, context),
+        reporter_(context.output),
+        warnings_(context.output),
+        pace_(pace) {
+    options_.qos = qos;
   }
 
-  // What one robot has left at the broker.
-  struct Traces {
-    const Dialect* dialect = nullptr;       ///< that it is spoken to in at first
-    std::vector<vda5050::Discovered> best;  ///< one, once there is any
-    std::shared_ptr<const vda5050::Factsheet> factsheet;
-  };
+  Result<ExitCode> Run() {
+    auto ready = Prepare();
+    if (!ready) return Fail(std::move(ready.error()));
+    for (const ListedRobot* robot : robots_) reporter_.Fit(robot->first.ToString());
+    for (const ListedRobot* robot : unheard_) {
+      const std::string why =
+          robot->second.WasHeard()
+              ? "it sent no state within " + base::FormatElapsed(sending_.targets.state_wait)
+              : "no message of it is at the broker";
+      Show(maker_.ReportOn(*robot, Verdict::kRefused, ErrorKind::kPreflight,
+                           fmt::format("not sent: {}, so --where cannot be decided", why)));
+    }
+    const auto start = steady_clock::now();
+    auto ran = sending_.options.dry_run ? ShowOnly() : Send();
+    if (!ran) return Fail(std::move(ran.error()));
+    warnings_.TellRest();
+    if (sending_.targets.IsSet() && !sending_.options.dry_run)
+      Conclude(steady_clock::now() - start);
+    return reporter_.worst();
+  }
 
-  using Heard = std::map<RobotAddress, Traces>;
+ private:
+  // Until it is known who gets the message, and that it is valid.
+  Status Prepare() {
+    const Targets& targets = sending_.targets;
+    const bool any_automatic =
+        std::any_of(roster_.robots().begin(), roster_.robots().end(),
+                    [](const ListedRobot& listed) { return listed.second.automatic; });
+    const Waiting& waiting = sending_.waiting;
+    const bool check = waiting.check || (targets.AreFound() && !waiting.no_check);
+    check_ = check && (!sending_.options.dry_run || targets.AreFound());
+    maker_.SetCheck(check_);
+    if (!targets.AreFound()) {
+      robots_ = Choose(targets, roster_, context_.output).robots;
+      if (auto ok = Consent(); !ok) return ok;
+    }
+    // What is invalid anyway costs no connection.
+    if (!targets.AreFound() && !any_automatic) {
+      if (auto ok = Judge(); !ok) return ok;
+    }
+    if (!check_ && !any_automatic && !targets.AreFound()) return {};
+    if (auto ok = LookAround(); !ok) return ok;
+    if (targets.AreFound()) {
+      if (auto ok = Consent(); !ok) return ok;
+    }
+    return Judge();
+  }
+
+  Status Consent() const {
+    const bool is_many = sending_.targets.IsSet() && robots_.size() > 1;
+    const bool is_agreed = sending_.options.yes || sending_.options.dry_run;
+    if (!is_many || is_agreed || sending_.harm == Harm::kNone) return {};
+    std::vector<RobotAddress> robots;
+    robots.reserve(robots_.size());
+    for (const ListedRobot* robot : robots_) robots.push_back(robot->first);
+    const std::string& set = sending_.targets.who.set;
+    return AskFor(robots, set.empty() ? "--where" : set);
+  }
+
+  Status Judge() {
+    auto judged = maker_.Judge(robots_);
+    if (judged) return judged;
+    return Fail(NothingSentToAny(Verdict::kInvalid, std::move(judged.error())));
+  }
 
   // Collects what the robots have said of themselves.
   Status LookAround() {
-    const auto connect = ConnectOptionsOf(context_);
-    if (!connect) return Fail(connect.error());
-    auto transport = mqtt::ConnectPaho(*connect);
-    if (!transport) return Fail(transport.error());
-    outgoing_.transport = std::move(*transport);
-    auto heard = Ears();
-    dispatch::CollectOptions discover = waiting_.discover;
-    discover.subscribe = connect->connect_timeout;
-    if (auto ok = Ask(AnyTopics, discover, heard); !ok) return ok;
-    // RabbitMQ has nothing retained for a filter with wildcards.
-    if (auto ok = Ask(vda5050::SpecifiedTopics, discover, heard); !ok) return ok;
-    for (Addressee& addressee : addressees_) {
-      const auto traces = heard.find(addressee.robot);
-      if (traces == heard.end() || traces->second.best.empty()) continue;
-      Apply(std::move(traces->second), addressee);
+    if (auto ok = Connect(); !ok) return Fail(NothingSentToAny(Verdict::kError, ok.error()));
+    const Targets& targets = sending_.targets;
+    RollCall call{check_, sending_.waiting.discover};
+    call.discover.subscribe = connect_.connect_timeout;
+    auto called = CallRoll(*transport_, targets, call, roster_, context_.output);
+    if (!called) return Fail(NothingSentToAny(Verdict::kError, called.error()));
+    Chosen chosen = Choose(targets, roster_, context_.output);
+    robots_ = std::move(chosen.robots);
+    unheard_ = std::move(chosen.unheard);
+    if (robots_.empty() && unheard_.empty()) {
+      return Fail(NobodyChosen(*transport_, targets, sending_.speaker, roster_, call.discover));
+    }
+    SuggestNames();
+    return {};
+  }
+
+  // To those of whom nothing is known.
+  void SuggestNames() {
+    constexpr std::size_t kMost = 20;
+    std::vector<const ListedRobot*> unknown;
+    for (const ListedRobot* robot : robots_) {
+      const bool is_looked_for = check_ || robot->second.automatic;
+      if (is_looked_for && !robot->second.WasHeard()) unknown.push_back(robot);
+    }
+    if (unknown.empty() || unknown.size() > kMost) return;
+    std::set<std::string> names = KnownNames();
+    for (const ListedRobot* robot : unknown) names.erase(robot->first.ToString());
+    const std::vector<std::string_view> candidates(names.begin(), names.end());
+    for (const ListedRobot* robot : unknown) {
+      const auto nearest = base::Nearest(robot->first.ToString(), candidates);
+      if (!nearest) continue;
+      maker_.Suggest(robot->first, fmt::format("did you mean {}?", base::Printable(*nearest)));
+    }
+  }
+
+  // At the broker, in the configuration, and in the newest part of the ledger.
+  std::set<std::string> KnownNames() {
+    std::set<std::string> names;
+    for (const RobotAddress& robot :
+         AllRobots(*transport_, sending_.speaker.common().topics, sending_.waiting.discover)) {
+      names.insert(robot.ToString());
+    }
+    for (const auto& [robot, table] : context_.config.robots) names.insert(robot.ToString());
+    const auto ledger = OpenLedger(context_, ledger::OpenMode::kReadOnly);
+    if (!ledger) return names;
+    const auto rows = (*ledger)->History({.limit = 1'000});
+    if (!rows) return names;
+    for (const ledger::Record& row : *rows) {
+      if (row.protocol == "vda5050") names.insert(row.target);
+    }
+    return names;
+  }
+
+  Status Connect() {
+    if (transport_ != nullptr) return {};
+    auto connect = ConnectOptionsOf(context_);
+    if (!connect) return Fail(std::move(connect.error()));
+    connect_ = *std::move(connect);
+    auto transport = mqtt::ConnectPaho(connect_);
+    if (!transport) return Fail(std::move(transport.error()));
+    transport_ = *std::move(transport);
+    context_.output.Note(fmt::format("connected to {}", transport_->server().broker.ToString()));
+    return {};
+  }
+
+  // The next ones; what cannot be sent is shown at once.
+  Result<std::vector<dispatch::Command>> Next(std::size_t most) {
+    CommandMaker::Made made;
+    const std::size_t end = std::min(robots_.size(), next_ + most);
+    made.commands.reserve(end - next_);
+    for (; next_ < end; ++next_) {
+      if (auto ok = maker_.Make(*robots_[next_], made); !ok) return Fail(std::move(ok.error()));
+    }
+    for (const std::string& warning : made.warnings) warnings_.Tell(warning);
+    for (const Report& refused : made.refused) Show(refused);
+    return std::move(made.commands);
+  }
+
+  Status ShowOnly() {
+    auto dry_run = DryRun::Open(context_);
+    if (!dry_run) return Fail(std::move(dry_run.error()));
+    while (next_ < robots_.size()) {
+      const auto commands = Next(options_.batch);
+      if (!commands) return Fail(commands.error());
+      for (const dispatch::Command& command : *commands) {
+        const auto report = dry_run->Report(command);
+        if (!report) return Fail(report.error());
+        context_.output.Note(fmt::format("would be published to {}", command.topic));
+        context_.output.Line(context_.output.json() ? ReportJson(*report) : report->payload);
+      }
     }
     return {};
   }
 
-  // Collects what the robots that were not heard yet have left on the topics that `topics_of`
-  // names.
-  Status Ask(const auto& topics_of, const dispatch::CollectOptions& discover, Heard& heard) {
-    std::vector<std::string> filters;
-    std::size_t wanted = 0;
-    for (const Addressee& addressee : addressees_) {
-      const auto traces = heard.find(addressee.robot);
-      if (traces == heard.end() || !traces->second.best.empty()) continue;
-      ++wanted;
-      const auto own = topics_of(addressee.dialect.topics, addressee.robot, kRetainedTopics);
-      if (!own) return Fail(own.error());
-      filters.insert(filters.end(), own->begin(), own->end());
+  // Errors: nothing was sent.
+  Status Send() {
+    auto ledger = OpenLedger(context_, ledger::OpenMode::kCreate);
+    if (!ledger) return Fail(NothingSentToAny(Verdict::kError, ledger.error()));
+    if (auto ok = Connect(); !ok) return Fail(NothingSentToAny(Verdict::kError, ok.error()));
+    options_.acknowledge_timeout = connect_.connect_timeout;
+    if (!sending_.waiting.wait_for)
+      WarnOfSilentRefusals(connect_.version, options_.qos, context_.output);
+    InterruptGuard::Expect(robots_.size());
+    ProgressBar bar(sending_.targets.IsSet() ? robots_.size() : 0, context_.output);
+    bar_ = sending_.targets.IsSet() && bar.IsPossible() ? &bar : nullptr;
+    dispatch::Stream stream(transport_, **ledger, options_, sending_.waiting.wait, HooksFor());
+    const auto sent = SendAll(stream);
+    bar_ = nullptr;
+    if (transport_ != nullptr) transport_->Disconnect();
+    if (!sent) return sent;
+    if (!stream.trouble()) {
+      context_.output.Warn(fmt::format("sent, but the outcome is not in the ledger: {}",
+                                       stream.trouble().error().message));
     }
-    if (wanted == 0) return {};
-    // A robot may have left messages under another version long ago: only ONLINE ends the search at
-    // once.
-    const auto schemes = Schemes();
-    std::size_t online = 0;
-    return dispatch::Collect(*outgoing_.transport, filters, discover,
-                             [&](const mqtt::Message& message) {
-                               Hear(message, schemes, heard);
-                               if (SaysOnline(message)) ++online;
-                               return online >= wanted;
-                             });
+    return {};
   }
 
-  [[nodiscard]] Heard Ears() const {
-    Heard heard;
-    for (const Addressee& addressee : addressees_) {
-      if (IsLookedFor(addressee)) heard[addressee.robot].dialect = &addressee.dialect;
-    }
-    return heard;
+  dispatch::StreamHooks HooksFor() {
+    return {.report =
+                [this](const Report& report) {
+                  Show(report);
+                  Output::FlushNow();
+                },
+            .sent =
+                [this] {
+                  InterruptGuard::CountSent();
+                  context_.output.SomethingWasSent();
+                },
+            .connect = ConnectHookOf(connect_),
+            .lost = [this](const Error& error) { Warn(error.message + ": connecting again"); },
+            .again = [this] { Warn("connected again"); }};
   }
 
-  // The topics' shapes among the robots: few, however many robots there are.
-  [[nodiscard]] std::vector<vda5050::TopicScheme> Schemes() const {
-    std::vector<vda5050::TopicScheme> schemes;
-    for (const Addressee& addressee : addressees_) {
-      const auto same = [&](const auto& scheme) {
-        return IsSame(scheme, addressee.dialect.topics);
-      };
-      if (std::none_of(schemes.begin(), schemes.end(), same)) {
-        schemes.push_back(addressee.dialect.topics);
-      }
-    }
-    return schemes;
-  }
-
-  // Finds out whose message this is, by the shape of each robot's own topics.
-  void Hear(const mqtt::Message& message, const std::vector<vda5050::TopicScheme>& schemes,
-            Heard& heard) {
-    for (const vda5050::TopicScheme& scheme : schemes) {
-      const auto levels = vda5050::ReadTopic(scheme, message.topic);
-      if (!levels) continue;
-      const auto traces = heard.find(levels->robot);
-      if (traces == heard.end() || !IsSame(traces->second.dialect->topics, scheme)) continue;
-      Note(message, traces->second);
-      return;
-    }
-  }
-
-  // What a message tells; with `--vda auto` a robot is from now on spoken to as they say.
-  void Note(const mqtt::Message& message, Traces& traces) {
-    auto discovered = vda5050::DialectFrom(*traces.dialect, message.topic, message.payload);
-    if (!discovered) return;
-    if (discovered->topic_name == "factsheet") {
-      traces.factsheet = Share(vda5050::ReadFactsheet(message.payload));
-    }
-    traces.best.push_back(std::move(*discovered));
-    traces.best = vda5050::OnePerRobot(std::move(traces.best));
-  }
-
-  // Thousands of robots of one make have said the same.
-  std::shared_ptr<const vda5050::Factsheet> Share(std::optional<vda5050::Factsheet> factsheet) {
-    if (!factsheet) return nullptr;
-    for (const auto& known : factsheets_) {
-      if (known->actions == factsheet->actions && known->limits == factsheet->limits) return known;
-    }
-    constexpr std::size_t kMakes = 16;
-    auto shared = std::make_shared<const vda5050::Factsheet>(std::move(*factsheet));
-    if (factsheets_.size() < kMakes) factsheets_.push_back(shared);
-    return shared;
-  }
-
-  void Apply(Traces traces, Addressee& addressee) const {
-    addressee.known.factsheet = std::move(traces.factsheet);
-    const vda5050::Discovered best = std::move(traces.best.front());
-    if (best.topic_name == "connection") {
-      addressee.known.connection = best.message;
-      addressee.known.connection_topic = best.topic;
-    }
-    addressee.unspeakable = !best.dialect;
-    if (addressee.automatic && best.dialect) addressee.dialect = *best.dialect;
-    if (addressee.known.factsheet) addressee.message->Suit(*addressee.known.factsheet);
-  }
-
-  // Sorts out the robots that cannot be expected to obey.
-  void Check() {
-    std::vector<Addressee> left;
-    for (Addressee& addressee : addressees_) {
-      if (!IsLookedFor(addressee)) {
-        left.push_back(std::move(addressee));
+  Status SendAll(dispatch::Stream& stream) {
+    while (next_ < robots_.size() || stream.waiting() > 0) {
+      if (bar_ != nullptr) bar_->Draw(summary_);
+      const auto now = steady_clock::now();
+      const std::size_t room = kMostWaiting - std::min(kMostWaiting, stream.waiting());
+      const std::size_t most = std::min({options_.batch, pace_.Allowance(now), room});
+      if (next_ == robots_.size() || most == 0) {
+        const bool is_paced = next_ < robots_.size() && room > 0;
+        auto deadline = is_paced ? pace_.Next() : mqtt::Deadline::max();
+        if (bar_ != nullptr) deadline = std::min(deadline, now + kGlance);
+        stream.Listen(deadline);
         continue;
       }
-      const vda5050::PreflightFindings findings = FindingsOn(addressee);
-      for (const std::string& warning : findings.warnings) context_.output.Warn(warning);
-      if (findings.refusals.empty()) {
-        addressee.dialect.assumed = false;
-        addressee.known = {};
-        left.push_back(std::move(addressee));
-      } else {
-        Refuse(addressee, findings.refusals.front());
+      const bool is_first = next_ == 0;
+      const auto commands = Next(most);
+      if (!commands) return Fail(commands.error());
+      pace_.Took(commands->size(), now);
+      if (is_first && next_ == robots_.size()) {  // else one robot's topics may be forbidden
+        if (auto ok = stream.Subscribe(*commands); !ok) {
+          return Fail(NothingSentToAny(Verdict::kError, ok.error()));
+        }
       }
-    }
-    addressees_ = std::move(left);
-  }
-
-  [[nodiscard]] vda5050::PreflightFindings FindingsOn(const Addressee& addressee) const {
-    if (addressee.automatic && addressee.unspeakable) {
-      return {{"it speaks a version of VDA 5050 that fleetpub does not: try one with --vda"}, {}};
-    }
-    if (!waiting_.check) {  // `--vda auto` alone: only the version must be known
-      if (addressee.known.connection || addressee.known.factsheet) return {};
-      return {{"no message of this robot is known to the broker, so its version cannot be told: "
-               "name it with --vda"},
-              {}};
-    }
-    return addressee.message->Check(addressee.robot, addressee.dialect, addressee.known);
-  }
-
-  void Refuse(const Addressee& addressee, const std::string& reason) {
-    const auto command =
-        addressee.message->Build(addressee.robot, addressee.dialect, sending_.header_id);
-    dispatch::Report report = command ? dispatch::ReportOn(*command) : dispatch::Report();
-    report.target = addressee.robot.ToString();
-    report.verdict = dispatch::Verdict::kRefused;
-    report.error = ErrorKind::kPreflight;
-    report.message = "not sent: " + reason;
-    outgoing_.refused.push_back(std::move(report));
-  }
-
-  Status AddConfirmations() {
-    for (std::size_t i = 0; i < outgoing_.commands.size(); ++i) {
-      Command& command = outgoing_.commands[i];
-      auto confirmation = addressees_[i].message->Confirm(
-          addressees_[i].robot, addressees_[i].dialect, command, *waiting_.wait_for);
-      if (!confirmation) return Fail(std::move(confirmation.error()));
-      command.confirmation = std::move(*confirmation);
+      const auto sent = stream.Send(*commands);
+      if (!sent && stream.lost()) GiveUpRest(sent.error());
     }
     return {};
   }
 
-  [[nodiscard]] bool IsLookedFor(const Addressee& addressee) const {
-    return waiting_.check || addressee.automatic;
+  // The connection is lost: the rest is not sent.
+  void GiveUpRest(const Error& error) {
+    for (; next_ < robots_.size(); ++next_) {
+      Show(maker_.ReportOn(*robots_[next_], Verdict::kError, error.kind,
+                           "not sent: " + error.message));
+    }
   }
 
-  RobotSending sending_;
-  const Waiting& waiting_;
+  // When nothing at all was sent, a person reads one sentence, a script an object per robot.
+  Error NothingSentToAny(Verdict verdict, Error error) const {
+    if (context_.output.json()) {
+      for (const ListedRobot* robot : robots_) {
+        context_.output.Line(
+            ReportJson(maker_.ReportOn(*robot, verdict, error.kind, error.message)));
+      }
+    }
+    error.message = "nothing was sent: " + error.message;
+    return error;
+  }
+
+  void Warn(std::string_view text) {
+    if (bar_ != nullptr) bar_->Clear();
+    context_.output.Warn(text);
+  }
+
+  void Show(const Report& report) {
+    if (bar_ != nullptr) bar_->Clear();
+    summary_.Add(report);
+    reporter_.Show(report);
+  }
+
+  void Conclude(std::chrono::nanoseconds elapsed) {
+    Output& output = context_.output;
+    if (output.json()) return output.Line(summary_.Json(elapsed, reporter_.worst()));
+    for (const std::string& line : summary_.Lines(elapsed)) output.PeopleLine(line);
+  }
+
+  const RobotSending& sending_;
   const Context& context_;
-  std::vector<Addressee> addressees_;
-  bool automatic_ = false;  ///< of at least one
-  std::vector<std::shared_ptr<const vda5050::Factsheet>> factsheets_;
-  std::vector<std::string> warnings_;
-  Outgoing outgoing_;
+  const InterruptGuard interrupt_{0};
+  vda5050::Roster roster_;
+  CommandMaker maker_;
+  Reporter reporter_;
+  Warnings warnings_;
+  FleetSummary summary_;
+  dispatch::Pace pace_;
+  dispatch::SendOptions options_;
+  mqtt::ConnectOptions connect_;
+  std::unique_ptr<mqtt::Transport> transport_;
+  bool check_ = false;
+  std::vector<const ListedRobot*> robots_;   // of the roster
+  std::vector<const ListedRobot*> unheard_;  // whether --where is true is not known
+  std::size_t next_ = 0;
+  ProgressBar* bar_ = nullptr;  // while something is sent
 };
 
 }  // namespace
 
 Result<ExitCode> SendToRobots(RobotSending sending, const Context& context) {
-  return RobotSender(std::move(sending), context).Run();
+  const auto qos = QosOf(sending.options.qos);
+  if (!qos) return Fail(qos.error());
+  const auto pace = PaceOf(sending.options.rate);
+  if (!pace) return Fail(pace.error());
+  auto roster = RosterOf(sending.targets, sending.speaker);
+  if (!roster) return Fail(std::move(roster.error()));
+  return RobotSender(sending, context, *std::move(roster), *qos, *pace).Run();
 }
 
 }  // namespace fleetpub::cli

@@ -1,5 +1,5 @@
-// Sends one message to each of several robots: learns how each is spoken to where that is asked,
-// checks it, sends, waits.
+// Sends one message to each of some robots, one or a hundred thousand: finds out who is meant,
+// learns how each is spoken to where that is asked, checks it, sends, waits.
 #pragma once
 
 #include <cstdint>
@@ -38,19 +38,25 @@ class RobotMessage {
   [[nodiscard]] virtual Result<std::unique_ptr<dispatch::Confirmation>> Confirm(
       const vda5050::RobotAddress& robot, const vda5050::Dialect& dialect,
       const dispatch::Command& command, vda5050::WaitFor wait_for) const = 0;
+  /// Whether, in one dialect, it is valid for every robot or for none.
+  [[nodiscard]] virtual bool IsAlikeForAll() const { return false; }
   /// The robot's limits, before it is built for the last time.
   virtual void Suit(const vda5050::Factsheet& /*factsheet*/) {}
 };
 
 struct RobotSending {
-  std::vector<AddressedRobot> robots;
+  Targets targets;
+  Speaker speaker;
+  Harm harm = Harm::kPossible;
   std::optional<std::uint32_t> header_id;
   std::function<std::unique_ptr<RobotMessage>()> make_message;  ///< one for each robot
   SendingOptions options;
   Waiting waiting;
 };
 
-/// Sends to all of the robots, or to none when a message is invalid. Prints a result for each.
+/// Asks who is meant where only the broker knows, and for consent where it is needed, then sends to
+/// all of the robots, batch by batch, or to none when the message is invalid. Prints a result for
+/// each as it becomes known, and a summary when a word stands for several.
 [[nodiscard]] Result<ExitCode> SendToRobots(RobotSending sending, const Context& context);
 
 }  // namespace fleetpub::cli

@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
-#include <algorithm>
+#include <charconv>
 
 #include "base/text.h"
 #include "cli/dry_run.h"
@@ -11,6 +11,7 @@
 #include "cli/listening.h"
 #include "cli/option_set.h"
 #include "cli/output.h"
+#include "cli/reporter.h"
 #include "dispatch/converse.h"
 #include "dispatch/send.h"
 #include "dispatch/validate.h"
@@ -22,36 +23,6 @@ namespace {
 using dispatch::Command;
 using dispatch::Report;
 using dispatch::Verdict;
-
-// Prints reports as they come and remembers the worst.
-class Reporter {
- public:
-  Reporter(const Outgoing& outgoing, const Context& context) : context_(context) {
-    for (const Command& command : outgoing.commands) Fit(command.target);
-    for (const Report& report : outgoing.refused) Fit(report.target);
-  }
-
-  void Show(const Report& report) {
-    worst_ = Worse(worst_, CodeOf(report));
-    Output& output = context_.output;
-    if (output.json()) {
-      output.Line(ReportJson(report));
-    } else if (report.error) {
-      output.Line(ReportText(report, width_, output));
-    } else {
-      output.PeopleLine(ReportText(report, width_, output));
-    }
-  }
-
-  [[nodiscard]] ExitCode worst() const { return worst_; }
-
- private:
-  void Fit(const std::string& target) { width_ = std::max(width_, target.size()); }
-
-  const Context& context_;
-  std::size_t width_ = 0;
-  ExitCode worst_ = ExitCode::kDone;
-};
 
 Result<ExitCode> ShowOnly(const std::vector<Command>& commands, const Context& context) {
   auto dry_run = DryRun::Open(context);
@@ -75,6 +46,21 @@ Result<mqtt::Qos> QosOf(const std::string& text) {
               fmt::format("--qos takes 0, 1 or 2, not '{}'", base::Printable(text)));
 }
 
+Result<dispatch::Pace> PaceOf(const std::string& text) {
+  if (text.empty()) return dispatch::Pace();
+  double rate = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), rate);
+  constexpr double kSlowest = 1e-3;
+  constexpr double kFastest = 1e6;
+  if (error == std::errc() && end == text.data() + text.size() && rate >= kSlowest &&
+      rate <= kFastest) {
+    return dispatch::Pace(rate);
+  }
+  return Fail(ErrorKind::kUsage, fmt::format("--rate takes messages per second, from 0.001 to "
+                                             "1000000, not '{}'",
+                                             base::Printable(text)));
+}
+
 namespace {
 
 // Over the open connection; with `wait`, until every robot's word.
@@ -85,23 +71,22 @@ class Sender {
       : outgoing_(outgoing),
         connect_(connect),
         context_(context),
-        reporter_(outgoing, context),
+        reporter_(context.output),
         interrupt_(outgoing.commands.size()) {
+    for (const Command& command : outgoing.commands) reporter_.Fit(command.target);
     options_.qos = qos;
     options_.acknowledge_timeout = connect.connect_timeout;
   }
 
   // Errors: nothing was sent.
   Result<ExitCode> Run() {
-    for (const Report& report : outgoing_.refused) reporter_.Show(report);
-    if (outgoing_.commands.empty()) return reporter_.worst();
     auto ledger = OpenLedger(context_, ledger::OpenMode::kCreate);
     if (!ledger) return Fail(ledger.error());
     if (auto ok = Connect(); !ok) return Fail(ok.error());
     if (!outgoing_.wait) WarnOfSilentRefusals(connect_.version, options_.qos, context_.output);
     Status trouble;
     const auto ran = outgoing_.wait ? Converse(**ledger, trouble) : Send(**ledger, trouble);
-    if (outgoing_.transport != nullptr) outgoing_.transport->Disconnect();
+    if (transport_ != nullptr) transport_->Disconnect();
     if (!ran) return Fail(ran.error());
     if (!trouble) {
       context_.output.Warn(
@@ -112,18 +97,15 @@ class Sender {
 
  private:
   Status Connect() {
-    if (outgoing_.transport != nullptr) return {};
     auto transport = mqtt::ConnectPaho(connect_);
     if (!transport) return Fail(transport.error());
-    outgoing_.transport = std::move(*transport);
-    context_.output.Note(
-        fmt::format("connected to {}", outgoing_.transport->server().broker.ToString()));
+    transport_ = std::move(*transport);
+    context_.output.Note(fmt::format("connected to {}", transport_->server().broker.ToString()));
     return {};
   }
 
   Status Send(ledger::Ledger& ledger, Status& trouble) {
-    trouble =
-        dispatch::Send(outgoing_.commands, *outgoing_.transport, ledger, options_, sink_, sent_);
+    trouble = dispatch::Send(outgoing_.commands, *transport_, ledger, options_, sink_, sent_);
     return {};
   }
 
@@ -136,11 +118,12 @@ class Sender {
         .lost =
             [&output](const Error& error) { output.Warn(error.message + ": connecting again"); },
         .again = [&output] { output.Warn("connected again"); }};
-    return dispatch::Converse(outgoing_.commands, outgoing_.transport, ledger, options_,
-                              *outgoing_.wait, hooks, trouble);
+    return dispatch::Converse(outgoing_.commands, transport_, ledger, options_, *outgoing_.wait,
+                              hooks, trouble);
   }
 
   Outgoing& outgoing_;
+  std::unique_ptr<mqtt::Transport> transport_;
   const mqtt::ConnectOptions& connect_;
   const Context& context_;
   Reporter reporter_;
@@ -151,7 +134,7 @@ class Sender {
     context_.output.FlushNow();
   };
   dispatch::SentHook sent_ = [this] {
-    interrupt_.CountSent();
+    InterruptGuard::CountSent();
     context_.output.SomethingWasSent();
   };
 };
@@ -181,23 +164,20 @@ void WarnOfSilentRefusals(mqtt::ProtocolVersion version, mqtt::Qos qos, Output& 
       "so, with --wait the robot does");
 }
 
-Result<std::vector<std::string>> ValidateAll(const std::vector<Command>& commands,
-                                             const Context& context) {
-  schema::Registry registry(context.options.schema_directory);
+Result<std::vector<std::string>> ValidateCommand(const Command& command,
+                                                 schema::Registry& registry) {
+  const auto findings = dispatch::Validate(command, registry);
+  if (!findings) return Fail(findings.error());
+  if (!findings->errors.empty()) {
+    return Fail(ErrorKind::kInvalid,
+                fmt::format("{}: {}", command.target, dispatch::Describe(*findings)));
+  }
   std::vector<std::string> warnings;
-  for (const Command& command : commands) {
-    const auto findings = dispatch::Validate(command, registry);
-    if (!findings) return Fail(findings.error());
-    if (!findings->errors.empty()) {
-      return Fail(ErrorKind::kInvalid,
-                  fmt::format("{}: {}", command.target, dispatch::Describe(*findings)));
-    }
-    for (const std::string& warning : command.warnings) {
-      warnings.push_back(fmt::format("{}: {}", command.target, warning));
-    }
-    for (const auto& warning : findings->warnings) {
-      warnings.push_back(fmt::format("{}: {}", command.target, warning.message));
-    }
+  for (const std::string& warning : command.warnings) {
+    warnings.push_back(fmt::format("{}: {}", command.target, warning));
+  }
+  for (const auto& warning : findings->warnings) {
+    warnings.push_back(fmt::format("{}: {}", command.target, warning.message));
   }
   return warnings;
 }
@@ -210,8 +190,14 @@ void DeclareSendingOptions(OptionSet& set, SendingOptions& options) {
   DeclareQos(set, options.qos);
 }
 
-void DeclareYes(OptionSet& set, SendingOptions& options) {
-  set.AddFlag("--yes", options.yes, "Send to all robots of a @group without asking")
+void DeclareManyOptions(OptionSet& set, SendingOptions& options) {
+  set.AddFlag("--yes", options.yes, "Send to many robots without asking")->group("Sending");
+  DeclareRate(set, options);
+}
+
+void DeclareRate(OptionSet& set, SendingOptions& options) {
+  set.AddOption("--rate", options.rate, "At most so many messages per second [no limit]")
+      ->type_name("N")
       ->group("Sending");
 }
 
@@ -231,8 +217,9 @@ Result<ExitCode> SendCommands(Outgoing outgoing, const SendingOptions& options,
   const auto qos = QosOf(options.qos);
   if (!qos) return Fail(qos.error());
   const std::vector<Command>& commands = outgoing.commands;
-  if (!outgoing.validated) {
-    const auto warnings = ValidateAll(commands, context);
+  schema::Registry registry(context.options.schema_directory);
+  for (const Command& command : commands) {
+    const auto warnings = ValidateCommand(command, registry);
     if (!warnings) {
       return Fail(NothingSent(commands, Verdict::kInvalid, warnings.error(), context));
     }

@@ -12,7 +12,10 @@
 #include "cli/global_options.h"
 #include "dispatch/command.h"
 #include "dispatch/follow.h"
+#include "dispatch/pace.h"
 #include "dispatch/report.h"
+#include "mqtt/transport.h"
+#include "schema/schema.h"
 
 namespace fleetpub::cli {
 
@@ -21,35 +24,37 @@ class OptionSet;
 struct SendingOptions {
   bool dry_run = false;
   std::string qos = "0";
-  bool yes = false;  ///< a group may be commanded unasked
+  bool yes = false;  ///< many robots may be commanded unasked
+  std::string rate;  ///< messages per second; empty: no limit
 };
 
 void DeclareSendingOptions(OptionSet& set, SendingOptions& options);
-/// `--yes`, where a target may be a group.
-void DeclareYes(OptionSet& set, SendingOptions& options);
+/// `--yes` and `--rate`, where there may be many targets.
+void DeclareManyOptions(OptionSet& set, SendingOptions& options);
+void DeclareRate(OptionSet& set, SendingOptions& options);
 /// `--qos` alone.
 void DeclareQos(OptionSet& set, std::string& qos);
 
 /// Errors: ErrorKind::kUsage.
 [[nodiscard]] Result<mqtt::Qos> QosOf(const std::string& text);
 
+/// `--rate`. Errors: ErrorKind::kUsage.
+[[nodiscard]] Result<dispatch::Pace> PaceOf(const std::string& text);
+
 /// What is to be sent, and how.
 struct Outgoing {
   std::vector<dispatch::Command> commands;
-  bool validated = false;
-  std::vector<dispatch::Report> refused;       ///< by the preflight: reported, not sent
-  std::optional<dispatch::WaitOptions> wait;   ///< for the commands' confirmations
-  std::unique_ptr<mqtt::Transport> transport;  ///< when one is open already
+  std::optional<dispatch::WaitOptions> wait;  ///< for the commands' confirmations
 };
 
 /// Says what an acknowledgement is worth when nobody waits for the robots: over MQTT 3.1.1 a broker
 /// has no word for no (§3.3.5.2).
 void WarnOfSilentRefusals(mqtt::ProtocolVersion version, mqtt::Qos qos, Output& output);
 
-/// Checks every command and returns what is to be warned of. Errors: kInvalid, naming the first
-/// target that is concerned.
-[[nodiscard]] Result<std::vector<std::string>> ValidateAll(
-    const std::vector<dispatch::Command>& commands, const Context& context);
+/// Checks a command and returns what is to be warned of, with its target's name before it. Errors:
+/// kInvalid, naming the target.
+[[nodiscard]] Result<std::vector<std::string>> ValidateCommand(const dispatch::Command& command,
+                                                               schema::Registry& registry);
 
 /// Sends all of the commands, or none when one of them is invalid. Prints a result for each.
 [[nodiscard]] Result<ExitCode> SendCommands(Outgoing outgoing, const SendingOptions& options,

@@ -151,6 +151,7 @@ constexpr auto kOptionValues = std::to_array<Slot>({
     {"", "topic", Fixed<kTopics>},
     {"", "profile", Profiles},
     {"", "target", Robots},
+    {"", "except", Targets},
     {"", "action", ActionTypes},
     {"", "parameter", Parameters},
 });
@@ -164,7 +165,6 @@ constexpr auto kPositions = std::to_array<Slot>({
     {"action", "type", ActionTypes},
     {"", "targets", Targets},
     {"", "target", Robots},
-    {"", "pattern", Robots},
     {"", "destination", Destinations},
     {"", "file", Files},
     {"", "place", Files},

@@ -11,6 +11,7 @@ using enum HelpGroup;
 constexpr auto kSubcommands = std::to_array<Subcommand>({
     {"action", kRobots, "TYPE TARGET...", "send any instant action, such as a manufacturer's own",
      "action beep KIT/0001 -P duration:=3 -P mode=loud\n"
+     "action beep 'KIT/*' --except KIT/0001 --where 'battery>20' --yes\n"
      "action customScan KIT/0001 KIT/0002 -P area:=@area.json --vda 2.1",
      DeclareAction},
     {"publish", kRobots, "TOPIC TARGET...", "send a prepared order, zoneSet, responses message ...",
@@ -28,7 +29,7 @@ constexpr auto kSubcommands = std::to_array<Subcommand>({
      "make-commands | fleetpub batch --rate 50 --stop-on-error\n"
      "echo '{\"target\":\"KIT/0001\",\"action\":\"startPause\"}' | fleetpub batch",
      DeclareBatch},
-    {"requests", kLooking, "[PATTERN]", "what robots ask for: zones and corridors, from 3.0",
+    {"requests", kLooking, "[TARGET...]", "what robots ask for: zones and corridors, from 3.0",
      "requests\n"
      "requests 'KIT/*' -o json",
      DeclareRequests},
@@ -53,16 +54,17 @@ constexpr auto kSubcommands = std::to_array<Subcommand>({
      "soar platform-status soar.noc.autosub.ah1 --platform-id 2 --status-source onboard_platform "
      "--latitude 50.37 --longitude -4.19 --battery 80",
      DeclareSoarPlatformStatus},
-    {"fleet", kLooking, "[PATTERN]", "the robots known to the broker, and how they are",
+    {"fleet", kLooking, "[TARGET...]", "the robots known to the broker, and how they are",
      "fleet\n"
-     "fleet 'KIT/*' -o json",
+     "fleet 'KIT/*' @hall-1 -o json",
      DeclareFleet},
-    {"watch", kLooking, "[PATTERN]", "the same, live", "watch\nwatch 'KIT/*' --for 1m -o json",
+    {"watch", kLooking, "[TARGET...]", "the same, live", "watch\nwatch 'KIT/*' --for 1m -o json",
      DeclareWatch},
-    {"await", kLooking, "TARGET TOPIC CONDITION...", "wait until a robot's message says so",
+    {"await", kLooking, "TARGET TOPIC CONDITION...", "wait until robots' messages say so",
      "await KIT/0001 state paused=true\n"
      "await KIT/0001 state 'battery>=80' charging=false -W 2h\n"
-     "await KIT/0001 connection connectionState=ONLINE",
+     "await KIT/0001 connection connectionState=ONLINE\n"
+     "await 'KIT/*' state paused=true",
      DeclareAwait},
     {"actions", kLooking, "", "the catalogue of predefined actions, with their parameters",
      "actions\n"

@@ -3,17 +3,23 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
 #include <cstdio>
 #include <set>
 
+#include "base/line_reader.h"
 #include "base/text.h"
+#include "base/time.h"
+#include "cli/option_set.h"
 
 namespace fleetpub::cli {
 namespace {
 
+using vda5050::Dialect;
 using vda5050::RobotAddress;
+using vda5050::RobotPattern;
 
 std::vector<std::string_view> NamesIn(const auto& map) {
   std::vector<std::string_view> names;
@@ -70,19 +76,8 @@ VdaOptions Completed(VdaOptions given, const auto& find) {
   return given;
 }
 
-std::string ListOf(const Targets& targets) {
-  constexpr std::size_t kShown = 20;
-  std::vector<std::string> names;
-  for (const AddressedRobot& target : targets.robots) {
-    if (names.size() == kShown) break;
-    names.push_back(base::Printable(target.robot.ToString()));
-  }
-  const std::size_t more = targets.robots.size() - names.size();
-  return base::Join(names, ", ") + (more > 0 ? fmt::format(" and {} more", more) : "");
-}
-
-bool Agrees(const Targets& targets) {
-  fmt::print(stderr, "{}\nSend to these {} robots? [y/N] ", ListOf(targets), targets.robots.size());
+bool Agrees(std::span<const RobotAddress> robots) {
+  fmt::print(stderr, "{}\nSend to these {} robots? [y/N] ", ListOf(robots), robots.size());
   std::fflush(stderr);
   std::string answer;
   char c = 0;
@@ -90,7 +85,127 @@ bool Agrees(const Targets& targets) {
   return base::EqualsIgnoringCase(answer, "y") || base::EqualsIgnoringCase(answer, "yes");
 }
 
+// Reads words one after the other.
+class WordReader {
+ public:
+  explicit WordReader(const Context& context) : context_(context) {}
+
+  Status Take(const std::string& word) {
+    const bool is_pattern = word.find_first_of("*?") != std::string::npos &&
+                            !context_.config.aliases.contains(word) && !word.starts_with('@');
+    if (is_pattern || word.starts_with('@')) NoteSet(word);
+    if (is_pattern) {
+      auto pattern = vda5050::ParseRobotPattern(word);
+      if (!pattern) return Fail(std::move(pattern.error()));
+      words_.patterns.push_back(*std::move(pattern));
+      return {};
+    }
+    auto meant = Resolve(word, context_.config);
+    if (!meant) return Fail(std::move(meant.error()));
+    for (RobotAddress& robot : *meant) Add(std::move(robot));
+    return {};
+  }
+
+  // A target per line; empty lines are passed over.
+  Status TakeStandardInput() {
+    NoteSet("-");
+    auto reader = base::LineReader::Open("-");
+    if (!reader) return Fail(std::move(reader.error()));
+    bool any = false;
+    for (std::size_t number = 1;; ++number) {
+      const auto line = reader->Next();
+      if (!line) return Fail(line.error());
+      if (!*line) break;
+      const std::string word(base::Trimmed(**line));
+      if (word.empty()) continue;
+      any = true;
+      auto ok = word == "-" ? Fail(ErrorKind::kUsage, "'-' is standard input itself") : Take(word);
+      if (!ok) {
+        ok.error().message = fmt::format("standard input, line {}: {}", number, ok.error().message);
+        return ok;
+      }
+    }
+    if (any) return {};
+    return Fail(ErrorKind::kUsage, "standard input names no target: one per line is expected");
+  }
+
+  RobotWords Take() { return std::move(words_); }
+
+ private:
+  void NoteSet(std::string_view word) {
+    if (words_.set.empty()) words_.set = word;
+  }
+
+  void Add(RobotAddress robot) {
+    if (known_.insert(robot).second) return words_.robots.push_back(std::move(robot));
+    context_.output.Warn(
+        fmt::format("{} is named twice: it counts once", base::Printable(robot.ToString())));
+  }
+
+  const Context& context_;
+  RobotWords words_;
+  std::set<RobotAddress> known_;
+};
+
+Result<std::vector<vda5050::Condition>> ConditionsOf(const std::vector<std::string>& texts) {
+  std::vector<vda5050::Condition> conditions;
+  for (const std::string& text : texts) {
+    auto condition = vda5050::ParseCondition(text);
+    if (!condition) {
+      condition.error().message = "--where: " + condition.error().message;
+      return Fail(std::move(condition.error()));
+    }
+    conditions.push_back(*std::move(condition));
+  }
+  return conditions;
+}
+
+// A misspelt exception would command whom it should spare.
+void WarnOfIdleExceptions(const Targets& targets, const Context& context) {
+  if (!targets.who.patterns.empty()) return;  // whom they spare is known to the broker only
+  for (const RobotAddress& robot : targets.except.robots) {
+    const auto& named = targets.who.robots;
+    if (std::find(named.begin(), named.end(), robot) != named.end()) continue;
+    context.output.Warn(
+        fmt::format("--except {}: it is not among the targets", base::Printable(robot.ToString())));
+  }
+}
+
+Result<std::shared_ptr<const Dialect>> Shared(const VdaOptions& options,
+                                              std::optional<vda5050::Version> assumed) {
+  auto dialect = DialectOf(options);
+  if (!dialect) return Fail(std::move(dialect.error()));
+  if (dialect->assumed && assumed) {
+    dialect->version = *assumed;
+    dialect->assumed = false;
+  }
+  return std::make_shared<const Dialect>(*std::move(dialect));
+}
+
 }  // namespace
+
+void DeclareTargetOptions(OptionSet& set, TargetOptions& o) {
+  constexpr const char* kTargets = "Targets";
+  set.AddOption("targets", o.words,
+                "Robots: manufacturer/serialNumber, alias, @group, 'KIT/*', - (standard input)")
+      ->type_name("TARGET");
+  set.AddFlag("--all", o.all, "All robots that the broker knows")->group(kTargets);
+  // Without allow_extra_args(false) they would swallow the targets behind them.
+  set.AddOption("--except", o.except, "But not this robot, alias, @group or pattern; repeatable")
+      ->type_name("TARGET")
+      ->allow_extra_args(false)
+      ->group(kTargets);
+  set.AddOption("--where", o.where,
+                "Only robots of which this is true: 'battery<20', operatingMode=AUTOMATIC; "
+                "repeatable")
+      ->type_name("CONDITION")
+      ->allow_extra_args(false)
+      ->group(kTargets);
+  set.AddOption("--state-wait", o.state_wait,
+                "How long --where waits for the states of robots that are online [35s]")
+      ->type_name("TIME")
+      ->group(kTargets);
+}
 
 VdaOptions Configured(VdaOptions given, const Config& config) {
   return Completed(std::move(given), [&](std::string_view key) { return config.Find(key); });
@@ -98,6 +213,60 @@ VdaOptions Configured(VdaOptions given, const Config& config) {
 
 VdaOptions Configured(VdaOptions given, const Config& config, const RobotAddress& robot) {
   return Completed(std::move(given), [&](std::string_view key) { return config.Find(robot, key); });
+}
+
+Result<Speaker> Speaker::For(const VdaOptions& given, const Config& config) {
+  Speaker speaker(given, config);
+  const VdaOptions common = Configured(given, config);
+  auto dialect = Shared(common, {});
+  if (!dialect) return Fail(std::move(dialect.error()));
+  speaker.common_ = *std::move(dialect);
+  speaker.automatic_ = common.IsAutomatic();
+  return speaker;
+}
+
+Result<AddressedRobot> Speaker::Named(RobotAddress robot) const {
+  if (!config_->robots.contains(robot))
+    return AddressedRobot{std::move(robot), common_, automatic_};
+  const VdaOptions own = Configured(given_, *config_, robot);
+  auto dialect = Shared(own, assumed_);
+  if (!dialect) return Fail(std::move(dialect.error()));
+  return AddressedRobot{std::move(robot), *std::move(dialect), own.IsAutomatic()};
+}
+
+Result<AddressedRobot> Speaker::Found(RobotAddress robot) const {
+  auto found = Named(std::move(robot));
+  if (found && found->dialect->assumed) found->automatic = true;
+  return found;
+}
+
+Result<std::vector<vda5050::TopicScheme>> Speaker::Schemes() const {
+  std::vector<vda5050::TopicScheme> schemes = {common_->topics};
+  for (const auto& [robot, table] : config_->robots) {
+    const auto own = Named(robot);
+    if (!own) return Fail(own.error());
+    const vda5050::TopicScheme& scheme = own->dialect->topics;
+    if (std::find(schemes.begin(), schemes.end(), scheme) == schemes.end()) {
+      schemes.push_back(scheme);
+    }
+  }
+  return schemes;
+}
+
+void Speaker::Assume(vda5050::Version version) {
+  assumed_ = version;
+  if (!common_->assumed) return;
+  Dialect dialect = *common_;
+  dialect.version = version;
+  dialect.assumed = false;
+  common_ = std::make_shared<const Dialect>(std::move(dialect));
+}
+
+bool Targets::IsExcepted(const RobotAddress& robot) const {
+  const auto is = [&](const RobotAddress& other) { return other == robot; };
+  const auto matches = [&](const RobotPattern& pattern) { return pattern.Matches(robot); };
+  return std::any_of(except.robots.begin(), except.robots.end(), is) ||
+         std::any_of(except.patterns.begin(), except.patterns.end(), matches);
 }
 
 Result<RobotAddress> RobotOf(const std::string& word, const Config& config) {
@@ -108,53 +277,67 @@ Result<RobotAddress> RobotOf(const std::string& word, const Config& config) {
                                              base::Printable(word), robots->size()));
 }
 
+Result<RobotWords> ReadWords(const std::vector<std::string>& words, const Context& context) {
+  WordReader reader(context);
+  for (const std::string& word : words) {
+    if (auto ok = reader.Take(word); !ok) return Fail(std::move(ok.error()));
+  }
+  return reader.Take();
+}
+
+Result<Targets> TargetsOf(const TargetOptions& options, const Context& context) {
+  if (options.words.empty() && !options.all) {
+    return Fail(ErrorKind::kUsage,
+                "name at least one robot as manufacturer/serialNumber, such as KIT/0001; a pattern "
+                "such as 'KIT/*' in quotation marks, or --all, means several");
+  }
+  if (options.all && !options.words.empty()) {
+    return Fail(ErrorKind::kUsage, "--all means every robot: name none beside it");
+  }
+  Targets targets;
+  auto where = ConditionsOf(options.where);
+  if (!where) return Fail(std::move(where.error()));
+  targets.where = *std::move(where);
+  const auto state_wait = base::ParseDuration(options.state_wait);
+  if (!state_wait) return Fail(state_wait.error());
+  targets.state_wait = *state_wait;
+  auto except = ReadWords(options.except, context);
+  if (!except) return Fail(std::move(except.error()));
+  targets.except = *std::move(except);
+
+  WordReader reader(context);
+  for (const std::string& word : options.words) {
+    if (auto ok = word == "-" ? reader.TakeStandardInput() : reader.Take(word); !ok) {
+      return Fail(std::move(ok.error()));
+    }
+  }
+  targets.who = reader.Take();
+  if (options.all) {
+    targets.who.patterns.emplace_back();
+    targets.who.set = "--all";
+  }
+  WarnOfIdleExceptions(targets, context);
+  std::erase_if(targets.who.robots,
+                [&](const RobotAddress& robot) { return targets.IsExcepted(robot); });
+  if (targets.who.robots.empty() && targets.who.patterns.empty()) {
+    return Fail(ErrorKind::kUsage, "nothing was sent: --except leaves no target");
+  }
+  return targets;
+}
+
 Result<std::vector<RobotAddress>> RobotsOf(const std::vector<std::string>& words,
                                            const Context& context) {
-  std::vector<RobotAddress> robots;
-  std::set<RobotAddress> known;
-  if (words.empty()) {
+  auto read = ReadWords(words, context);
+  if (!read) return Fail(std::move(read.error()));
+  if (!read->patterns.empty()) {
+    return Fail(ErrorKind::kUsage,
+                fmt::format("'{}' is a pattern: name each robot here", base::Printable(read->set)));
+  }
+  if (read->robots.empty()) {
     return Fail(ErrorKind::kUsage,
                 "name at least one robot as manufacturer/serialNumber, such as KIT/0001");
   }
-  for (const std::string& word : words) {
-    auto meant = Resolve(word, context.config);
-    if (!meant) return Fail(std::move(meant.error()));
-    for (RobotAddress& robot : *meant) {
-      if (!known.insert(robot).second) {
-        context.output.Warn(
-            fmt::format("{} is named twice: commanded once", base::Printable(robot.ToString())));
-        continue;
-      }
-      robots.push_back(std::move(robot));
-    }
-  }
-  return robots;
-}
-
-Result<Targets> TargetsOf(const std::vector<std::string>& words, const VdaOptions& given,
-                          const Context& context) {
-  auto robots = RobotsOf(words, context);
-  if (!robots) return Fail(std::move(robots.error()));
-  Targets targets;
-  targets.robots.reserve(robots->size());
-  const auto common = DialectOf(Configured(given, context.config));
-  if (!common) return Fail(common.error());
-  const bool automatic = Configured(given, context.config).IsAutomatic();
-  for (RobotAddress& robot : *robots) {
-    AddressedRobot target{std::move(robot), *common, automatic};
-    if (context.config.robots.contains(target.robot)) {
-      const VdaOptions own = Configured(given, context.config, target.robot);
-      auto dialect = DialectOf(own);
-      if (!dialect) return Fail(std::move(dialect.error()));
-      target.dialect = *std::move(dialect);
-      target.automatic = own.IsAutomatic();
-    }
-    targets.robots.push_back(std::move(target));
-  }
-  const auto group = std::find_if(words.begin(), words.end(),
-                                  [](const std::string& word) { return word.starts_with('@'); });
-  if (group != words.end()) targets.group = group->substr(1);
-  return targets;
+  return std::move(read->robots);
 }
 
 Harm HarmOf(std::string_view action_type) {
@@ -165,16 +348,23 @@ Harm HarmOf(std::string_view action_type) {
   return harmless ? Harm::kNone : Harm::kPossible;
 }
 
-Status Consent(const Targets& targets, Harm harm, bool yes) {
-  if (yes || harm == Harm::kNone || targets.group.empty() || targets.robots.size() < 2) return {};
-  if (isatty(STDIN_FILENO) == 0 || isatty(STDERR_FILENO) == 0) {
-    return Fail(
-        ErrorKind::kUsage,
-        fmt::format("nothing was sent: @{} means {} robots ({}): --yes sends to all of "
-                    "them",
-                    base::Printable(targets.group), targets.robots.size(), ListOf(targets)));
+std::string ListOf(std::span<const RobotAddress> robots) {
+  constexpr std::size_t kShown = 20;
+  std::vector<std::string> names;
+  for (const RobotAddress& robot : robots.first(std::min(kShown, robots.size()))) {
+    names.push_back(base::Printable(robot.ToString()));
   }
-  if (Agrees(targets)) return {};
+  const std::size_t more = robots.size() - names.size();
+  return base::Join(names, ", ") + (more > 0 ? fmt::format(" and {} more", more) : "");
+}
+
+Status AskFor(std::span<const RobotAddress> robots, std::string_view set) {
+  if (isatty(STDIN_FILENO) == 0 || isatty(STDERR_FILENO) == 0) {
+    return Fail(ErrorKind::kUsage,
+                fmt::format("nothing was sent: {} means {} robots ({}): --yes sends to all of them",
+                            base::Printable(set), robots.size(), ListOf(robots)));
+  }
+  if (Agrees(robots)) return {};
   return Fail(ErrorKind::kUsage, "nothing was sent: not confirmed");
 }
 

@@ -1,7 +1,11 @@
-// Whom a command is for: words of the command line (manufacturer/serialNumber, an alias, @group)
-// as robots, each with the way in which it is spoken to.
+// Whom a command is for: words of the command line (manufacturer/serialNumber, an alias, @group, a
+// pattern, `-` for standard input) as robots, each with the way in which it is spoken to.
 #pragma once
 
+#include <chrono>
+#include <memory>
+#include <set>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -9,32 +13,93 @@
 #include "base/result.h"
 #include "cli/global_options.h"
 #include "cli/vda_options.h"
+#include "vda5050/condition.h"
 #include "vda5050/instant_actions.h"
+#include "vda5050/robot_pattern.h"
 
 namespace fleetpub::cli {
 
+struct TargetOptions {
+  std::vector<std::string> words;
+  bool all = false;
+  std::vector<std::string> except;
+  std::vector<std::string> where;
+  std::string state_wait = "35s";
+};
+
+void DeclareTargetOptions(OptionSet& set, TargetOptions& options);
+
+/// Robots of one make mostly share a dialect.
 struct AddressedRobot {
   vda5050::RobotAddress robot;
-  vda5050::Dialect dialect;  ///< that it is spoken to in at first
-  bool automatic = false;    ///< then in its own
+  std::shared_ptr<const vda5050::Dialect> dialect;  ///< that it is spoken to in at first; not null
+  bool automatic = false;                           ///< then in its own
+};
+
+/// How each robot is spoken to at first, as flags and configuration say.
+class Speaker {
+ public:
+  /// Errors: ErrorKind::kUsage.
+  [[nodiscard]] static Result<Speaker> For(const VdaOptions& given, const Config& config);
+
+  /// One that was named outright. Errors: ErrorKind::kUsage, in the robot's own table.
+  [[nodiscard]] Result<AddressedRobot> Named(vda5050::RobotAddress robot) const;
+  /// One that the broker knows: in its own version unless somebody states one.
+  [[nodiscard]] Result<AddressedRobot> Found(vda5050::RobotAddress robot) const;
+
+  /// The message says which version it is in: that of all for whom nobody states one.
+  void Assume(vda5050::Version version);
+
+  /// The shapes that robots' topics may have. Errors: ErrorKind::kUsage, in a robot's table.
+  [[nodiscard]] Result<std::vector<vda5050::TopicScheme>> Schemes() const;
+
+  /// How robots without a table of their own are spoken to.
+  [[nodiscard]] const vda5050::Dialect& common() const { return *common_; }
+
+ private:
+  Speaker(VdaOptions given, const Config& config) : given_(std::move(given)), config_(&config) {}
+
+  VdaOptions given_;
+  const Config* config_;
+  std::shared_ptr<const vda5050::Dialect> common_;
+  bool automatic_ = false;
+  std::optional<vda5050::Version> assumed_;
+};
+
+/// Robots, and patterns whose robots only the broker knows.
+struct RobotWords {
+  std::vector<vda5050::RobotAddress> robots;  ///< in the order given, each once
+  std::vector<vda5050::RobotPattern> patterns;
+  std::string set;  ///< the first word that may mean several; empty: none
 };
 
 struct Targets {
-  std::vector<AddressedRobot> robots;
-  std::string group;  ///< the first that was named, without @; empty: none
+  RobotWords who;
+  RobotWords except;
+  std::vector<vda5050::Condition> where;
+  std::chrono::milliseconds state_wait{};
+
+  /// Whether the broker is asked which robots are meant.
+  [[nodiscard]] bool AreFound() const { return !who.patterns.empty() || !where.empty(); }
+  /// Whether a word stands for several.
+  [[nodiscard]] bool IsSet() const { return !who.set.empty() || !where.empty(); }
+  [[nodiscard]] bool IsExcepted(const vda5050::RobotAddress& robot) const;
 };
 
 /// The robot that a target's word means, by address or alias; a group only when it has one member.
 /// Errors: ErrorKind::kUsage.
 [[nodiscard]] Result<vda5050::RobotAddress> RobotOf(const std::string& word, const Config& config);
 
-/// The robots in the order given; one that is named twice is commanded once, with a warning. What
-/// `given` leaves open is the robot's own table's, the profile's, the file's. Errors:
+/// Words without `-`. One that is named twice outright counts once, with a warning. Errors:
 /// ErrorKind::kUsage.
-[[nodiscard]] Result<Targets> TargetsOf(const std::vector<std::string>& words,
-                                        const VdaOptions& given, const Context& context);
+[[nodiscard]] Result<RobotWords> ReadWords(const std::vector<std::string>& words,
+                                           const Context& context);
 
-/// The same without dialects.
+/// Reads standard input when that is asked. The excepted ones are taken out of those that are
+/// named. Errors: ErrorKind::kUsage; kLedger: standard input cannot be read.
+[[nodiscard]] Result<Targets> TargetsOf(const TargetOptions& options, const Context& context);
+
+/// Robots named outright, for those who do not ask the broker.
 [[nodiscard]] Result<std::vector<vda5050::RobotAddress>> RobotsOf(
     const std::vector<std::string>& words, const Context& context);
 
@@ -46,12 +111,15 @@ struct Targets {
 
 enum class Harm { kNone, kPossible };
 
-/// Whether this instant action may go to a whole group unasked: to stop is never wrong, to ask
+/// Whether this instant action may go to many robots unasked: to stop is never wrong, to ask
 /// changes nothing.
 [[nodiscard]] Harm HarmOf(std::string_view action_type);
 
-/// Before a group is commanded: goes on when it is one robot, the message can do no harm, or
-/// `yes`; else asks on a terminal. Errors: ErrorKind::kUsage: refused.
-[[nodiscard]] Status Consent(const Targets& targets, Harm harm, bool yes);
+/// Asks on a terminal whether all of these are meant; `set` is the word that stands for them.
+/// Errors: ErrorKind::kUsage: refused, or nobody is there to be asked.
+[[nodiscard]] Status AskFor(std::span<const vda5050::RobotAddress> robots, std::string_view set);
+
+/// Names in a sentence, the first twenty.
+[[nodiscard]] std::string ListOf(std::span<const vda5050::RobotAddress> robots);
 
 }  // namespace fleetpub::cli

@@ -55,7 +55,8 @@ void DeclareVdaOptions(OptionSet& set, VdaOptions& o) {
     return set.AddOption(names, value, help)->type_name(type)->group(kVda);
   };
   add("--vda", o.version, "V",
-      "Version to speak: 1.1.0, 2.0.0, 2.1.0, 3.0.0, or auto: the robot's own [3.0.0, assumed]")
+      "Version to speak: 1.1.0, 2.0.0, 2.1.0, 3.0.0, or auto: the robot's own [3.0.0, assumed; "
+      "auto for robots found by a pattern]")
       ->envname("FLEETPUB_VDA");
   add("--interface", o.interface_name, "NAME",
       "First topic level [uagv up to 2.x, vda5050 from 3.0]")
@@ -71,8 +72,6 @@ void DeclareVdaOptions(OptionSet& set, VdaOptions& o) {
 }
 
 void DeclareInstantOptions(OptionSet& set, InstantOptions& o) {
-  set.AddOption("targets", o.targets, "Robots: manufacturer/serialNumber, alias, @group")
-      ->type_name("TARGET");
   const auto add = [&](const char* names, std::string& value, const char* type, const char* help) {
     set.AddOption(names, value, help)->type_name(type)->group(kAction);
   };

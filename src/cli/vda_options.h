@@ -28,7 +28,6 @@ struct VdaOptions {
 
 /// What one instant action may be given on the command line, besides its parameters.
 struct InstantOptions {
-  std::vector<std::string> targets;
   std::vector<std::string> assignments;  ///< `-P`
   std::optional<std::string> id;
   std::string descriptor;

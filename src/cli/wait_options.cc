@@ -75,6 +75,7 @@ Result<Waiting> WaitingOf(const WaitingOptions& options) {
     return Fail(ErrorKind::kUsage, "--check and --no-check exclude each other");
   }
   waiting.check = options.check || (waiting.wait_for && !options.no_check);
+  waiting.no_check = options.no_check;
   const auto discover = DiscoverOf(options.discover);
   if (!discover) return Fail(discover.error());
   waiting.discover = *discover;

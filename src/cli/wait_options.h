@@ -33,6 +33,7 @@ struct Waiting {
   std::optional<vda5050::WaitFor> wait_for;  ///< nothing: do not wait
   dispatch::WaitOptions wait;
   bool check = false;
+  bool no_check = false;  ///< said outright
   dispatch::CollectOptions discover;
 };
 

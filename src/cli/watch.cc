@@ -124,8 +124,9 @@ class ScreenDisplay final : public Display {
     const auto body = TableLines(table, columns, output_);
     lines.insert(lines.end(), body.begin(), body.end());
     if (hidden > 0) {
-      frame = {{{fmt::format("{} more are not shown: a larger window or a PATTERN helps", hidden),
-                 Tone::kDim}}};
+      frame = {
+          {{fmt::format("{} more are not shown: a larger window or fewer TARGETs help", hidden),
+            Tone::kDim}}};
       lines.push_back(TableLines(frame, columns, output_).front());
     }
     lines.resize(std::min(lines.size(), rows));
@@ -156,9 +157,7 @@ std::unique_ptr<Display> DisplayFor(const Options& o, const mqtt::ConnectOptions
     return std::make_unique<LineDisplay>(context.output);
   }
   return std::make_unique<ScreenDisplay>(
-      fmt::format("{}   {}", connect.brokers.front().ToString(),
-                  o.fleet.pattern.empty() ? "all" : base::Printable(o.fleet.pattern)),
-      context.output);
+      fmt::format("{}   {}", connect.brokers.front().ToString(), NameOf(o.fleet)), context.output);
 }
 
 // Takes in what comes until the deadline.

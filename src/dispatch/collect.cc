@@ -4,12 +4,31 @@
 
 namespace fleetpub::dispatch {
 
+namespace {
+
+using std::chrono::steady_clock;
+
+// So many filters at a time, reading in between: a default mosquitto drops what it has to queue
+// beyond 1,000 messages, retained ones included.
+constexpr std::size_t kFiltersAtOnce = 500;
+
+}  // namespace
+
 Status Collect(mqtt::Transport& transport, std::span<const std::string> filters,
                const CollectOptions& options, const Taker& take) {
-  using std::chrono::steady_clock;
-  auto ok = transport.Subscribe(filters, mqtt::kListeningQos,
-                                steady_clock::now() + options.subscribe);
-  if (!ok) return ok;
+  while (!filters.empty()) {
+    const auto some = filters.first(std::min(kFiltersAtOnce, filters.size()));
+    filters = filters.subspan(some.size());
+    auto ok =
+        transport.Subscribe(some, mqtt::kListeningQos, steady_clock::now() + options.subscribe);
+    if (!ok) return ok;
+    while (!filters.empty()) {
+      const auto message = transport.Receive(steady_clock::now());
+      if (!message) return Fail(message.error());
+      if (!*message) break;
+      if (take(**message)) return {};
+    }
+  }
   // A broker may take long to grant a subscription; what it has retained follows then.
   const auto start = steady_clock::now();
   auto quiet_at = start + options.quiet;

@@ -44,7 +44,8 @@ class Confirmation {
   [[nodiscard]] virtual std::vector<std::string> Topics() const = 0;
 
   /// The command was published with this header id (again, when it is repeated). Messages that were
-  /// received before are no answer, but what they said may explain a later one.
+  /// received before are no answer, but what they said may explain a later one. That may be the end
+  /// already.
   virtual void Published(std::uint32_t header_id) = 0;
 
   /// A message, before or after publishing. Lenient: whatever cannot be read is passed over.

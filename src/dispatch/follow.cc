@@ -58,6 +58,7 @@ void Follower::Published(Key key, Report report) {
   SetLimit(*found, now + PatienceToBeSeen());
   watched.confirmation->Published(report.header_id.value_or(0));
   watched.report = std::move(report);
+  if (watched.confirmation->progress().ended) Look(*found);  // of whom no answer is expected
 }
 
 void Follower::SetLimit(Entry& entry, Clock::time_point limit) {

@@ -96,7 +96,7 @@ Status Stream::Bracket(std::span<const Command> commands) {
     if (commands[i].confirmation) follower_.Watch(first_key + i, commands[i].confirmation);
   }
   // What was retained or sent before our command must not be taken for an answer.
-  while (!lost_ && ReadOne(steady_clock::now())) {
+  while (!lost_ && !subscribed_.empty() && ReadOne(steady_clock::now())) {
   }
   auto result =
       lost_ ? Fail(*lost_) : SendBatch(commands, *transport_, ledger_, send_, hooks_.sent);
@@ -126,9 +126,9 @@ void Stream::Settle(const Command& command, Follower::Key key, Report report) {
     return hooks_.report(report);
   }
   report.payload = {};  // the ledger has it; thousands that wait need not
-  follower_.Published(key, std::move(report));
   ++since_pause_;
   if (resends_) again_[key] = command;
+  follower_.Published(key, std::move(report));
 }
 
 void Stream::SendAgain(const std::vector<Follower::Key>& keys) {

@@ -50,13 +50,6 @@ constexpr std::array kAliases = {
     Alias{"localized", "/agvPosition/positionInitialized"},
 };
 
-std::string_view Trimmed(std::string_view text) {
-  constexpr std::string_view kBlank = " \t";
-  const std::size_t first = text.find_first_not_of(kBlank);
-  if (first == std::string_view::npos) return {};
-  return text.substr(first, text.find_last_not_of(kBlank) - first + 1);
-}
-
 struct Place {
   std::size_t at = std::string_view::npos;
   Operator found{};
@@ -142,9 +135,9 @@ Result<Condition> ParseCondition(std::string_view text) {
         "it has no operator: write paused=true, operatingMode!=MANUAL or, in quotation marks, "
         "'battery>=80'; an unquoted < or > never arrives, as the shell takes it for a file's");
   }
-  Condition condition{.path = std::string(Trimmed(text.substr(0, at))),
+  Condition condition{.path = std::string(base::Trimmed(text.substr(0, at))),
                       .comparison = found.comparison,
-                      .wanted = std::string(Trimmed(text.substr(at + found.text.size()))),
+                      .wanted = std::string(base::Trimmed(text.substr(at + found.text.size()))),
                       .value = std::nullopt};
   if (!base::IsUtf8(text)) return refuse("it is not valid UTF-8");
   if (const std::string fault = FaultOfPath(condition.path); !fault.empty()) return refuse(fault);

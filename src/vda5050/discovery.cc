@@ -137,16 +137,6 @@ int RankOf(const Discovered& found) {
   return found.message.connection_state == "HIBERNATING" ? 2 : 1;
 }
 
-// The better one of two for the same robot is the greater one.
-bool IsLess(const Discovered& a, const Discovered& b) {
-  if (RankOf(a) != RankOf(b)) return RankOf(a) < RankOf(b);
-  const auto time_a = base::ParseDateTime(a.message.header.timestamp);
-  const auto time_b = base::ParseDateTime(b.message.header.timestamp);
-  if (time_a != time_b) return time_a < time_b;
-  if (a.dialect.has_value() != b.dialect.has_value()) return b.dialect.has_value();
-  return a.dialect && a.dialect->version < b.dialect->version;
-}
-
 }  // namespace
 
 Result<std::vector<std::string>> DiscoveryFilters(const TopicScheme& scheme,
@@ -204,26 +194,36 @@ std::optional<TopicLevels> ReadTopic(const TopicScheme& scheme, std::string_view
 
 std::optional<Discovered> DialectFrom(const Dialect& base, std::string_view topic,
                                       std::string_view payload) {
+  auto message = ReadConnection(payload);
+  return message ? DialectFrom(base, topic, *std::move(message)) : std::nullopt;
+}
+
+std::optional<Discovered> DialectFrom(const Dialect& base, std::string_view topic,
+                                      ConnectionMessage message) {
   const auto levels = ReadTopic(base.topics, topic);
   if (!levels) return std::nullopt;
-  auto message = ReadConnection(payload);
-  if (!message) return std::nullopt;
   Discovered found{.robot = levels->robot,
                    .topic = std::string(topic),
                    .topic_name = levels->topic_name,
                    .dialect = std::nullopt,
-                   .message = std::move(*message)};
+                   .message = std::move(message)};
   if (const auto version = VersionSpoken(found.message.header.version, levels->major)) {
     found.dialect = DialectOf(base, *levels, found.message.header, *version);
   }
   return found;
 }
 
+Standing StandingOf(const Discovered& found) {
+  return {.rank = RankOf(found),
+          .time = base::ParseDateTime(found.message.header.timestamp),
+          .version = found.dialect ? std::optional(found.dialect->version) : std::nullopt};
+}
+
 std::vector<Discovered> OnePerRobot(std::vector<Discovered> found) {
   std::map<std::string, Discovered> best;
   for (Discovered& one : found) {
     const auto [it, is_new] = best.try_emplace(one.robot.ToString(), one);
-    if (!is_new && IsLess(it->second, one)) it->second = std::move(one);
+    if (!is_new && StandingOf(it->second) < StandingOf(one)) it->second = std::move(one);
   }
   std::vector<Discovered> robots;
   robots.reserve(best.size());

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "base/result.h"
+#include "base/time.h"
 #include "vda5050/instant_actions.h"
 #include "vda5050/robot_address.h"
 #include "vda5050/robot_messages.h"
@@ -67,9 +68,25 @@ struct Discovered {
 [[nodiscard]] std::optional<Discovered> DialectFrom(const Dialect& base, std::string_view topic,
                                                     std::string_view payload);
 
-/// One entry per robot, in order of address, when several topics or versions were found for one:
-/// a connection message before others, ONLINE before HIBERNATING before the rest, then the newest
-/// timestamp, then the newest version.
+/// The same of a message that has been read already.
+[[nodiscard]] std::optional<Discovered> DialectFrom(const Dialect& base, std::string_view topic,
+                                                    ConnectionMessage message);
+
+/// Which of several messages of one robot is to be believed: the greater one. A connection message
+/// before others, ONLINE before HIBERNATING before the rest, then the newest timestamp, then the
+/// newest version.
+struct Standing {
+  int rank = -1;
+  std::optional<base::WallTime> time;
+  std::optional<Version> version;
+
+  // NOLINTNEXTLINE(modernize-use-nullptr): clang-tidy takes the 0 that it implies for a pointer.
+  friend auto operator<=>(const Standing&, const Standing&) = default;
+};
+
+[[nodiscard]] Standing StandingOf(const Discovered& found);
+
+/// One entry per robot, in order of address,: the one of the greatest standing.
 [[nodiscard]] std::vector<Discovered> OnePerRobot(std::vector<Discovered> found);
 
 /// The release that a header's version means: `2.1.0`, `2.1`, `v2.1`, ` V2 `. A release that we do

@@ -25,18 +25,35 @@ bool IsNewer(const RobotState& state, const RobotState& than) {
 
 }  // namespace
 
-FleetView::FleetView(TopicScheme scheme, RobotPattern pattern) : pattern_(std::move(pattern)) {
+FleetView::FleetView(TopicScheme scheme, std::vector<RobotPattern> patterns)
+    : patterns_(std::move(patterns)) {
   base_.topics = std::move(scheme);
+  if (patterns_.empty()) patterns_.emplace_back();
 }
 
 Result<std::vector<std::string>> FleetView::Filters() const {
-  return DiscoveryFilters(base_.topics, pattern_.Filter(), kTopics);
+  std::vector<std::string> filters;
+  for (const RobotPattern& pattern : patterns_) {
+    const auto some = DiscoveryFilters(base_.topics, pattern.Filter(), kTopics);
+    if (!some) return Fail(some.error());
+    for (const std::string& filter : *some) {
+      if (std::find(filters.begin(), filters.end(), filter) == filters.end()) {
+        filters.push_back(filter);
+      }
+    }
+  }
+  return filters;
+}
+
+bool FleetView::IsMeant(const RobotAddress& robot) const {
+  return std::any_of(patterns_.begin(), patterns_.end(),
+                     [&](const RobotPattern& pattern) { return pattern.Matches(robot); });
 }
 
 const RobotView* FleetView::Deliver(std::string_view topic, std::string_view payload,
                                     Origin origin) {
   const auto levels = ReadTopic(base_.topics, topic);
-  if (!levels || !pattern_.Matches(levels->robot)) return nullptr;
+  if (!levels || !IsMeant(levels->robot)) return nullptr;
   const bool is_new = !robots_.contains(levels->robot);
   Entry& entry = robots_[levels->robot];
   entry.view.robot = levels->robot;

@@ -34,13 +34,14 @@ enum class Origin { kLive, kRetained };
 
 class FleetView {
  public:
-  FleetView(TopicScheme scheme, RobotPattern pattern);
+  /// Of the robots that a pattern means; without any, of all.
+  FleetView(TopicScheme scheme, std::vector<RobotPattern> patterns);
 
   /// What to subscribe to. Errors: ErrorKind::kUsage (the scheme's template).
   [[nodiscard]] Result<std::vector<std::string>> Filters() const;
 
   /// Takes a message in. The robot that it is about; null when it tells nothing of any robot that
-  /// the pattern means. A robot with several connection messages (two versions, or an old
+  /// the patterns mean. A robot with several connection messages (two versions, or an old
   /// one left behind) is seen as OnePerRobot decides. A retained state is only taken when it is
   /// newer than what there is. Lives until the next call.
   const RobotView* Deliver(std::string_view topic, std::string_view payload, Origin origin);
@@ -55,12 +56,13 @@ class FleetView {
     RobotView view;
   };
 
+  [[nodiscard]] bool IsMeant(const RobotAddress& robot) const;
   bool TakeConnection(Entry& entry, std::string_view topic, std::string_view payload);
   bool TakeState(Entry& entry, std::string_view topic, std::string_view payload, Origin origin);
   void Describe(RobotView& view, const Discovered& found) const;
 
   Dialect base_;
-  RobotPattern pattern_;
+  std::vector<RobotPattern> patterns_;
   std::map<RobotAddress, Entry> robots_;
 };
 

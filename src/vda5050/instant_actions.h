@@ -36,6 +36,8 @@ struct Dialect {
   std::string header_version;
   std::string header_manufacturer;
   std::string header_serial;
+
+  bool operator==(const Dialect&) const = default;
 };
 
 /// The message with holes for header id and timestamp, its topic, schema and text rules. An action

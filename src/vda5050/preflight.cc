@@ -69,6 +69,7 @@ void CheckStopHibernation(Check& check, const std::string& state) {
   if (state == "ONLINE") {
     check.Warn(check.name + " is ONLINE: there is no hibernation to stop");
   } else {
+    check.findings.unreachable = true;
     check.Refuse(fmt::format("{} is {}, not HIBERNATING", check.name, state));
   }
 }
@@ -79,6 +80,7 @@ void CheckConnection(Check& check, const ConnectionMessage& connection) {
                                 : Shown(connection.connection_state);
   if (IsOnly(check.actions, "stopHibernation")) return CheckStopHibernation(check, state);
   if (state == "ONLINE") return;
+  check.findings.unreachable = true;
   const std::string sentence =
       fmt::format("{} is {}{}", check.name, state, Since(connection.header));
   if (IsOnly(check.actions, "startPause")) {

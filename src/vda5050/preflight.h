@@ -30,6 +30,8 @@ struct KnownRobot {
 struct PreflightFindings {
   std::vector<std::string> refusals;
   std::vector<std::string> warnings;
+  /// It is not ONLINE, and so will not answer (for stopHibernation: it is not HIBERNATING).
+  bool unreachable = false;
 };
 
 /// Checks the actions of one message, in this order: is the robot known and ONLINE, does it speak

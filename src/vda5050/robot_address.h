@@ -32,6 +32,8 @@ struct RobotAddress {
 struct TopicScheme {
   std::string interface_name;  ///< empty: the version's own
   std::string topic_template = "{interface}/{major}/{manufacturer}/{serial}/{topic}";
+
+  bool operator==(const TopicScheme&) const = default;
 };
 
 /// The full topic: `vda5050/v3/KIT/0001/instantActions`. A template with an unknown placeholder,

@@ -2,9 +2,11 @@
 // no JSON.
 //
 //   raw_commander PORT COUNT
+//   raw_commander PORT COUNT QOS
 //
 // Subscribes to the states of all 3.0 robots, sends startPause to KIT/00001 … in bursts of 500, and
-// ends when every one of them has reported its action FINISHED.
+// ends when every one of them has reported its action FINISHED. With QOS 0 or 1 it only sends
+// packets that were made beforehand, and ends when the broker has taken them.
 #include <arpa/inet.h>
 #include <fmt/format.h>
 #include <netinet/tcp.h>
@@ -37,10 +39,12 @@ std::string Packet(unsigned char type, const std::string& body) {
   return static_cast<char>(type) + Length(body.size()) + body;
 }
 
-std::string Command(int robot) {
+std::string Command(int robot, int qos = 0) {
+  const std::string id =
+      qos == 0 ? "" : std::string{static_cast<char>(robot >> 8), static_cast<char>(robot & 0xFF)};
   return Packet(
-      0x30,
-      Text(fmt::format("vda5050/v3/KIT/{:05}/instantActions", robot)) +
+      qos == 0 ? 0x30 : 0x32,
+      Text(fmt::format("vda5050/v3/KIT/{:05}/instantActions", robot)) + id +
           fmt::format(R"({{"headerId":0,"timestamp":"2026-01-02T03:04:05.678Z","version":"3.0.0",)"
                       R"("manufacturer":"KIT","serialNumber":"{:05}","actions":[{{"actionType":)"
                       R"("startPause","actionId":"raw-{}-{:05}","blockingType":"NONE"}}]}})",
@@ -100,11 +104,25 @@ class Socket {
   std::size_t begin_ = 0;
 };
 
+// Ready packets; at QoS 1 up to 500 await their acknowledgement.
+void SendOnly(Socket& socket, int count, int qos) {
+  for (int sent = 0; sent < count;) {
+    std::string burst;
+    const int until = std::min(count, sent + 500);
+    for (int robot = sent + 1; robot <= until; ++robot) burst += Command(robot, qos);
+    socket.Write(burst);
+    for (int i = sent; qos > 0 && i < until; ++i) socket.Read();
+    sent = until;
+  }
+  socket.Write(std::string("\xC0\x00", 2));  // the answer to a ping: all before it was taken
+  socket.Read();
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
-  if (argc != 3) {
-    fmt::print(stderr, "usage: raw_commander PORT COUNT\n");
+  if (argc != 3 && argc != 4) {
+    fmt::print(stderr, "usage: raw_commander PORT COUNT [QOS]\n");
     return 2;
   }
   const int count = std::atoi(argv[2]);
@@ -112,6 +130,10 @@ int main(int argc, char** argv) {
   socket.Write(Packet(0x10, Text("MQTT") + std::string("\x04\x02\x00\x3C", 4) +
                                 Text(fmt::format("raw-{}", getpid()))));
   socket.Read();
+  if (argc == 4) {
+    SendOnly(socket, count, std::atoi(argv[3]));
+    return 0;
+  }
   const std::string filter = count == 1 ? "vda5050/v3/KIT/00001/state" : "vda5050/v3/+/+/state";
   socket.Write(Packet(0x82, std::string("\x00\x01", 2) + Text(filter) + std::string(1, '\0')));
   socket.Read();

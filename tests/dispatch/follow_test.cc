@@ -61,6 +61,22 @@ TEST_F(Following, TellsEachEndOnceAndForgetsIt) {
   EXPECT_EQ(follower.NextLimit(), Follower::Clock::time_point::max());
 }
 
+// Is at its end as soon as it has left.
+class NotAwaited final : public Told {
+ public:
+  NotAwaited() : Told("a") {}
+  std::vector<std::string> Topics() const override { return {}; }
+  void Published(std::uint32_t /*header_id*/) override { Receive({"a", "done"}); }
+};
+
+TEST_F(Following, EndsAtOnceOfWhomNoAnswerIsExpected) {
+  Follower follower({}, Note());
+  follower.Watch(7, std::make_shared<NotAwaited>());
+  follower.Published(7, {.reference = "7"});
+  EXPECT_THAT(ended_, ElementsAre("7 FINISHED"));
+  EXPECT_EQ(follower.waiting(), 0U);
+}
+
 TEST_F(Following, EndsInTheOrderOfTheLimits) {
   Follower follower({.seen = milliseconds(20), .done = milliseconds(60)}, Note());
   Publish(follower, 1, "a");

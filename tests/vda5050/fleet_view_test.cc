@@ -39,7 +39,7 @@ class FleetViewTest : public ::testing::Test {
     return names;
   }
 
-  FleetView view_{TopicScheme{}, RobotPattern{}};
+  FleetView view_{TopicScheme{}, {}};
 };
 
 TEST_F(FleetViewTest, KnowsARobotByItsConnection) {
@@ -124,12 +124,12 @@ TEST_F(FleetViewTest, ShowsARobotOfAnUnknownVersion) {
 TEST(FleetView, SubscribesToWhatItsPatternMeans) {
   const FleetView all({}, {});
   EXPECT_THAT(*all.Filters(), ElementsAre("+/+/+/+/state", "+/+/+/+/connection"));
-  const FleetView one({.interface_name = "agv"}, *ParseRobotPattern("KIT/0*"));
+  const FleetView one({.interface_name = "agv"}, {*ParseRobotPattern("KIT/0*")});
   EXPECT_THAT(*one.Filters(), ElementsAre("agv/+/KIT/+/state", "agv/+/KIT/+/connection"));
 }
 
 TEST(FleetView, KeepsToItsPattern) {
-  FleetView view({.interface_name = "agv"}, *ParseRobotPattern("KIT/0*"));
+  FleetView view({.interface_name = "agv"}, {*ParseRobotPattern("KIT/0*")});
   const std::string payload = Connection("3.0.0", "ONLINE");
   EXPECT_THAT(view.Deliver("agv/v3/KIT/1/connection", payload, Origin::kLive), IsNull());
   const RobotView* robot = view.Deliver("agv/v3/KIT/01/connection", payload, Origin::kLive);

@@ -1,0 +1,162 @@
+#include "cli/command_maker.h"
+
+#include <fmt/format.h>
+
+#include <set>
+#include <utility>
+
+#include "base/text.h"
+#include "dispatch/send.h"
+
+namespace fleetpub::cli {
+namespace {
+
+using dispatch::Command;
+using dispatch::Verdict;
+using vda5050::Dialect;
+using vda5050::PreflightFindings;
+
+// The end of a command to a robot that will not answer: it is told, not waited for.
+class NotAwaited final : public dispatch::Confirmation {
+ public:
+  explicit NotAwaited(std::string why) {
+    progress_.verdict = Verdict::kOffline;
+    progress_.message = std::move(why);
+  }
+  [[nodiscard]] std::vector<std::string> Topics() const override { return {}; }
+  void Published(std::uint32_t /*header_id*/) override { progress_.ended = true; }
+  void Receive(const dispatch::Incoming& /*message*/) override {}
+  [[nodiscard]] const dispatch::Progress& progress() const override { return progress_; }
+
+ private:
+  dispatch::Progress progress_;
+};
+
+std::string AwaySentence(const ListedRobot& robot) {
+  const auto& connection = *robot.second.connection;
+  constexpr std::size_t kTimestamp = 40;
+  const std::string& since = connection.header.timestamp;
+  return fmt::format("sent all the same, but not waited for: it is {}{}",
+                     connection.connection_state.empty()
+                         ? "without a connectionState"
+                         : vda5050::Shown(connection.connection_state),
+                     since.empty() ? "" : " since " + vda5050::Shown(since, kTimestamp));
+}
+
+}  // namespace
+
+Status CommandMaker::Judge(const std::vector<const ListedRobot*>& robots) {
+  const auto message = sending_.make_message();
+  const bool is_alike = message->IsAlikeForAll();
+  std::set<const Dialect*> judged;
+  const Dialect* last = nullptr;  // mostly it is the one before
+  bool any_good = false;
+  Status first;
+  for (const ListedRobot* robot : robots) {
+    const auto& dialect = robot->second.Spoken();
+    if (is_alike && (dialect.get() == last || !judged.insert(dialect.get()).second)) continue;
+    last = dialect.get();
+    const auto command = message->Build(robot->first, *dialect, sending_.header_id);
+    const auto warnings = command ? ValidateCommand(*command, registry_) : Fail(command.error());
+    any_good = any_good || warnings;
+    if (first && !warnings) first = Fail(warnings.error());
+  }
+  return sending_.targets.IsSet() && any_good ? Status() : first;
+}
+
+Status CommandMaker::Make(const ListedRobot& robot, Made& made) {
+  const auto message = sending_.make_message();
+  const vda5050::RosterEntry& entry = robot.second;
+  if (entry.factsheet) message->Suit(*entry.factsheet);
+  const bool is_set = sending_.targets.IsSet();
+  bool is_away =
+      entry.connection && !entry.IsOnline() && entry.connection->connection_state != "HIBERNATING";
+  if (check_ || entry.automatic) {
+    PreflightFindings findings = FindingsOn(robot, *message);
+    is_away = is_away || findings.unreachable;
+    if (!findings.refusals.empty()) {
+      const bool offline = is_set && findings.unreachable;
+      made.refused.push_back(ReportOn(robot, offline ? Verdict::kOffline : Verdict::kRefused,
+                                      ErrorKind::kPreflight,
+                                      "not sent: " + findings.refusals.front()));
+      return {};
+    }
+    // The result says it, then.
+    const bool is_told = is_set && is_away && findings.unreachable;
+    if (is_told) findings.warnings.erase(findings.warnings.begin());
+    for (std::string& warning : findings.warnings) made.warnings.push_back(std::move(warning));
+  }
+  return AddCommand(robot, *message, is_set && is_away, made);
+}
+
+Status CommandMaker::AddCommand(const ListedRobot& robot, const RobotMessage& message, bool is_away,
+                                Made& made) {
+  const auto& [address, entry] = robot;
+  const auto dialect = DialectFor(robot);
+  auto command = message.Build(address, *dialect, sending_.header_id);
+  auto warnings = command ? ValidateCommand(*command, registry_) : Fail(command.error());
+  if (!warnings) {
+    made.refused.push_back(ReportOn(robot, Verdict::kInvalid, warnings.error().kind,
+                                    "not sent: " + warnings.error().message));
+    return {};
+  }
+  for (std::string& warning : *warnings) made.warnings.push_back(std::move(warning));
+  if (is_away) {
+    command->confirmation = std::make_shared<NotAwaited>(AwaySentence(robot));
+  } else if (sending_.waiting.wait_for) {
+    auto confirmation = message.Confirm(address, *dialect, *command, *sending_.waiting.wait_for);
+    if (!confirmation) return Fail(std::move(confirmation.error()));
+    command->confirmation = std::move(*confirmation);
+  }
+  made.commands.push_back(*std::move(command));
+  return {};
+}
+
+// What has passed a check is no assumption any more.
+std::shared_ptr<const Dialect> CommandMaker::DialectFor(const ListedRobot& robot) {
+  const auto& dialect = robot.second.Spoken();
+  if (!dialect->assumed || !(check_ || robot.second.automatic)) return dialect;
+  auto& checked = checked_[dialect.get()];
+  if (!checked) {
+    Dialect copy = *dialect;
+    copy.assumed = false;
+    checked = std::make_shared<const Dialect>(std::move(copy));
+  }
+  return checked;
+}
+
+PreflightFindings CommandMaker::FindingsOn(const ListedRobot& robot,
+                                           const RobotMessage& message) const {
+  const auto& [address, entry] = robot;
+  const bool is_unspeakable = entry.WasHeard() && !entry.own;
+  PreflightFindings findings;
+  if (entry.automatic && is_unspeakable) {
+    findings.refusals.emplace_back(
+        "it speaks a version of VDA 5050 that fleetpub does not: try one with --vda");
+  } else if (check_) {
+    findings = message.Check(address, *entry.Spoken(), entry.Known());
+  } else if (!entry.WasHeard()) {  // `--vda auto` alone: only the version must be known
+    findings.refusals.emplace_back(
+        "no message of this robot is known to the broker, so its version cannot be told: name it "
+        "with --vda");
+  }
+  const auto suggestion = suggestions_.find(address);
+  if (!findings.refusals.empty() && suggestion != suggestions_.end()) {
+    findings.refusals.front() += "; " + suggestion->second;
+  }
+  return findings;
+}
+
+dispatch::Report CommandMaker::ReportOn(const ListedRobot& robot, Verdict verdict, ErrorKind kind,
+                                        std::string message) const {
+  const auto& [address, entry] = robot;
+  const auto command = sending_.make_message()->Build(address, *entry.Spoken(), sending_.header_id);
+  dispatch::Report report = command ? dispatch::ReportOn(*command) : dispatch::Report();
+  report.target = address.ToString();
+  report.verdict = verdict;
+  report.error = kind;
+  report.message = std::move(message);
+  return report;
+}
+
+}  // namespace fleetpub::cli

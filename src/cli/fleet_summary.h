@@ -1,0 +1,72 @@
+// What became of a command to many robots, in a few lines; and how far it has come, on a terminal.
+#pragma once
+
+#include <array>
+#include <chrono>
+#include <cstddef>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "cli/exit_code.h"
+#include "cli/output.h"
+#include "dispatch/report.h"
+
+namespace fleetpub::cli {
+
+/// Counts results and remembers whom to name. Small, however many there are.
+class FleetSummary {
+ public:
+  enum class Fate { kFinished, kSent, kFailed, kSilent, kOffline, kRefused, kError };
+  static constexpr std::size_t kFates = 7;
+
+  [[nodiscard]] static Fate FateOf(dispatch::Verdict verdict);
+
+  void Add(const dispatch::Report& report);
+
+  [[nodiscard]] std::size_t robots() const { return elapsed_.size(); }
+  [[nodiscard]] std::size_t count(Fate fate) const {
+    return counts_[static_cast<std::size_t>(fate)];
+  }
+
+  /// `965 finished, 10 failed`: those fates that there are.
+  [[nodiscard]] std::string Counts() const;
+  /// For people: a line of counts, and one for each fate that a person has to look after, naming
+  /// the first fifty of it, and for those that took much longer than the others.
+  [[nodiscard]] std::vector<std::string> Lines(std::chrono::nanoseconds elapsed) const;
+  /// The last object of the results (docs/manual.md).
+  [[nodiscard]] std::string Json(std::chrono::nanoseconds elapsed, ExitCode code) const;
+
+ private:
+  using Slow = std::pair<std::chrono::nanoseconds, std::string>;
+  /// Which of the finished took more than a second and three times the median; the slowest first.
+  [[nodiscard]] std::vector<Slow> TheSlow() const;
+
+  std::array<std::size_t, kFates> counts_{};
+  std::array<std::vector<std::string>, kFates> names_;
+  std::vector<float> elapsed_;  ///< seconds, of all
+  std::vector<Slow> slowest_;   ///< of the finished, the slowest first
+};
+
+/// A line on standard error that is redrawn in place, when that is a terminal and it takes long.
+class ProgressBar {
+ public:
+  ProgressBar(std::size_t total, const Output& output);
+  ProgressBar(const ProgressBar&) = delete;
+  ProgressBar& operator=(const ProgressBar&) = delete;
+  ~ProgressBar() { Clear(); }
+
+  [[nodiscard]] bool IsPossible() const { return possible_; }
+  /// Before anything else is written.
+  void Clear();
+  /// At most ten times a second.
+  void Draw(const FleetSummary& summary);
+
+ private:
+  std::size_t total_;
+  bool possible_;
+  bool visible_ = false;
+  std::chrono::steady_clock::time_point next_;
+};
+
+}  // namespace fleetpub::cli

@@ -1,0 +1,351 @@
+#include "cli/roll_call.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <set>
+#include <utility>
+
+#include "base/text.h"
+#include "base/time.h"
+#include "vda5050/discovery.h"
+
+namespace fleetpub::cli {
+namespace {
+
+using std::chrono::steady_clock;
+using vda5050::Condition;
+using vda5050::RobotAddress;
+using vda5050::RobotFilter;
+using vda5050::RobotPattern;
+using vda5050::Roster;
+using vda5050::RosterEntry;
+
+// A default mosquitto queues so many messages for a client and drops the rest.
+constexpr std::size_t kBrokersQueue = 1'000;
+
+// What many have left takes its time, and it ends.
+constexpr std::chrono::seconds kLongestCollection{60};
+
+bool Needs(const Targets& targets, std::string_view topic_name) {
+  return std::any_of(targets.where.begin(), targets.where.end(), [&](const Condition& condition) {
+    return vda5050::TopicOf(condition) == topic_name;
+  });
+}
+
+// What to subscribe to, each once.
+class Filters {
+ public:
+  Status Add(const vda5050::TopicScheme& scheme, const RobotFilter& filter,
+             std::span<const std::string_view> topic_names) {
+    return Add(vda5050::DiscoveryFilters(scheme, filter, topic_names));
+  }
+
+  Status Add(Result<std::vector<std::string>> filters) {
+    if (!filters) return Fail(std::move(filters.error()));
+    for (std::string& one : *filters) {
+      if (known_.insert(one).second) filters_.push_back(std::move(one));
+    }
+    return {};
+  }
+
+  std::vector<std::string> Take() { return std::move(filters_); }
+
+ private:
+  std::vector<std::string> filters_;
+  std::set<std::string> known_;
+};
+
+RobotFilter Exactly(const RobotAddress& robot) {
+  return {.manufacturer = robot.manufacturer, .serial_number = robot.serial_number};
+}
+
+// The robot's topics in whichever interface and version.
+Result<std::vector<std::string>> AnyTopics(const vda5050::TopicScheme& scheme,
+                                           const RobotAddress& robot,
+                                           std::span<const std::string_view> topic_names) {
+  return vda5050::DiscoveryFilters(scheme, Exactly(robot), topic_names);
+}
+
+class Caller {
+ public:
+  Caller(mqtt::Transport& transport, const Targets& targets, const RollCall& call, Roster& roster,
+         Output& output)
+      : transport_(transport), targets_(targets), call_(call), roster_(roster), output_(output) {}
+
+  Status Run() {
+    const auto start = steady_clock::now();
+    auto ok = CallNamed();
+    if (ok && !targets_.who.patterns.empty()) ok = CallPatterns();
+    if (ok && NeedsFactsheets() && !targets_.who.patterns.empty()) ok = AskForFactsheets();
+    if (ok && Needs(targets_, "state")) ok = AwaitStates(start + targets_.state_wait);
+    return ok;
+  }
+
+ private:
+  [[nodiscard]] bool NeedsFactsheets() const { return call_.check || Needs(targets_, "factsheet"); }
+
+  void Take(const mqtt::Message& message) {
+    const auto origin = message.retained ? vda5050::Origin::kRetained : vda5050::Origin::kLive;
+    roster_.Deliver(message.topic, message.payload, origin);
+  }
+
+  // Those that are named outright, by topics of their own.
+  Status CallNamed() {
+    if (auto ok = CallUnheard(AnyTopics); !ok) return ok;
+    // RabbitMQ has nothing retained for a filter with wildcards.
+    return CallUnheard(vda5050::SpecifiedTopics);
+  }
+
+  // Those of them that were not heard yet.
+  Status CallUnheard(const auto& topics_of) {
+    // In the order in which a broker hands them out: when the connection message is there, so is
+    // the factsheet.
+    constexpr std::array<std::string_view, 2> kTopics = {"factsheet", "connection"};
+    const bool all = call_.check || !targets_.where.empty();
+    Filters filters;
+    std::size_t wanted = roster_.online();
+    const std::size_t known = wanted;
+    for (const auto& [robot, entry] : roster_.robots()) {
+      if (entry.WasHeard() || (!all && !entry.automatic)) continue;
+      ++wanted;
+      if (auto ok = filters.Add(topics_of(entry.base->topics, robot, kTopics)); !ok) return ok;
+    }
+    if (wanted == known) return {};
+    // A robot may have left messages under another version long ago: only ONLINE ends the search at
+    // once.
+    return dispatch::Collect(transport_, filters.Take(), call_.discover,
+                             [&](const mqtt::Message& message) {
+                               Take(message);
+                               return roster_.online() >= wanted;
+                             });
+  }
+
+  // Connection messages alone: with the large ones the broker's queue would run over. It may do so
+  // with small ones too when there are many; then they are asked for again, and those that are
+  // known by now are read faster, until nobody new turns up.
+  Status CallPatterns() {
+    constexpr std::array<std::string_view, 1> kTopics = {"connection"};
+    Filters filters;
+    for (const vda5050::TopicScheme& scheme : roster_.schemes()) {
+      for (const RobotPattern& pattern : targets_.who.patterns) {
+        if (auto ok = filters.Add(scheme, pattern.Filter(), kTopics); !ok) return ok;
+      }
+    }
+    const std::vector<std::string> all = filters.Take();
+    dispatch::CollectOptions discover = call_.discover;
+    discover.most = kLongestCollection;
+    for (;;) {
+      const std::size_t before = roster_.robots().size();
+      std::size_t messages = 0;
+      const auto take = [&](const mqtt::Message& message) {
+        Take(message);
+        ++messages;
+        return false;
+      };
+      if (auto ok = dispatch::Collect(transport_, all, discover, take); !ok) return ok;
+      if (messages < kBrokersQueue || roster_.robots().size() == before) return {};
+    }
+  }
+
+  // Of those that have been found; 1.1 knows no factsheet.
+  Status AskForFactsheets() {
+    constexpr std::array<std::string_view, 1> kTopics = {"factsheet"};
+    Filters filters;
+    std::set<const RosterEntry*> wanted;
+    for (const auto& [robot, entry] : roster_.robots()) {
+      if (!entry.own || entry.own->version == vda5050::Version::k110 || entry.factsheet) continue;
+      wanted.insert(&entry);
+      if (auto ok = filters.Add(entry.base->topics, Exactly(robot), kTopics); !ok) return ok;
+    }
+    if (wanted.empty()) return {};
+    return dispatch::Collect(
+        transport_, filters.Take(), call_.discover, [&](const mqtt::Message& message) {
+          const auto* entry =
+              roster_.Deliver(message.topic, message.payload, vda5050::Origin::kRetained);
+          if (entry != nullptr && entry->factsheet) wanted.erase(entry);
+          return wanted.empty();
+        });
+  }
+
+  // Until every robot that is online has sent a state, or time is up.
+  Status AwaitStates(mqtt::Deadline end) {
+    constexpr std::array<std::string_view, 1> kTopics = {"state"};
+    Filters filters;
+    std::set<const RosterEntry*> silent;
+    for (const auto& [robot, entry] : roster_.robots()) {
+      if (!entry.IsOnline()) continue;
+      silent.insert(&entry);
+      if (auto ok = filters.Add(entry.base->topics, Exactly(robot), kTopics); !ok) return ok;
+    }
+    if (silent.empty()) return {};
+    output_.Tell(fmt::format("waiting up to {} for the states of {} robot{}",
+                             base::FormatElapsed(targets_.state_wait), silent.size(),
+                             silent.size() == 1 ? "" : "s"));
+    const auto left = std::max(end - steady_clock::now(), steady_clock::duration(0));
+    const auto most = std::chrono::ceil<std::chrono::milliseconds>(left);
+    return dispatch::Collect(
+        transport_, filters.Take(), {.quiet = most, .most = most},
+        [&](const mqtt::Message& message) {
+          const auto origin =
+              message.retained ? vda5050::Origin::kRetained : vda5050::Origin::kLive;
+          const auto* entry = roster_.Deliver(message.topic, message.payload, origin);
+          const bool is_heard = entry != nullptr && (entry->state_heard || !entry->IsOnline());
+          if (is_heard) silent.erase(entry);
+          return silent.empty();
+        });
+  }
+
+  mqtt::Transport& transport_;
+  const Targets& targets_;
+  const RollCall& call_;
+  Roster& roster_;
+  Output& output_;
+};
+
+enum class Answer { kYes, kNo, kUnheard, kAway };
+
+Answer Satisfies(const Targets& targets, const RosterEntry& entry) {
+  Answer answer = Answer::kYes;
+  for (std::size_t i = 0; i < targets.where.size(); ++i) {
+    const auto unmet = i < entry.unmet.size() ? entry.unmet[i] : std::nullopt;
+    if (unmet && unmet->empty()) continue;
+    const bool is_state = vda5050::TopicOf(targets.where[i]) == "state";
+    if (unmet || !is_state) return Answer::kNo;
+    answer = entry.IsOnline() ? Answer::kUnheard : Answer::kAway;
+  }
+  return answer;
+}
+
+std::string WordsOf(const Targets& targets) {
+  std::vector<std::string> words;
+  if (!targets.who.set.empty()) words.push_back(base::Printable(targets.who.set));
+  for (const Condition& condition : targets.where) {
+    words.push_back("--where " + base::Printable(condition.path));
+  }
+  return base::Join(words, " ");
+}
+
+// Why the first one of those that are meant was not chosen.
+std::string FirstReason(const Roster& roster) {
+  for (const auto& [robot, entry] : roster.robots()) {
+    for (const auto& unmet : entry.unmet) {
+      if (!unmet || unmet->empty()) continue;
+      return fmt::format("; of {}, {}", base::Printable(robot.ToString()), *unmet);
+    }
+  }
+  return "";
+}
+
+}  // namespace
+
+Result<Roster> RosterOf(const Targets& targets, const Speaker& speaker) {
+  Roster::Admission admit;
+  if (!targets.who.patterns.empty()) {
+    admit = [&](const RobotAddress& robot)
+        -> std::optional<std::pair<std::shared_ptr<const vda5050::Dialect>, bool>> {
+      const auto matches = [&](const RobotPattern& pattern) { return pattern.Matches(robot); };
+      const auto& patterns = targets.who.patterns;
+      if (std::none_of(patterns.begin(), patterns.end(), matches)) return std::nullopt;
+      if (targets.IsExcepted(robot)) return std::nullopt;
+      auto found = speaker.Found(robot);
+      if (!found) return std::nullopt;  // no table is wrong: Schemes() has read them all
+      return std::pair(std::move(found->dialect), found->automatic);
+    };
+  }
+  Roster roster(targets.where, std::move(admit));
+  if (!targets.who.patterns.empty()) {
+    const auto schemes = speaker.Schemes();
+    if (!schemes) return Fail(schemes.error());
+    for (const vda5050::TopicScheme& scheme : *schemes) roster.AddScheme(scheme);
+  }
+  for (const RobotAddress& robot : targets.who.robots) {
+    auto addressed = targets.where.empty() ? speaker.Named(robot) : speaker.Found(robot);
+    if (!addressed) return Fail(std::move(addressed.error()));
+    roster.Add(robot, std::move(addressed->dialect), addressed->automatic);
+  }
+  return roster;
+}
+
+Status CallRoll(mqtt::Transport& transport, const Targets& targets, const RollCall& call,
+                Roster& roster, Output& output) {
+  return Caller(transport, targets, call, roster, output).Run();
+}
+
+Chosen Choose(const Targets& targets, const Roster& roster, Output& output) {
+  Chosen chosen;
+  std::vector<RobotAddress> away;
+  const auto consider = [&](const ListedRobot& listed) {
+    switch (Satisfies(targets, listed.second)) {
+      case Answer::kYes:
+        return chosen.robots.push_back(&listed);
+      case Answer::kUnheard:
+        return chosen.unheard.push_back(&listed);
+      case Answer::kAway:
+        return away.push_back(listed.first);
+      case Answer::kNo:
+        return;
+    }
+  };
+  std::set<RobotAddress> named;
+  for (const RobotAddress& robot : targets.who.robots) {
+    const auto found = roster.robots().find(robot);
+    if (!targets.who.patterns.empty()) named.insert(robot);
+    if (found->second.WasHeard() || targets.where.empty()) {
+      consider(*found);
+    } else {
+      chosen.unheard.push_back(&*found);
+    }
+  }
+  if (!targets.who.patterns.empty()) {
+    for (const ListedRobot& listed : roster.robots()) {
+      if (listed.second.connection && !named.contains(listed.first)) consider(listed);
+    }
+  }
+  if (!away.empty()) {
+    output.Warn(
+        fmt::format("left out, as they are offline and have left no state: {}", ListOf(away)));
+  }
+  return chosen;
+}
+
+Error NobodyChosen(mqtt::Transport& transport, const Targets& targets, const Speaker& speaker,
+                   const Roster& roster, const dispatch::CollectOptions& discover) {
+  const auto meant =
+      std::count_if(roster.robots().begin(), roster.robots().end(),
+                    [](const ListedRobot& listed) { return listed.second.connection.has_value(); });
+  const std::string nobody = fmt::format("nothing was sent: no robot matches {}", WordsOf(targets));
+  if (meant > 0) {
+    return {ErrorKind::kPreflight,
+            fmt::format("{}: {} robot{} heard, none satisfies every --where{}", nobody, meant,
+                        meant == 1 ? " was" : "s were", FirstReason(roster))};
+  }
+  const auto all = AllRobots(transport, speaker.common().topics, discover);
+  const std::string heard = all.empty() ? "it knows no robot: none has left a connection message"
+                                        : fmt::format("it knows {} robot{}: {}", all.size(),
+                                                      all.size() == 1 ? "" : "s", ListOf(all));
+  return {ErrorKind::kPreflight,
+          fmt::format("{} at {}: {}{}", nobody, transport.server().broker.ToString(), heard,
+                      targets.except.set.empty() && targets.except.robots.empty()
+                          ? ""
+                          : " (--except spares some)")};
+}
+
+std::vector<RobotAddress> AllRobots(mqtt::Transport& transport, const vda5050::TopicScheme& scheme,
+                                    const dispatch::CollectOptions& discover) {
+  constexpr std::array<std::string_view, 1> kConnection = {"connection"};
+  const auto filters = vda5050::DiscoveryFilters(scheme, {}, kConnection);
+  if (!filters) return {};
+  std::set<RobotAddress> robots;
+  const auto collected =
+      dispatch::Collect(transport, *filters, discover, [&](const mqtt::Message& message) {
+        const auto levels = vda5050::ReadTopic(scheme, message.topic);
+        if (levels && !message.payload.empty()) robots.insert(levels->robot);
+        return false;
+      });
+  if (!collected) return {};
+  return {robots.begin(), robots.end()};
+}
+
+}  // namespace fleetpub::cli

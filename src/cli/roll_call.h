@@ -1,0 +1,56 @@
+// Asks the broker which robots there are and what each has said of itself, and chooses those that a
+// command is for.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "base/result.h"
+#include "cli/global_options.h"
+#include "cli/targets.h"
+#include "dispatch/collect.h"
+#include "mqtt/transport.h"
+#include "vda5050/roster.h"
+
+namespace fleetpub::cli {
+
+using ListedRobot = std::map<vda5050::RobotAddress, vda5050::RosterEntry>::value_type;
+
+/// Robots of a roster. Valid as long as that.
+struct Chosen {
+  std::vector<const ListedRobot*>
+      robots;  ///< named ones in their order, then the found ones by name
+  std::vector<const ListedRobot*> unheard;  ///< whether --where is true of them is not known
+};
+
+/// A roster with the robots that are named outright, of which nothing is known yet. `targets` and
+/// `speaker` must outlive it. Errors: ErrorKind::kUsage.
+[[nodiscard]] Result<vda5050::Roster> RosterOf(const Targets& targets, const Speaker& speaker);
+
+struct RollCall {
+  bool check = false;  ///< of all; else only of those whose dialect is wanted
+  dispatch::CollectOptions discover;
+};
+
+/// Gathers what is retained of the roster's robots and of those that the patterns find, and, where
+/// a condition needs them, the states of those that are online. Errors: ErrorKind::kBroker, kUsage
+/// (a topic template).
+[[nodiscard]] Status CallRoll(mqtt::Transport& transport, const Targets& targets,
+                              const RollCall& call, vda5050::Roster& roster, Output& output);
+
+/// Those that are meant, and satisfy the conditions. Robots without a connection message are meant
+/// only when they are named outright. Warns of robots that are offline and whose state is not
+/// known. Nobody at all is not an error.
+[[nodiscard]] Chosen Choose(const Targets& targets, const vda5050::Roster& roster, Output& output);
+
+/// Why nobody was chosen: what was heard instead. ErrorKind::kPreflight, or the connection's.
+[[nodiscard]] Error NobodyChosen(mqtt::Transport& transport, const Targets& targets,
+                                 const Speaker& speaker, const vda5050::Roster& roster,
+                                 const dispatch::CollectOptions& discover);
+
+/// The names of all robots that the broker knows. Nothing when it cannot be asked.
+[[nodiscard]] std::vector<vda5050::RobotAddress> AllRobots(
+    mqtt::Transport& transport, const vda5050::TopicScheme& scheme,
+    const dispatch::CollectOptions& discover);
+
+}  // namespace fleetpub::cli
