@@ -7,16 +7,18 @@
 #include <string>
 #include <utility>
 
+#include "ledger/id_marks.h"
 #include "ledger/sqlite_history.h"
 
 namespace fleetpub::ledger {
 namespace {
 
-/// The last ids of topics, prepared once for a whole batch.
+/// The last ids of topics, prepared once for a whole batch. `marks` must outlive it.
 class LastIds {
  public:
-  explicit LastIds(Database& database)
-      : read_(database, "SELECT last FROM header_ids WHERE topic = ?1"),
+  LastIds(Database& database, const IdMarks& marks)
+      : marks_(marks),
+        read_(database, "SELECT last FROM header_ids WHERE topic = ?1"),
         write_(database, "INSERT OR REPLACE INTO header_ids(topic, last) VALUES(?1, ?2)") {}
 
   Result<std::optional<std::uint32_t>> Read(std::string_view topic) {
@@ -25,7 +27,7 @@ class LastIds {
     std::optional<std::uint32_t> last;
     if (*row) last = static_cast<std::uint32_t>(read_.Integer(0));
     read_.Reset();
-    return last;
+    return LaterId(last, marks_.Read(topic));
   }
 
   Status Write(std::string_view topic, std::uint32_t last) {
@@ -33,6 +35,7 @@ class LastIds {
   }
 
  private:
+  const IdMarks& marks_;
   Statement read_;
   Statement write_;
 };
@@ -91,9 +94,10 @@ Result<std::uint32_t> TakeId(const Draft& draft, LastIds& last_ids, HeaderIdStar
   return id;
 }
 
-Result<std::vector<Reservation>> ReserveEach(Database& database, const SqliteOptions& options,
+Result<std::vector<Reservation>> ReserveEach(Database& database, const IdMarks& marks,
+                                             const SqliteOptions& options,
                                              std::span<const Draft> drafts) {
-  LastIds last_ids(database);
+  LastIds last_ids(database, marks);
   std::optional<Recorder> recorder;
   if (options.keep_history) recorder.emplace(database, options);
   std::vector<Reservation> reservations;
@@ -118,7 +122,7 @@ std::uint32_t NextId(std::optional<std::uint32_t> last, HeaderIdStart start) {
 }
 
 Result<std::optional<std::uint32_t>> ReadLastId(Database& database, std::string_view topic) {
-  return LastIds(database).Read(topic);
+  return LastIds(database, IdMarks(database.path())).Read(topic);
 }
 
 Result<std::vector<Reservation>> ReserveAll(Database& database, const SqliteOptions& options,
@@ -126,9 +130,13 @@ Result<std::vector<Reservation>> ReserveAll(Database& database, const SqliteOpti
   if (Status set = database.SetDurability(Durability::kFull); !set) return Fail(set.error());
   Transaction transaction(database);
   if (Status begun = transaction.Begin(); !begun) return Fail(begun.error());
-  Result<std::vector<Reservation>> reservations = ReserveEach(database, options, drafts);
+  const IdMarks marks(database.path());
+  Result<std::vector<Reservation>> reservations = ReserveEach(database, marks, options, drafts);
   if (!reservations) return reservations;
   if (Status done = transaction.Commit(); !done) return Fail(done.error());
+  for (std::size_t i = 0; i < drafts.size(); ++i) {
+    if (drafts[i].counted) marks.Write(drafts[i].topic, (*reservations)[i].header_id);
+  }
   return reservations;
 }
 
