@@ -73,6 +73,8 @@ constexpr auto kSettings = std::to_array<Setting>({
     {"client_id", kText, "a random one"},
     {"keep_alive", kWhole, "60"},
     {"mqtt_version", kTextOrWhole, "3.1.1", CheckMqttVersion},
+    {"user_property", kTexts, ""},
+    {"message_expiry", kText, "", CheckDuration},
     {"connect_timeout", kText, "10s", CheckDuration},
     {"proxy", kText, "", CheckProxy},
     {"cafile", kPath, "the system's"},

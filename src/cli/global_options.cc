@@ -71,6 +71,24 @@ void DeclareBroker(OptionSet& set, GlobalOptions& o) {
       "HTTP proxy; the variables http_proxy and https_proxy are ignored");
 }
 
+void DeclareProperties(OptionSet& set, GlobalOptions& o) {
+  set.bindings().Bind("user_property",
+                      set.AddOption("--user-property", o.user_properties,
+                                    "MQTT 5: a property to send with each message; repeatable")
+                          ->type_name("NAME=VALUE")
+                          ->allow_extra_args(false)
+                          ->group(kBroker),
+                      &o.user_properties);
+  set.bindings().Bind(
+      "message_expiry",
+      set.AddOption("--message-expiry", o.message_expiry,
+                    "MQTT 5: how long a broker may keep a message for who is away [no limit]")
+          ->type_name("TIME")
+          ->envname("FLEETPUB_MESSAGE_EXPIRY")
+          ->group(kBroker),
+      &o.message_expiry);
+}
+
 void DeclareTls(OptionSet& set, GlobalOptions& o) {
   const auto add = [&](const char* names, std::string& value, const char* type, const char* env,
                        const char* help) {
@@ -217,6 +235,51 @@ Result<mqtt::ProtocolVersion> MqttVersionOf(std::string_view text) {
               fmt::format("--mqtt-version takes 3.1.1 or 5, not '{}'", base::Printable(text)));
 }
 
+Result<std::pair<std::string, std::string>> UserPropertyOf(const std::string& text) {
+  const std::size_t equals = text.find('=');
+  if (equals == 0 || equals == std::string::npos) {
+    return Fail(ErrorKind::kUsage, fmt::format("--user-property takes NAME=VALUE, not '{}'",
+                                               base::Printable(text)));
+  }
+  // MQTT 5 §1.5.4: UTF-8 without NUL, 65,535 bytes at most.
+  constexpr std::size_t kLongest = 65'535;
+  if (!base::IsUtf8(text) || equals > kLongest || text.size() - equals - 1 > kLongest) {
+    return Fail(ErrorKind::kUsage,
+                "--user-property takes UTF-8, of at most 65,535 bytes for the name and as many for "
+                "the value");
+  }
+  return std::pair(text.substr(0, equals), text.substr(equals + 1));
+}
+
+Result<std::chrono::seconds> ExpiryOf(std::string_view text) {
+  const auto time = base::ParseDuration(text);
+  if (!time) return Fail(time.error());
+  const auto expiry = std::chrono::ceil<std::chrono::seconds>(*time);
+  if (expiry.count() >= 1 && expiry.count() <= UINT32_MAX) return expiry;
+  return Fail(ErrorKind::kUsage, "--message-expiry takes a time of at least a second");
+}
+
+Result<mqtt::PublishProperties> PropertiesOf(const GlobalOptions& o, mqtt::ProtocolVersion version) {
+  mqtt::PublishProperties properties;
+  for (const std::string& text : o.user_properties) {
+    auto property = UserPropertyOf(text);
+    if (!property) return Fail(std::move(property.error()));
+    properties.user.push_back(std::move(*property));
+  }
+  if (!o.message_expiry.empty()) {
+    const auto expiry = ExpiryOf(o.message_expiry);
+    if (!expiry) return Fail(expiry.error());
+    properties.expiry = *expiry;
+  }
+  const bool any = properties.expiry || !properties.user.empty();
+  if (any && version != mqtt::ProtocolVersion::k5) {
+    return Fail(ErrorKind::kUsage,
+                fmt::format("{} needs MQTT 5, and 3.1.1 is to be spoken: add --mqtt-version 5",
+                            properties.expiry ? "--message-expiry" : "--user-property"));
+  }
+  return properties;
+}
+
 }  // namespace
 
 bool IsGlobalGroup(std::string_view group) {
@@ -226,6 +289,7 @@ bool IsGlobalGroup(std::string_view group) {
 
 void DeclareGlobalOptions(OptionSet& set, GlobalOptions& options) {
   DeclareBroker(set, options);
+  DeclareProperties(set, options);
   DeclareTls(set, options);
   DeclareOutput(set, options);
   DeclareFiles(set, options);
@@ -249,6 +313,8 @@ Result<mqtt::ConnectOptions> ConnectOptionsOf(const Context& context) {
   if (!keep_alive) return Fail(keep_alive.error());
   const auto timeout = base::ParseDuration(o.connect_timeout);
   if (!timeout) return Fail(timeout.error());
+  auto properties = PropertiesOf(o, *version);
+  if (!properties) return Fail(std::move(properties.error()));
   auto tls = TlsOf(context);
   if (!tls) return Fail(std::move(tls.error()));
   auto password = FindPassword(context);
@@ -261,6 +327,7 @@ Result<mqtt::ConnectOptions> ConnectOptionsOf(const Context& context) {
   connect.password = std::move(*password);
   connect.keep_alive = std::chrono::seconds(*keep_alive);
   connect.version = *version;
+  connect.properties = std::move(*properties);
   connect.connect_timeout = *timeout;
   connect.tls = std::move(*tls);
   connect.proxy = o.proxy;

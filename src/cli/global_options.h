@@ -30,6 +30,8 @@ struct GlobalOptions {
   std::string client_id;
   std::string keep_alive = "60";
   std::string mqtt_version = "3.1.1";
+  std::vector<std::string> user_properties;
+  std::string message_expiry;
   std::string connect_timeout = "10s";
   std::string proxy;
   std::string ca_file;

@@ -265,6 +265,7 @@ Result<ExitCode> RunSimulate(const Options& o, const Context& context) {
   if (!connect) return Fail(std::move(connect.error()));
 
   robot::RunOptions run{.connect = *std::move(connect)};
+  run.connect.properties = {};  // they are a command's; what a robot is does not expire
   if (!o.duration.empty()) {
     auto duration = base::ParseDuration(o.duration);
     if (!duration) return Fail(std::move(duration.error()));

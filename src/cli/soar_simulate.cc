@@ -63,6 +63,7 @@ Result<ExitCode> RunSoarSimulation(const SoarSimulation& simulation, const Conte
   if (!connect) return Fail(std::move(connect.error()));
 
   robot::RunOptions run{.connect = *std::move(connect)};
+  run.connect.properties = {};  // they are a command's; where a platform is does not expire
   if (!simulation.duration.empty()) {
     const auto duration = base::ParseDuration(simulation.duration);
     if (!duration) return Fail(duration.error());

@@ -12,8 +12,14 @@ int Open(sqlite3_vfs* self, sqlite3_filename name, sqlite3_file* file, int flags
   auto* system = static_cast<sqlite3_vfs*>(self->pAppData);
   constexpr int kNewLog = SQLITE_OPEN_WAL | SQLITE_OPEN_CREATE;
   if ((flags & kNewLog) == kNewLog) {
-    const int code = system->xOpen(system, name, file, flags & ~SQLITE_OPEN_CREATE, out_flags);
-    if (code == SQLITE_OK) return code;
+    int opened = 0;
+    const int code = system->xOpen(system, name, file, flags & ~SQLITE_OPEN_CREATE, &opened);
+    if (code == SQLITE_OK && (opened & SQLITE_OPEN_READONLY) == 0) {
+      if (out_flags != nullptr) *out_flags = opened;
+      return code;
+    }
+    // A log that another process makes just after it was not found is opened for reading only.
+    if (code == SQLITE_OK) file->pMethods->xClose(file);
   }
   return system->xOpen(system, name, file, flags, out_flags);
 }

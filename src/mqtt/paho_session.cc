@@ -16,6 +16,7 @@
 
 #include "base/text.h"
 #include "mqtt/paho_errors.h"
+#include "mqtt/paho_properties.h"
 #include "mqtt/paho_sockets.h"
 #include "mqtt/paho_watch.h"
 
@@ -87,7 +88,8 @@ struct SessionCallbacks {
   }
 };
 
-PahoSession::PahoSession(PahoConnection connection, std::chrono::seconds keep_alive)
+PahoSession::PahoSession(PahoConnection connection, std::chrono::seconds keep_alive,
+                         const PublishProperties& properties)
     : connection_(std::move(connection)), slice_(SliceFor(keep_alive)) {
   ++open_sessions;
   const std::lock_guard lock(PahoMutex());
@@ -95,6 +97,7 @@ PahoSession::PahoSession(PahoConnection connection, std::chrono::seconds keep_al
   // from starting a thread; one given afterwards, without which there is no deliveryComplete
   // either, starts none.
   if (connection_.server.version == ProtocolVersion::k5) {
+    properties_ = std::make_unique<PahoProperties>(properties);
     MQTTClient_setPublished(connection_.client, this, SessionCallbacks::OnPublished);
   } else {
     MQTTClient_setCallbacks(connection_.client, this, nullptr, SessionCallbacks::OnNothing,
@@ -246,13 +249,15 @@ void PahoSession::Cork(bool on) const {
   setsockopt(connection_.descriptor, IPPROTO_TCP, TCP_CORK, &value, sizeof value);
 }
 
+std::size_t PahoSession::properties_size() const { return properties_ ? properties_->size() : 0; }
+
 int PahoSession::PahoPublish(const Message& message, Retain retain, int& token) {
   const int size = static_cast<int>(message.payload.size());
   const int qos = static_cast<int>(message.qos);
   if (connection_.server.version == ProtocolVersion::k5) {
     const MQTTResponse response =
         MQTTClient_publish5(connection_.client, message.topic.c_str(), size, message.payload.data(),
-                            qos, static_cast<int>(retain), nullptr, &token);
+                            qos, static_cast<int>(retain), properties_->get(), &token);
     return ReasonCode(response);
   }
   return MQTTClient_publish(connection_.client, message.topic.c_str(), size, message.payload.data(),

@@ -3,6 +3,7 @@
 
 #include <chrono>
 #include <deque>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -18,6 +19,7 @@
 namespace fleetpub::mqtt {
 
 class PahoCall;
+class PahoProperties;
 
 /// Whether the broker keeps a message for later subscribers.
 enum class Retain : int { kNo = 0, kYes = 1 };
@@ -25,7 +27,9 @@ enum class Retain : int { kNo = 0, kYes = 1 };
 /// Belongs to one thread at a time. Nothing here waits longer than it is told.
 class PahoSession {
  public:
-  PahoSession(PahoConnection connection, std::chrono::seconds keep_alive);
+  /// `properties` go with each message, on MQTT 5.
+  PahoSession(PahoConnection connection, std::chrono::seconds keep_alive,
+              const PublishProperties& properties);
   PahoSession(const PahoSession&) = delete;
   PahoSession& operator=(const PahoSession&) = delete;
   /// Drops the connection without DISCONNECT when Disconnect() was not called.
@@ -54,6 +58,8 @@ class PahoSession {
   /// without an end.
   [[nodiscard]] Result<int> Publish(const Message& message, Retain retain, Deadline deadline);
   void Cork(bool on) const;
+  /// What MQTT 5's properties add to each message, bytes.
+  [[nodiscard]] std::size_t properties_size() const;
   /// One SUBSCRIBE packet and its SUBACK.
   [[nodiscard]] Status Subscribe(std::span<const std::string> filters, Qos qos, Deadline deadline);
   void Disconnect();
@@ -69,6 +75,7 @@ class PahoSession {
   int PahoSubscribe(const std::vector<char*>& names, std::vector<int>& codes);
 
   PahoConnection connection_;
+  std::unique_ptr<PahoProperties> properties_;  // null on 3.1.1
   std::chrono::milliseconds slice_;  // the longest that Paho may be left alone
   std::unordered_set<int> in_flight_;
   // Acknowledgements that came before MQTTClient_publish() had returned the token.

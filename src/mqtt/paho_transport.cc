@@ -33,7 +33,7 @@ class PahoTransport final : public RobotTransport {
   PahoTransport(std::unique_ptr<TraceListener> trace, PahoConnection connection,
                 const ConnectOptions& options)
       : trace_(std::move(trace)),
-        session_(std::move(connection), options.keep_alive),
+        session_(std::move(connection), options.keep_alive, options.properties),
         window_(std::clamp(options.window, 1, session_.receive_maximum())) {}
 
   [[nodiscard]] const ServerInfo& server() const override { return session_.server(); }
@@ -116,7 +116,8 @@ class PahoTransport final : public RobotTransport {
     const ServerInfo& server = session_.server();
     const std::size_t limit =
         std::min<std::size_t>(server.maximum_packet_size.value_or(kMaximumPacket), kMaximumPacket);
-    if (message.topic.size() + message.payload.size() + kPublishOverhead > limit) {
+    const std::size_t overhead = kPublishOverhead + session_.properties_size();
+    if (message.topic.size() + message.payload.size() + overhead > limit) {
       return Fail(ErrorKind::kBroker,
                   fmt::format("a message of {} bytes is too large for {}, which takes {}",
                               message.payload.size(), session_.Name(), limit));

@@ -14,6 +14,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "base/result.h"
@@ -50,6 +51,13 @@ struct Will {
   bool retain = false;
 };
 
+/// What MQTT 5 sends along with each message (§3.3.2.3); 3.1.1 has no place for it.
+struct PublishProperties {
+  std::vector<std::pair<std::string, std::string>> user;  ///< §3.3.2.3.7, in this order
+  /// §3.3.2.3.3: how long a broker may keep the message for a subscriber that is away.
+  std::optional<std::chrono::seconds> expiry;
+};
+
 struct TlsOptions {
   std::string ca_file;  ///< PEM; empty with an empty ca_path: the system's trust store
   std::string ca_path;
@@ -69,6 +77,7 @@ struct ConnectOptions {
   std::optional<std::string> password;
   std::chrono::seconds keep_alive{60};
   ProtocolVersion version = ProtocolVersion::k311;
+  PublishProperties properties;
   /// For name lookup, TCP, TLS and CONNACK together, per broker.
   std::chrono::milliseconds connect_timeout{10'000};
   TlsOptions tls;

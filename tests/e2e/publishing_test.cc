@@ -103,6 +103,18 @@ TEST_F(Publishing, IsAcknowledgedAtQos1And2OverBothVersionsOfMqtt) {
   EXPECT_EQ(messages[3].qos, 2);
 }
 
+TEST_F(Publishing, SendsMqtt5PropertiesAlongWithEachMessage) {
+  Process subscriber({.arguments = {"stdbuf", "-oL", "mosquitto_sub", "-h", "127.0.0.1", "-p",
+                                    std::to_string(broker_.port()), "-V", "5", "-t", "#", "-F",
+                                    "%E [%P]", "-d"}});
+  ASSERT_TRUE(subscriber.AwaitOutput("SUBACK"));
+  const Finished run = Fleetpub({"pause", "KIT/0001", "KIT/0002", "-V", "5", "--user-property",
+                                 "desk=night shift", "--user-property", "ticket=a=b",
+                                 "--message-expiry", "90s"});
+  EXPECT_EQ(run.exit_code, 0) << run.errors;
+  ASSERT_TRUE(subscriber.AwaitOutput("90 [desk:night shift ticket:a=b]\n"));
+}
+
 TEST_F(Publishing, TellsAScriptEverythingInJson) {
   const Finished run = Fleetpub({"pause", "KIT/0001", "-o", "json", "--id", "a-1", "--vda", "2"});
   EXPECT_EQ(run.exit_code, 0) << run.errors;
