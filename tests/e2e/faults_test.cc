@@ -1,14 +1,12 @@
-// The system says no. scripts/torture tries far more of this; here stands what it found.
+// The system says no. scripts/torture tries far more of this; here stands what it found and only
+// the whole program shows.
 #include <gmock/gmock.h>
-
-#include <filesystem>
 
 #include "support/operator.h"
 
 namespace fleetpub::testing {
 namespace {
 
-using ::testing::AnyOf;
 using ::testing::HasSubstr;
 
 class Faults : public EndToEnd {
@@ -26,20 +24,6 @@ TEST_F(Faults, AFileThatMayNotGrowIsLedgerTrouble) {
   EXPECT_EQ(limited.exit_code, 8) << limited.errors;
   EXPECT_THAT(limited.errors, HasSubstr("nothing was sent: no room for the ledger"));
   EXPECT_EQ(Fleetpub({"pause", "KIT/0001"}).exit_code, 0);
-}
-
-// SQLite calls a log that could not be copied no error: the new ledger was moved into place empty.
-TEST_F(Faults, AMissingLockWhileTheLedgerIsMadeLeavesNoHalfALedger) {
-  for (int call = 1;; call += 3) {
-    const std::string from = std::to_string(call) + "+";
-    const auto hurt = PauseBehind(
-        {"strace", "-f", "-qq", "-o", "/dev/null", "-e", "inject=fcntl:error=ENOLCK:when=" + from});
-    ASSERT_THAT(hurt.exit_code, AnyOf(0, 8)) << from << hurt.errors;
-    const auto next = Fleetpub({"pause", "KIT/0001"});
-    ASSERT_EQ(next.exit_code, 0) << from << next.errors;
-    if (hurt.exit_code == 0) break;  // no such call is left
-    std::filesystem::remove_all(operator_.LedgerPath().parent_path());
-  }
 }
 
 }  // namespace
