@@ -64,20 +64,24 @@ TEST(AnyBrokerUrl, IsParsedFromItsText) {
   EXPECT_TRUE(rc::check([] {
     const auto word = rc::gen::nonEmpty(
         rc::gen::container<std::string>(rc::gen::elementOf(std::string("abz019-._"))));
-    const auto login = rc::gen::container<std::string>(
-        rc::gen::elementOf(std::string("aZ0 %/?#[]\"\\&=+,;~!$'()*<>^`{|}\xC3\xBC")));
+    const auto login = rc::gen::nonEmpty(rc::gen::container<std::string>(
+        rc::gen::elementOf(std::string("aZ0 %/?#[]@:\"&=+,;~!$'()*<>^`{|}"))));
     mqtt::BrokerUrl url;
     url.scheme = *rc::gen::element(mqtt::Scheme::kMqtt, mqtt::Scheme::kMqtts, mqtt::Scheme::kWs,
                                    mqtt::Scheme::kWss);
     url.host = *rc::gen::oneOf(word, rc::gen::element<std::string>("::1", "fe80::1", "10.0.0.1"));
     url.port = *rc::gen::inRange<std::uint16_t>(1, 65'535);
     url.username = *login;
-    RC_PRE(base::IsUtf8(url.username));
     if (url.UsesWebSocket()) url.path = "/" + *word;
-    const auto parsed = mqtt::ParseBrokerUrl(url.ToString());
-    if (!parsed) RC_FAIL(url.ToString() + ": " + parsed.error().message);
+    std::string escaped;
+    for (const char c : url.username) escaped += fmt::format("%{:02x}", c);
+    std::string text = url.ToString();  // never names the user
+    text.insert(text.find("://") + 3, escaped + "@");
+    const auto parsed = mqtt::ParseBrokerUrl(text);
+    if (!parsed) RC_FAIL(text + ": " + parsed.error().message);
+    const bool same = *parsed == url;
+    RC_ASSERT(same);
     RC_ASSERT(parsed->ToString() == url.ToString());
-    RC_ASSERT(*parsed == url);
   }));
 }
 
@@ -97,38 +101,41 @@ vda5050::Parameter AnyValueOf(const vda5050::ParameterSpec& spec) {
 TEST(AnyInstantAction, IsValidOnceItIsBuilt) {
   schema::Registry registry;
   for (const vda5050::Version version : vda5050::kVersions) {
-    for (const vda5050::ActionSpec* spec : vda5050::ActionsOf(version)) {
-      if (!spec->scopes.instant) continue;
-      EXPECT_TRUE(rc::check(std::string(spec->type), [&] {
-        vda5050::InstantAction action{.type = std::string(spec->type), .id = *LevelName()};
-        action.descriptor = *rc::gen::oneOf(LevelName(), rc::gen::just(std::string()));
-        for (const vda5050::ParameterSpec& parameter : spec->parameters) {
-          if (parameter.required || *rc::gen::arbitrary<bool>()) {
-            action.parameters.push_back(AnyValueOf(parameter));
-          }
+    auto actions = vda5050::ActionsOf(version);
+    std::erase_if(actions, [](const auto* spec) { return !spec->scopes.instant; });
+    std::size_t turn = 0;  // each action several times
+    EXPECT_TRUE(rc::check([&] {
+      const vda5050::ActionSpec& spec = *actions[turn++ % actions.size()];
+      vda5050::InstantAction action{.type = std::string(spec.type), .id = *LevelName()};
+      action.descriptor = *rc::gen::oneOf(LevelName(), rc::gen::just(std::string()));
+      for (const vda5050::ParameterSpec& parameter : spec.parameters) {
+        if (parameter.required || *rc::gen::arbitrary<bool>()) {
+          action.parameters.push_back(AnyValueOf(parameter));
         }
-        const auto command = vda5050::BuildInstantActions({*LevelName(), *LevelName()},
-                                                          {.version = version}, {{action}});
-        if (!command) RC_FAIL(command.error().message);
-        const auto findings = dispatch::Validate(*command, registry);
-        if (!findings) RC_FAIL(findings.error().message);
-        if (!findings->errors.empty()) RC_FAIL(dispatch::Describe(*findings));
-      }));
-    }
+      }
+      const auto command = vda5050::BuildInstantActions({*LevelName(), *LevelName()},
+                                                        {.version = version}, {{action}});
+      if (!command) RC_FAIL(command.error().message);
+      const auto findings = dispatch::Validate(*command, registry);
+      if (!findings) RC_FAIL(findings.error().message);
+      if (!findings->errors.empty()) RC_FAIL(dispatch::Describe(*findings));
+    }));
   }
 }
 
 // Whatever is asked for, by whomever opens the ledger anew: per topic ids only rise.
 TEST(AnyHeaderIds, RisePerTopic) {
-  EXPECT_TRUE(rc::check([] {
-    const fleetpub::testing::TemporaryFolder folder;
+  const fleetpub::testing::TemporaryFolder folder;
+  auto ledger = ledger::MustOpen(folder / "ledger.db");
+  int first_robot = 0;
+  EXPECT_TRUE(rc::check([&] {
     std::map<int, std::optional<std::uint32_t>> last;
-    auto ledger = ledger::MustOpen(folder / "ledger.db");
+    first_robot += 3;
     const auto wishes = *rc::gen::container<std::vector<std::pair<int, std::uint32_t>>>(
-        rc::gen::pair(rc::gen::inRange(0, 3), rc::gen::inRange<std::uint32_t>(0, 60)));
+        12, rc::gen::pair(rc::gen::inRange(0, 3), rc::gen::inRange<std::uint32_t>(0, 60)));
     for (const auto& [robot, wish] : wishes) {
       if (wish % 7 == 0) ledger = ledger::MustOpen(folder / "ledger.db");
-      ledger::Draft draft = ledger::DraftFor(robot);
+      ledger::Draft draft = ledger::DraftFor(first_robot + robot);
       if (wish % 2 == 0) draft.header_id = wish;
       const auto reserved = ledger->Reserve(std::span(&draft, 1));
       const bool is_late = draft.header_id && last[robot] && *draft.header_id <= *last[robot];
@@ -149,7 +156,7 @@ std::string AnyJson(int depth) {
   if (kind == 1) return base::JsonString(*LevelName());
   if (kind == 2) return std::to_string(*rc::gen::arbitrary<std::int64_t>());
   if (kind == 3) return std::to_string(*rc::gen::arbitrary<std::uint64_t>());
-  if (kind == 4) return fmt::format("{}", double{*rc::gen::inRange(-999'999, 999'999)} / 1'024);
+  if (kind == 4) return fmt::format("{}", *rc::gen::inRange(-999'999, 999'999) / 1'024.0);
   std::vector<std::string> parts;
   const int count = *rc::gen::inRange(0, 4);
   for (int i = 0; i < count; ++i) {
@@ -168,9 +175,12 @@ TEST(AnyJson, ComesBackFromItsText) {
     const std::string printed = base::ToJson(*document);
     const auto again = base::ParseJson(printed);
     RC_ASSERT(again.has_value());
-    RC_ASSERT(*again == *document);
+    const bool same = *again == *document;
+    RC_ASSERT(same);
     RC_ASSERT(base::ToJson(*again) == printed);
-    RC_ASSERT(base::ParseJson(base::ToPrettyJson(*document)).value() == *document);
+    const auto pretty = base::ParseJson(base::ToPrettyJson(*document));
+    RC_ASSERT(pretty.has_value());
+    RC_ASSERT(base::ToJson(*pretty) == printed);
   }));
 }
 
