@@ -5,6 +5,7 @@
 #include <rapidcheck.h>
 
 #include <algorithm>
+#include <cstdlib>
 #include <map>
 
 #include "base/json.h"
@@ -165,6 +166,18 @@ std::string AnyJson(int depth) {
   }
   const std::string inside = base::Join(parts, ",");
   return kind == 5 ? "[" + inside + "]" : "{" + inside + "}";
+}
+
+TEST(AnyNumber, IsReadAsTheNearestDouble) {
+  EXPECT_TRUE(rc::check([] {
+    const auto digits = rc::gen::container<std::string>(rc::gen::elementOf(std::string("000019")));
+    std::string text = *rc::gen::element<std::string>("", "-");
+    text += *rc::gen::element<std::string>("0", "1", "9007199254740993", "123456789012345678");
+    text += "." + *digits + "0e" + std::to_string(*rc::gen::inRange(-340, 280));
+    const auto document = base::ParseJson(text);
+    if (!document) RC_FAIL(text + ": " + document.error().message);
+    RC_ASSERT(document->GetDouble() == std::strtod(text.c_str(), nullptr));
+  }));
 }
 
 TEST(AnyJson, ComesBackFromItsText) {
