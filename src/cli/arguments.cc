@@ -16,8 +16,8 @@ bool TakesValue(const CLI::App& app, const std::string& name) {
   return option != nullptr && option->get_items_expected_max() > 0;
 }
 
-// Whether this argument is an option whose value is the next argument: `--broker`, `-b`, `-vb`, but
-// not `-bURL`.
+}  // namespace
+
 bool TakesNext(const CLI::App& app, const std::string& argument) {
   if (argument.starts_with("--")) return TakesValue(app, argument);
   for (std::size_t i = 1; i < argument.size(); ++i) {
@@ -26,7 +26,6 @@ bool TakesNext(const CLI::App& app, const std::string& argument) {
   return false;
 }
 
-// The positions of words that are neither options nor their values.
 std::vector<std::size_t> WordPositions(const CLI::App& app,
                                        const std::vector<std::string>& arguments) {
   std::vector<std::size_t> positions;
@@ -40,6 +39,8 @@ std::vector<std::size_t> WordPositions(const CLI::App& app,
   }
   return positions;
 }
+
+namespace {
 
 const Subcommand* Named(std::string_view name) {
   for (const Subcommand& subcommand : Subcommands()) {

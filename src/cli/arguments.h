@@ -25,6 +25,14 @@ struct Invocation {
   std::vector<std::string> arguments;      ///< everything else, in order
 };
 
+/// The positions of the arguments before `--` that are neither options nor their values.
+[[nodiscard]] std::vector<std::size_t> WordPositions(const CLI::App& app,
+                                                     const std::vector<std::string>& arguments);
+
+/// Whether this argument is an option whose value is the next argument: `--broker`, `-b`, `-vb`,
+/// but not `-bURL`.
+[[nodiscard]] bool TakesNext(const CLI::App& app, const std::string& argument);
+
 /// `app` has the global options declared, which tells which of them take a value. A word that is no
 /// subcommand is refused with the nearest one: ErrorKind::kUsage.
 [[nodiscard]] Result<Invocation> FindSubcommand(const CLI::App& app,

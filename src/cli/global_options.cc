@@ -238,8 +238,8 @@ Result<mqtt::ProtocolVersion> MqttVersionOf(std::string_view text) {
 Result<std::pair<std::string, std::string>> UserPropertyOf(const std::string& text) {
   const std::size_t equals = text.find('=');
   if (equals == 0 || equals == std::string::npos) {
-    return Fail(ErrorKind::kUsage, fmt::format("--user-property takes NAME=VALUE, not '{}'",
-                                               base::Printable(text)));
+    return Fail(ErrorKind::kUsage,
+                fmt::format("--user-property takes NAME=VALUE, not '{}'", base::Printable(text)));
   }
   // MQTT 5 §1.5.4: UTF-8 without NUL, 65,535 bytes at most.
   constexpr std::size_t kLongest = 65'535;
@@ -259,7 +259,8 @@ Result<std::chrono::seconds> ExpiryOf(std::string_view text) {
   return Fail(ErrorKind::kUsage, "--message-expiry takes a time of at least a second");
 }
 
-Result<mqtt::PublishProperties> PropertiesOf(const GlobalOptions& o, mqtt::ProtocolVersion version) {
+Result<mqtt::PublishProperties> PropertiesOf(const GlobalOptions& o,
+                                             mqtt::ProtocolVersion version) {
   mqtt::PublishProperties properties;
   for (const std::string& text : o.user_properties) {
     auto property = UserPropertyOf(text);

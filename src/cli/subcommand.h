@@ -39,6 +39,7 @@ struct Subcommand {
 [[nodiscard]] Run DeclareActions(OptionSet& set);
 [[nodiscard]] Run DeclareAwait(OptionSet& set);
 [[nodiscard]] Run DeclareBatch(OptionSet& set);
+[[nodiscard]] Run DeclareCompletion(OptionSet& set);
 [[nodiscard]] Run DeclareConfigInit(OptionSet& set);
 [[nodiscard]] Run DeclareConfigShow(OptionSet& set);
 [[nodiscard]] Run DeclareFleet(OptionSet& set);

@@ -102,6 +102,10 @@ constexpr auto kSubcommands = std::to_array<Subcommand>({
      "config init\n"
      "config init --stdout",
      DeclareConfigInit, ConfigUse::kNone},
+    {"completion", kChecking, "SHELL", "the script by which bash, zsh or fish completes fleetpub",
+     "completion bash > ~/.local/share/bash-completion/completions/fleetpub\n"
+     "completion fish > ~/.config/fish/completions/fleetpub.fish",
+     DeclareCompletion, ConfigUse::kNone},
     {"ping", kChecking, "", "can the broker be reached with these settings, and what does it grant",
      "ping\n"
      "ping -b mqtt://broker.example:1883 -u operator --password-file pw",

@@ -187,6 +187,8 @@ bool Statement::IsNull(int column) const {
   return sqlite3_column_type(statement_, column) == SQLITE_NULL;
 }
 
+std::string_view SqliteVersion() { return sqlite3_libversion(); }
+
 Transaction::~Transaction() {
   // After a full disk SQLite has rolled back by itself, and this fails harmlessly.
   if (open_) static_cast<void>(database_.Execute("ROLLBACK"));

@@ -36,6 +36,9 @@ enum class AfterCheckpoint {
   kNothingFollows,  ///< the log is cut to nothing
 };
 
+/// Of the library that the program runs with.
+[[nodiscard]] std::string_view SqliteVersion();
+
 class Database {
  public:
   [[nodiscard]] static Result<std::unique_ptr<Database>> Open(

@@ -76,7 +76,7 @@ class PahoSession {
 
   PahoConnection connection_;
   std::unique_ptr<PahoProperties> properties_;  // null on 3.1.1
-  std::chrono::milliseconds slice_;  // the longest that Paho may be left alone
+  std::chrono::milliseconds slice_;             // the longest that Paho may be left alone
   std::unordered_set<int> in_flight_;
   // Acknowledgements that came before MQTTClient_publish() had returned the token.
   std::vector<std::pair<int, int>> early_;

@@ -1,6 +1,8 @@
 // Holds the manual to the program, and the program to the manual.
 #include <gmock/gmock.h>
 
+#include <algorithm>
+#include <cctype>
 #include <fstream>
 #include <regex>
 #include <set>
@@ -12,12 +14,20 @@ namespace fleetpub::testing {
 namespace {
 
 using ::testing::Contains;
+using ::testing::HasSubstr;
+using ::testing::Not;
 
 std::string Manual() {
   std::ifstream file(FLEETPUB_SOURCE_DIR "/docs/manual.md");
   std::ostringstream text;
   text << file.rdbuf();
   return text.str();
+}
+
+std::string Upper(std::string text) {
+  std::transform(text.begin(), text.end(), text.begin(),
+                 [](unsigned char letter) { return static_cast<char>(std::toupper(letter)); });
+  return text;
 }
 
 std::set<std::string> Matches(const std::string& text, const std::regex& pattern) {
@@ -54,6 +64,26 @@ std::set<std::string> Options() {
     options.merge(Matches(names, std::regex("(--?[a-zA-Z][a-z-]*)")));
   }
   return options;
+}
+
+// docs/manual.md is the manual pages' one source (scripts/man).
+TEST(TheManualPages, HoldEveryChapterAndAreWellFormed) {
+  const TemporaryFolder folder;
+  const Finished made = fleetpub::testing::Run(
+      {.arguments = {FLEETPUB_SOURCE_DIR "/scripts/man", folder.path().string()}});
+  ASSERT_EQ(made.exit_code, 0) << made.errors;
+  EXPECT_EQ(made.errors, "");
+  const Finished shown =
+      fleetpub::testing::Run({.arguments = {"sh", "-c",
+                                            "groff -k -man -Tutf8 -ww -P-cbou -rLL=200n '" +
+                                                folder.path().string() + "'/man*/*"}});
+  EXPECT_EQ(shown.exit_code, 0);
+  EXPECT_EQ(shown.errors, "");
+  for (const std::string& chapter : Matches(Manual(), std::regex("\n## ([^\n]*)"))) {
+    EXPECT_THAT(shown.output, HasSubstr("\n" + Upper(chapter) + "\n"));
+  }
+  for (const std::string& option : Options()) EXPECT_THAT(shown.output, HasSubstr(option));
+  EXPECT_THAT(shown.output, Not(HasSubstr("](")));
 }
 
 TEST(TheManual, DocumentsEveryOption) {

@@ -4,6 +4,7 @@
 #include <thread>
 
 #include "support/operator.h"
+#include "support/terminal.h"
 
 namespace fleetpub::testing {
 namespace {
@@ -204,58 +205,17 @@ TEST_F(Watching, ComesBackAfterARestartOfTheBroker) {
 
 // ── on a terminal ──
 
-/// A terminal of a given size in which one shell command runs.
-class Terminal {
- public:
-  Terminal(const Operator& someone, const std::vector<std::string>& arguments, int columns,
-           int rows) {
-    std::string line = "env -u NO_COLOR";
-    const Command command = someone.Prepare(arguments);
-    for (const auto& [name, value] : command.environment) {
-      if (value) line += " " + name + "='" + *value + "'";
-    }
-    for (const std::string& argument : command.arguments) line += " '" + argument + "'";
-    line += "; echo exit code $?; stty -a | grep -o -- '-\\?icanon'; sleep 100";
-    Tmux({"new-session", "-d", "-x", std::to_string(columns), "-y", std::to_string(rows), line});
-  }
-  Terminal(const Terminal&) = delete;
-  Terminal& operator=(const Terminal&) = delete;
-  ~Terminal() { Tmux({"kill-server"}); }
-
-  void Press(const std::string& key) { Tmux({"send-keys", key}); }
-  void Resize(int columns, int rows) {
-    Tmux({"resize-window", "-x", std::to_string(columns), "-y", std::to_string(rows)});
-  }
-  [[nodiscard]] std::string Shown() { return Tmux({"capture-pane", "-p"}); }
-  // 1: the alternate screen, or the cursor.
-  [[nodiscard]] std::string Flags() {
-    return Tmux({"display-message", "-p", "#{alternate_on} #{cursor_flag}"});
-  }
-  bool Await(const std::string& text) {
-    const auto deadline = std::chrono::steady_clock::now() + Process::kPatience;
-    while (std::chrono::steady_clock::now() < deadline) {
-      if (Shown().find(text) != std::string::npos) return true;
-      std::this_thread::sleep_for(std::chrono::milliseconds(20));
-    }
-    ADD_FAILURE() << "no '" << text << "' in:\n" << Shown();
-    return false;
-  }
-
- private:
-  std::string Tmux(std::vector<std::string> arguments) {
-    const std::vector<std::string> server = {"tmux", "-S", folder_ / "tmux", "-f", "/dev/null"};
-    arguments.insert(arguments.begin(), server.begin(), server.end());
-    return Run({.arguments = std::move(arguments), .environment = {{"TERM", "xterm"}}}).output;
-  }
-
-  TemporaryFolder folder_;
-};
-
 class OnATerminal : public Watching {};
+
+// Its end, and whether the terminal is as it was, are shown below it.
+std::string ForATerminal(const Operator& someone, const std::vector<std::string>& arguments) {
+  return ShellLine(someone.Prepare(arguments)) +
+         "; echo exit code $?; stty -a | grep -o -- '-\\?icanon'; sleep 100";
+}
 
 TEST_F(OnATerminal, RedrawsInPlaceAndRestoresTheScreen) {
   const auto robots = Simulate({"KIT/0001", "--count", "9", "--state-interval", "100ms"});
-  Terminal terminal(operator_, {"watch"}, 100, 8);
+  Terminal terminal(ForATerminal(operator_, {"watch"}), 100, 8);
   ASSERT_TRUE(terminal.Await("9 robots, 9 online"));
   ASSERT_TRUE(terminal.Await("5 more are not shown"));
   EXPECT_EQ(terminal.Flags(), "1 0\n");
@@ -270,7 +230,7 @@ TEST_F(OnATerminal, RedrawsInPlaceAndRestoresTheScreen) {
 }
 
 TEST_F(OnATerminal, IsRestoredWhenInterrupted) {
-  Terminal terminal(operator_, {"watch"}, 60, 8);
+  Terminal terminal(ForATerminal(operator_, {"watch"}), 60, 8);
   ASSERT_TRUE(terminal.Await("0 robots"));
   broker_.Kill();
   ASSERT_TRUE(terminal.Await("was lost"));

@@ -1,0 +1,135 @@
+// Completion, in real shells: what stands on the line after Tab.
+#include <gmock/gmock.h>
+
+#include <filesystem>
+#include <fstream>
+#include <optional>
+
+#include "support/operator.h"
+#include "support/terminal.h"
+
+namespace fleetpub::testing {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::Not;
+using ::testing::StartsWith;
+namespace fs = std::filesystem;
+
+class Completion : public ::testing::Test {
+ protected:
+  Completion() {
+    std::ofstream(home_ / "config.toml") << R"([profile.north]
+broker = "mqtt://localhost:1"
+[robot."KIT/0007"]
+alias = "agv7"
+[group]
+hall-1 = ["agv7"]
+)";
+    std::ofstream(home_ / "plan.json") << "{}";
+  }
+
+  // With nothing of the host's configuration, and the binary in the path.
+  [[nodiscard]] Command Prepare(std::vector<std::string> arguments) const {
+    const std::string path = fs::path(Binary()).parent_path().string();
+    return {.arguments = std::move(arguments),
+            .environment = {{"PATH", path + ":" + std::getenv("PATH")},
+                            {"HOME", home_.path().string()},
+                            {"FLEETPUB_CONFIG", home_ / "config.toml"},
+                            {"FLEETPUB_LEDGER", home_ / "ledger.db"}},
+            .folder = home_.path().string()};
+  }
+
+  // In which the script is loaded.
+  void Start(std::vector<std::string> shell, const std::string& load) {
+    const std::string line = ShellLine(Prepare(std::move(shell)));
+    terminal_.emplace("cd " + home_.path().string() + " && " + line, 160, 24);
+    terminal_->Type(load + "; PS1='re''ady '; clear");
+    terminal_->Press("Enter");
+    ASSERT_TRUE(terminal_->Await("ready"));
+  }
+
+  // Types it and Tab, and waits for what becomes of the line.
+  void ExpectCompleted(const std::string& typed, const std::string& line) {
+    terminal_->Type(typed);
+    terminal_->Press("Tab");
+    ASSERT_TRUE(terminal_->Await(line));
+  }
+
+  std::optional<Terminal> terminal_;
+  TemporaryFolder home_;
+};
+
+// What `__complete` answers, without the meanings.
+std::vector<std::string> Candidates(std::vector<std::string> words) {
+  words.insert(words.begin(), "__complete");
+  const Operator someone;
+  std::vector<std::string> texts;
+  for (const std::string& line : Lines(someone.Fleetpub(words).output)) {
+    texts.push_back(line.substr(0, line.find('\t')));
+  }
+  return texts;
+}
+
+TEST_F(Completion, KnowsCommandsOptionsAndTheirValues) {
+  EXPECT_THAT(Candidates({"initP"}), ElementsAre("initPosition"));
+  EXPECT_THAT(Candidates({"-b", "mqtt://x", "schema", ""}), ElementsAre("list", "show"));
+  EXPECT_THAT(Candidates({"pause", "KIT/1", "--wait-"}), ElementsAre("--wait-for"));
+  EXPECT_THAT(Candidates({"pause", "--wait-for", ""}), ElementsAre("accepted", "finished"));
+  EXPECT_THAT(Candidates({"pause", "--output=j"}), ElementsAre("--output=json"));
+  EXPECT_THAT(Candidates({"pause", "-o", "j"}), ElementsAre("json"));
+  EXPECT_THAT(Candidates({"pause", "--cafile", ""}), ElementsAre(":files"));
+  EXPECT_THAT(Candidates({"initPosition", "KIT/1", "--map"}), ElementsAre("--mapId", "--map-id"));
+  EXPECT_THAT(Candidates({"action", "initPosition", "KIT/1", "-P", "last"}),
+              ElementsAre("lastNodeId="));
+  EXPECT_THAT(Candidates({"schema", "show", "soar"}), ElementsAre("soar/1.0/messages"));
+  EXPECT_THAT(Candidates({"soar", "acknowledge", "x", "--status", "e"}), ElementsAre("executed"));
+  EXPECT_THAT(Candidates({"respond", "KIT/1", "request-1", "R"}),
+              ElementsAre("REVOKED", "REJECTED"));
+  EXPECT_THAT(Candidates({"nonsense", ""}), ElementsAre());
+  EXPECT_THAT(Candidates({"pause", "--help", "--vda", "2.1", "--no-such"}), ElementsAre());
+  EXPECT_THAT(Candidates({}), Not(ElementsAre()));
+}
+
+TEST_F(Completion, WorksInBash) {
+  Start({"bash", "--norc", "--noprofile", "-i"}, "eval \"`fleetpub completion bash`\"");
+  ExpectCompleted("fleetpub initP", "fleetpub initPosition");
+  ExpectCompleted("--lastN", "--lastNodeId");
+  ExpectCompleted("n1 @ha", "n1 @hall-1");
+  ExpectCompleted("ag", "@hall-1 agv7");
+  ExpectCompleted("--output=j", "--output=json");
+  ExpectCompleted("--cafile pl", "--cafile plan.json");
+}
+
+TEST_F(Completion, WorksInZsh) {
+  Start({"zsh", "-f", "-i"},
+        "autoload -U compinit; compinit -u; eval \"`fleetpub completion zsh`\"");
+  ExpectCompleted("fleetpub initP", "fleetpub initPosition");
+  ExpectCompleted("@ha", "initPosition @hall-1");
+  ExpectCompleted("--profile n", "--profile north");
+  ExpectCompleted("--cafile pl", "--cafile plan.json");
+  ExpectCompleted("--output=j", "--output=json");
+}
+
+TEST_F(Completion, WorksInFish) {
+  const auto ask = [&](const std::string& line) {
+    const Finished run = fleetpub::testing::Run(Prepare(
+        {"fish", "-N", "-c", "fleetpub completion fish | source; complete -C '" + line + "'"}));
+    EXPECT_EQ(run.errors, "");
+    return run.output;
+  };
+  EXPECT_THAT(ask("fleetpub initP"), StartsWith("initPosition\t"));
+  EXPECT_THAT(ask("fleetpub pause @"), StartsWith("@hall-1\tgroup of 1"));
+  EXPECT_THAT(ask("fleetpub validate pl"), HasSubstr("plan.json"));
+}
+
+TEST_F(Completion, NamesTheShellsThatThereAre) {
+  const Operator someone;
+  const Finished run = someone.Fleetpub({"completion", "tcsh"});
+  EXPECT_EQ(run.exit_code, 2);
+  EXPECT_THAT(run.errors, HasSubstr("bash, zsh or fish, not 'tcsh'"));
+}
+
+}  // namespace
+}  // namespace fleetpub::testing
