@@ -41,7 +41,7 @@ class Broker:
     def __init__(self, folder):
         self.process = None
         for _ in range(20):
-            self.port = random.randrange(20000, 40000)
+            self.port = random.SystemRandom().randrange(20000, 40000)  # two runs may have one seed
             if answers(self.port):
                 continue
             config = folder / "mosquitto.conf"
@@ -57,6 +57,7 @@ class Broker:
             except RuntimeError:
                 self.stop()
                 continue
+            time.sleep(0.1)  # one that found the port taken has ended by then
             if self.process.poll() is None:
                 return
         raise RuntimeError("no broker could be started")
