@@ -6,6 +6,7 @@
 #include <rapidjson/prettywriter.h>
 
 #include <algorithm>
+#include <cmath>
 #include <vector>
 
 namespace fleetpub::base {
@@ -32,7 +33,9 @@ class Guard {
  public:
   using Ch = char;
 
-  Guard(rapidjson::Document& document, int limit) : document_(document), limit_(limit) {}
+  /// `stream` is where the parser reads.
+  Guard(rapidjson::Document& document, int limit, const rapidjson::MemoryStream& stream)
+      : document_(document), limit_(limit), stream_(stream) {}
 
   bool Null() { return document_.Null(); }
   bool Bool(bool value) { return document_.Bool(value); }
@@ -40,7 +43,7 @@ class Guard {
   bool Uint(unsigned value) { return document_.Uint(value); }
   bool Int64(int64_t value) { return document_.Int64(value); }
   bool Uint64(uint64_t value) { return document_.Uint64(value); }
-  bool Double(double value) { return document_.Double(value); }
+  bool Double(double value) { return document_.Double(IsZero() ? std::copysign(0, value) : value); }
   bool RawNumber(const char* text, rapidjson::SizeType length, bool copy) {
     return document_.RawNumber(text, length, copy);
   }
@@ -64,8 +67,19 @@ class Guard {
     return !HoldsSurrogate({text, length});
   }
 
+  // Whether the number that was just read is 0. RapidJSON makes 1.9e22 of `0e41`: it normalises a
+  // significand of 0.
+  [[nodiscard]] bool IsZero() const {
+    const std::string_view before(stream_.begin_, stream_.Tell());
+    const std::size_t start = before.find_last_not_of("+-.0123456789eE") + 1;  // npos + 1 is 0
+    const std::string_view number = before.substr(start);
+    return number.substr(0, number.find_first_of("eE")).find_first_of("123456789") ==
+           std::string_view::npos;
+  }
+
   rapidjson::Document& document_;
   int limit_;
+  const rapidjson::MemoryStream& stream_;
   int depth_ = 0;
 };
 
@@ -79,7 +93,7 @@ struct Generator {
 
   bool operator()(rapidjson::Document& document) {
     rapidjson::Reader reader;
-    Guard guard(document, depth);
+    Guard guard(document, depth, stream);
     result = reader.Parse<kParseFlags>(stream, guard);
     too_deep = guard.too_deep();
     return !result.IsError();

@@ -80,7 +80,9 @@ ExitCode RunMain(const std::vector<std::string>& arguments) {
 }  // namespace
 
 int Main(int argc, char** argv) {
-  std::signal(SIGPIPE, SIG_IGN);  // a closed pipe is an error that we report, not our end
+  // A closed pipe and a file that may not grow are errors that we report, not our end.
+  std::signal(SIGPIPE, SIG_IGN);
+  std::signal(SIGXFSZ, SIG_IGN);
   ExitCode code = ExitCode::kUnexpected;
   try {
     code = RunMain({argv + 1, argv + argc});

@@ -5,7 +5,18 @@
 #include <cmath>
 #include <exception>
 #include <sstream>
+#include <stdexcept>
 
+namespace fleetpub::cli {
+// The library asserts things about times that a file can break (`1979-05-27Tx:00`): an error of the
+// file then, in every build, instead of an abort or of undefined behaviour.
+constexpr void RequireOfToml(bool holds) {
+  if (!holds) throw std::invalid_argument("a date or time that is none");
+}
+}  // namespace fleetpub::cli
+
+#undef NDEBUG
+#define TOML_ASSERT(holds) fleetpub::cli::RequireOfToml(static_cast<bool>(holds))
 #define TOML_HEADER_ONLY 1
 #define TOML_EXCEPTIONS 1
 #include <toml++/toml.h>

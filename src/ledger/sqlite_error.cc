@@ -51,8 +51,8 @@ std::string Message(const SqliteFailure& failure) {
 Error DamagedLedger(const std::filesystem::path& path, std::string detail) {
   return {ErrorKind::kLedger,
           fmt::format("{0} is damaged or no ledger: save what can be saved with `sqlite3 {0} "
-                      ".recover`, then move it aside; a new one counts header ids from 0 again "
-                      "unless header_id_start is \"epoch\"",
+                      ".recover`, then move it and {0}-wal aside, and leave "
+                      "{0}.locks: header ids go on where it says",
                       path.string()),
           std::move(detail)};
 }

@@ -1,7 +1,7 @@
 // The ledger in one SQLite file, with the topics' locks in a second file beside it.
 //
 // `ledger.db` comes with `-wal` (the newest commits), `-shm` and `.locks`. They belong together: a
-// copy of `ledger.db` alone misses the last commands, and their ids would be given again. Backups:
+// copy of `ledger.db` alone misses the last commands. Backups:
 // `sqlite3 ledger.db ".backup copy.db"`.
 #pragma once
 

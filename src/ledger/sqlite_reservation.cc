@@ -5,17 +5,19 @@
 #include <utility>
 
 #include "ledger/header_ids.h"
+#include "ledger/id_marks.h"
 #include "ledger/sqlite_history.h"
 #include "ledger/stored_actions.h"
 
 namespace fleetpub::ledger {
 namespace {
 
-/// The last ids of topics, prepared once for a whole batch.
+/// The last ids of topics, prepared once for a whole batch. `marks` must outlive it.
 class LastIds {
  public:
-  explicit LastIds(Database& database)
-      : read_(database, "SELECT last FROM header_ids WHERE topic = ?1"),
+  LastIds(Database& database, const IdMarks& marks)
+      : marks_(marks),
+        read_(database, "SELECT last FROM header_ids WHERE topic = ?1"),
         write_(database, "INSERT OR REPLACE INTO header_ids(topic, last) VALUES(?1, ?2)") {}
 
   Result<std::optional<std::uint32_t>> Read(std::string_view topic) {
@@ -24,7 +26,7 @@ class LastIds {
     std::optional<std::uint32_t> last;
     if (*row) last = static_cast<std::uint32_t>(read_.Integer(0));
     read_.Reset();
-    return last;
+    return LaterId(last, marks_.Read(topic));
   }
 
   Status Write(std::string_view topic, std::uint32_t last) {
@@ -32,6 +34,7 @@ class LastIds {
   }
 
  private:
+  const IdMarks& marks_;
   Statement read_;
   Statement write_;
 };
@@ -78,9 +81,10 @@ Result<std::uint32_t> TakeId(const Draft& draft, LastIds& last_ids, HeaderIdStar
   return id;
 }
 
-Result<std::vector<Reservation>> ReserveEach(Database& database, const SqliteOptions& options,
+Result<std::vector<Reservation>> ReserveEach(Database& database, const IdMarks& marks,
+                                             const SqliteOptions& options,
                                              std::span<const Draft> drafts) {
-  LastIds last_ids(database);
+  LastIds last_ids(database, marks);
   std::optional<Recorder> recorder;
   if (options.keep_history) recorder.emplace(database, options);
   std::vector<Reservation> reservations;
@@ -98,7 +102,7 @@ Result<std::vector<Reservation>> ReserveEach(Database& database, const SqliteOpt
 }  // namespace
 
 Result<std::optional<std::uint32_t>> ReadLastId(Database& database, std::string_view topic) {
-  return LastIds(database).Read(topic);
+  return LastIds(database, IdMarks(database.path())).Read(topic);
 }
 
 Result<std::vector<Reservation>> ReserveAll(Database& database, const SqliteOptions& options,
@@ -106,9 +110,13 @@ Result<std::vector<Reservation>> ReserveAll(Database& database, const SqliteOpti
   if (Status set = database.SetDurability(Durability::kFull); !set) return Fail(set.error());
   Transaction transaction(database);
   if (Status begun = transaction.Begin(); !begun) return Fail(begun.error());
-  Result<std::vector<Reservation>> reservations = ReserveEach(database, options, drafts);
+  const IdMarks marks(database.path());
+  Result<std::vector<Reservation>> reservations = ReserveEach(database, marks, options, drafts);
   if (!reservations) return reservations;
   if (Status done = transaction.Commit(); !done) return Fail(done.error());
+  for (std::size_t i = 0; i < drafts.size(); ++i) {
+    if (drafts[i].counted) marks.Write(drafts[i].topic, (*reservations)[i].header_id);
+  }
   return reservations;
 }
 

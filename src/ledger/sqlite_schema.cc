@@ -54,7 +54,12 @@ Status CreateTables(Database& database, Journal journal) {
     if (Status done = database.Execute(sql); !done) return done;
   }
   if (Status done = transaction.Commit(); !done) return done;
-  return database.Execute("PRAGMA wal_checkpoint(TRUNCATE)");
+  // A log that could not be copied is no error to SQLite: it answers 1 for busy.
+  const Result<std::string> busy = database.Ask("PRAGMA wal_checkpoint(TRUNCATE)");
+  if (!busy) return Fail(busy.error());
+  if (*busy == "0") return {};
+  return Fail(ErrorKind::kLedger, fmt::format("the new ledger {} could not be finished: try again",
+                                              database.path().string()));
 }
 
 Status CreateDraft(const std::string& path, Journal journal, std::chrono::milliseconds timeout) {
@@ -62,6 +67,17 @@ Status CreateDraft(const std::string& path, Journal journal, std::chrono::millis
   const auto database = Database::Open(path, Access::kReadWrite, timeout);
   if (!database) return Fail(database.error());
   return CreateTables(**database, journal);
+}
+
+/// SQLite would play it into the new file.
+Status RefuseOrphanedLog(const std::filesystem::path& ledger) {
+  const std::string path = ledger.string();
+  if (SizeOf(path + "-wal") == 0) return {};
+  return Fail(ErrorKind::kLedger,
+              fmt::format("the ledger {0} is gone or empty, but its log {0}-wal is there: put the "
+                          "ledger back, or move the log aside as well; header ids go on where "
+                          "{0}.locks says",
+                          path));
 }
 
 void RemoveFiles(const std::string& path, std::initializer_list<const char*> ends) {
@@ -81,6 +97,7 @@ Status CreateLedger(const std::filesystem::path& path, Journal journal,
   const Result<bool> made_meanwhile = HasLedgerFile(target);
   if (!made_meanwhile) return Fail(made_meanwhile.error());
   if (*made_meanwhile) return {};
+  if (Status alone_too = RefuseOrphanedLog(target); !alone_too) return alone_too;
   const std::string draft = target.string() + ".new";
   RemoveFiles(draft, {"", "-wal", "-shm", "-journal"});  // of one who was killed here
   Status made = CreateDraft(draft, journal, busy_timeout);

@@ -29,13 +29,8 @@ static_assert(sizeof(off_t) == 8, "topics are spread over 62 bits of offsets");
 /// Topics lie below.
 constexpr off_t kCreationOffset = off_t{1} << 62;
 
-/// FNV-1a. Part of the file's format: all versions must agree on it.
 off_t OffsetOf(std::string_view topic) {
-  std::uint64_t hash = 14'695'981'039'346'656'037U;
-  for (const char c : topic) {
-    hash = (hash ^ static_cast<unsigned char>(c)) * 1'099'511'628'211U;
-  }
-  return static_cast<off_t>(hash & ((std::uint64_t{1} << 62) - 1));
+  return static_cast<off_t>(TopicHash(topic) & ((std::uint64_t{1} << 62) - 1));
 }
 
 class FileLock : public TopicLock {
@@ -108,6 +103,14 @@ Error Refusal(const std::filesystem::path& ledger, std::string_view what, int er
 }
 
 }  // namespace
+
+std::uint64_t TopicHash(std::string_view topic) {
+  std::uint64_t hash = 14'695'981'039'346'656'037U;
+  for (const char c : topic) {
+    hash = (hash ^ static_cast<unsigned char>(c)) * 1'099'511'628'211U;
+  }
+  return hash;
+}
 
 Result<std::unique_ptr<TopicLock>> LockTopics(const std::filesystem::path& ledger,
                                               std::span<const std::string> topics,

@@ -50,6 +50,15 @@ TEST(ParseJson, KeepsDigitsOfADouble) {
             123456789012345678901234567890.);
 }
 
+// RapidJSON normalises a significand of 0 there.
+TEST(ParseJson, TakesAZeroWithAnExponent) {
+  for (const char* text : {"0e-41", "0e0041", "-0.0e40", "0.000e-300", "0e1"}) {
+    const auto document = ParseJson(text);
+    ASSERT_TRUE(document) << text;
+    EXPECT_EQ(document->GetDouble(), 0.0) << text;
+  }
+}
+
 TEST(ParseJson, RefusesWhatIsNoJson) {
   for (const std::string_view text :
        {"",         " ",        "{",          "]",     "{]",       "[1,]",      R"({"a":1,})",

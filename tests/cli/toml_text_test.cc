@@ -32,5 +32,13 @@ TEST(TomlText, SaysWhichLineIsNone) {
   EXPECT_EQ(TomlToJson("=").error().kind, ErrorKind::kInvalid);
 }
 
+// The library asserts that a digit stands there.
+TEST(TomlText, SurvivesATimeThatIsNone) {
+  EXPECT_THAT(Json("a = 1979-05-27Tx:00:00\n"), HasSubstr("not valid TOML"));
+  const auto value = ParseToml("a = [1979-05-27T\x01:00]\n");
+  ASSERT_FALSE(value);
+  EXPECT_EQ(value.error().kind, ErrorKind::kUsage);
+}
+
 }  // namespace
 }  // namespace fleetpub::cli

@@ -68,7 +68,7 @@ TEST(Pages, TellRecipesThatWork) {
   ASSERT_THAT(commands, HasSubstr("fleetpub fleet\n"));
   const Mosquitto broker;
   const Finished run = RunPage("export FLEETPUB_BROKER=" + broker.Url() +
-                               "\nfleetpub simulate KIT/0001 --count 3 &\n"
+                               "\nfleetpub simulate KIT/0001 --count 3 --state-interval 1s &\n"
                                "fleetpub await KIT/0003 connection connectionState=ONLINE\n" +
                                commands);
   EXPECT_EQ(run.exit_code, 0) << run.output << run.errors;

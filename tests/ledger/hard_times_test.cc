@@ -1,8 +1,12 @@
 // Disks without room, files without permission, media that nobody can write.
+#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <signal.h>
+#include <sqlite3.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
+
+#include <cerrno>
 
 #include "ledger/ledger_support.h"
 #include "ledger/sqlite_database.h"
@@ -153,6 +157,43 @@ TEST_F(HardTimes, AnInterruptedRollbackNeedsSomebodyWhoMayWrite) {
     chmod(entry.path().c_str(), 0600);
   }
   EXPECT_EQ(MustReserve(*MustOpen(path_)).header_id, 3U);
+}
+
+/// As if another process were copying every log (sqlite.org/walformat.html §2.3: byte 121).
+class LogsBeingCopied {
+ public:
+  LogsBeingCopied() { Set(&LogsBeingCopied::Fcntl); }
+  LogsBeingCopied(const LogsBeingCopied&) = delete;
+  LogsBeingCopied& operator=(const LogsBeingCopied&) = delete;
+  ~LogsBeingCopied() { Set(nullptr); }
+
+ private:
+  static void Set(int (*call)(int, int, struct flock*)) {
+    sqlite3_vfs* vfs = sqlite3_vfs_find(nullptr);
+    vfs->xSetSystemCall(vfs, "fcntl", reinterpret_cast<sqlite3_syscall_ptr>(call));
+  }
+  static int Fcntl(int file, int command, struct flock* range) {
+    if (command == F_SETLK && range->l_type == F_WRLCK && range->l_start == 121 &&
+        range->l_len == 1) {
+      errno = EAGAIN;
+      return -1;
+    }
+    return fcntl(file, command, range);
+  }
+};
+
+// SQLite calls a log that could not be copied no error: the new ledger was moved into place empty.
+TEST(NewLedger, WhoseLogCannotBeCopiedIsNotMovedIntoPlace) {
+  const testing::TemporaryFolder folder;
+  SqliteOptions options = OptionsFor(folder / "ledger.db");
+  options.busy_timeout = milliseconds(2);
+  {
+    const LogsBeingCopied hurt;
+    const auto ledger = OpenSqlite(options, OpenMode::kCreate);
+    ASSERT_FALSE(ledger);
+    EXPECT_THAT(ledger.error().message, HasSubstr("could not be finished"));
+  }
+  EXPECT_EQ(MustReserve(*MustOpen(options.path)).header_id, 0U);
 }
 
 TEST(ReadingOnly, MakesNothing) {

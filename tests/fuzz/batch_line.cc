@@ -1,0 +1,23 @@
+// A line of a batch. What it makes has been validated, and is JSON whatever id and time it gets.
+#include "cli/batch_line.h"
+
+#include "base/json.h"
+#include "fuzz.h"
+
+using namespace fleetpub;
+
+FUZZ(text) {
+  static cli::LineParser parser({}, "");
+  cli::LineOrigin origin;
+  const auto line = parser.Parse(text, origin);
+  if (!line) {
+    fuzz::Require(!line.error().message.empty());
+    return;
+  }
+  fuzz::Require(!line->commands.empty());
+  for (const dispatch::Command& command : line->commands) {
+    const std::string payload =
+        command.payload.Render(4'294'967'295, std::chrono::system_clock::now());
+    fuzz::Require(base::ParseJson(payload).has_value());
+  }
+}

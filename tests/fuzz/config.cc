@@ -1,0 +1,20 @@
+// A configuration file, and any other TOML.
+#include "cli/config.h"
+
+#include "base/json.h"
+#include "cli/toml_text.h"
+#include "fuzz.h"
+
+using namespace fleetpub;
+
+FUZZ(text) {
+  cli::Config config;
+  if (const auto read = cli::ReadConfig(text, "/f/c.toml", config); !read) {
+    fuzz::Require(read.error().kind == ErrorKind::kUsage && !read.error().message.empty());
+  } else {
+    static_cast<void>(cli::Settle("north", config));
+    static_cast<void>(cli::Settle(std::nullopt, config));
+  }
+  const auto json = cli::TomlToJson(text);
+  fuzz::Require(!json || base::ParseJson(*json, {.bytes = 1U << 30U, .depth = 1000}));
+}

@@ -1,0 +1,30 @@
+// What a robot says about itself: a line with the topic, then the JSON. Reading, finding robots,
+// the check before sending.
+#include "base/text.h"
+#include "fuzz.h"
+#include "vda5050/fleet_view.h"
+#include "vda5050/preflight.h"
+
+using namespace fleetpub;
+
+FUZZ(text) {
+  const auto [topic, payload] = fuzz::Cut(text, '\n');
+  vda5050::KnownRobot known;
+  known.connection = vda5050::ReadConnection(payload);
+  known.state = vda5050::ReadState(payload);
+  if (auto factsheet = vda5050::ReadFactsheet(payload)) {
+    known.factsheet = std::make_shared<const vda5050::Factsheet>(std::move(*factsheet));
+    fuzz::Require(!vda5050::SuitableActionId(known.factsheet.get()).empty());
+  }
+  const vda5050::InstantAction action{.type = "startPause", .id = "a"};
+  for (const vda5050::Version version : vda5050::kVersions) {
+    vda5050::Dialect dialect;
+    dialect.version = version;
+    static_cast<void>(vda5050::CheckRobot({"K", "1"}, dialect, std::span(&action, 1), known, 100));
+  }
+  vda5050::FleetView fleet({}, {});
+  const vda5050::RobotView* view = fleet.Deliver(topic, payload, vda5050::Origin::kLive);
+  if (view != nullptr && view->state) static_cast<void>(vda5050::WorstError(view->state->errors));
+  static_cast<void>(vda5050::DialectFrom({}, topic, payload));
+  fuzz::Require(base::IsUtf8(vda5050::Shown(payload)));
+}

@@ -1,0 +1,24 @@
+// A SoAR message: a line with its topic, then the JSON. As an acknowledgement, and against each
+// schema.
+#include "base/json.h"
+#include "fuzz.h"
+#include "soar/confirmation.h"
+#include "soar/message.h"
+
+using namespace fleetpub;
+
+FUZZ(text) {
+  static schema::Registry registry;
+  static const auto schema = registry.Find(soar::kMessageSchema);
+  const auto [topic, payload] = fuzz::Cut(text, '\n');
+  const auto acknowledgement = soar::ReadAcknowledgement(topic, payload, {});
+  if (acknowledgement) {
+    auto confirmation =
+        soar::ConfirmMessage({.message_id = acknowledgement->message_id, .topics = {"#"}});
+    confirmation->Published(0);
+    confirmation->Receive({topic, payload});
+    fuzz::Require(confirmation->progress().seen);
+  }
+  const auto document = base::ParseJson(payload);
+  if (document) static_cast<void>((*schema)->Validate(*document));
+}
