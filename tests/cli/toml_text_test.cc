@@ -40,5 +40,11 @@ TEST(TomlText, SurvivesATimeThatIsNone) {
   EXPECT_EQ(value.error().kind, ErrorKind::kUsage);
 }
 
+// The library takes this character for one that cannot stand there.
+TEST(TomlText, SurvivesALetterBehindANumber) {
+  EXPECT_THAT(Json("a = [1, 2.5,99999999999999999999999999999\u01FF9999000"),
+              HasSubstr("not valid TOML"));
+}
+
 }  // namespace
 }  // namespace fleetpub::cli

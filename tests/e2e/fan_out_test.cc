@@ -112,7 +112,7 @@ TEST_F(FanOut, TheSlowOnesAreNamed) {
   EXPECT_THAT(Lines(run.output).back(), HasSubstr("slow     SLOW/0001 1."));
 }
 
-TEST_F(FanOut, AtQosOneAndTwoNoneIsLost) {
+TEST_F(FanOut, AtQosZeroAndOneNoneIsLost) {
   const auto robots = Robot({"KIT/0001", "--count", "1500"});
   for (const char* qos : {"0", "1"}) {
     const Finished run = Fleetpub({"pause", "KIT/*", "--wait", "-q", qos, "-o", "json"});

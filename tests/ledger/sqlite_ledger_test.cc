@@ -131,9 +131,8 @@ TEST_F(SqliteFile, OfAnotherProgramIsRefusedUnchanged) {
 
 TEST_F(SqliteFile, ThatIsNoneSaysHowToRepairIt) {
   folder_.Write("ledger.db", std::string(5'000, 'x'));
-  EXPECT_THAT(ErrorOfOpening(path_),
-              AllOf(HasSubstr(path_.string()), HasSubstr(".recover"), HasSubstr("aside"),
-                    HasSubstr("ledger.db.locks")));
+  EXPECT_THAT(ErrorOfOpening(path_), AllOf(HasSubstr(path_.string()), HasSubstr(".recover"),
+                                           HasSubstr("aside"), HasSubstr("ledger.db.locks")));
   EXPECT_THAT(ErrorOfOpening(path_, OpenMode::kReadOnly), HasSubstr(".recover"));
   EXPECT_EQ(ReadWhole(path_), std::string(5'000, 'x'));
 }

@@ -17,8 +17,8 @@ class Certificates {
   static const Certificates& Get();
 
   /// The path of one of: ca.crt; server.crt and server.key (for localhost and 127.0.0.1); other.crt
-  /// (for other.example, with server.key); expired.crt, self.crt (with server.key, the latter signed
-  /// by itself); client.crt and client.key, whose password is "secret"; stranger.crt and
+  /// (for other.example, with server.key); expired.crt, self.crt (with server.key, the latter
+  /// signed by itself); client.crt and client.key, whose password is "secret"; stranger.crt and
   /// stranger.key (another authority).
   [[nodiscard]] std::string operator/(const std::string& name) const {
     return (folder_ / name).string();
