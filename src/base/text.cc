@@ -125,6 +125,17 @@ bool IsUtf8(std::string_view text) {
   return true;
 }
 
+namespace {
+
+// Shows text in another order, or hides in it: marks of direction and what has no width. A name
+// would look like another's.
+bool IsDeceptive(std::uint32_t code) {
+  return code == 0x061C || (code >= 0x200B && code <= 0x200F) ||
+         (code >= 0x2028 && code <= 0x202E) || (code >= 0x2060 && code <= 0x2069) || code == 0xFEFF;
+}
+
+}  // namespace
+
 std::string Printable(std::string_view text) {
   std::string printable;
   printable.reserve(text.size());
@@ -139,6 +150,8 @@ std::string Printable(std::string_view text) {
       printable += "\\t";
     } else if (code < 0x20 || (code >= 0x7F && code < 0xA0)) {
       printable += fmt::format("\\x{:02x}", code);
+    } else if (IsDeceptive(code)) {
+      printable += fmt::format("\\u{:04x}", code);
     } else {
       printable += text.substr(0, length);
     }

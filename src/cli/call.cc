@@ -43,8 +43,11 @@ Status Parse(CLI::App& app, const Invocation& invocation) {
     throw;  // --help, --version
   } catch (const CLI::ArgumentMismatch& error) {
     const std::string_view what = error.what();
-    return Fail(ErrorKind::kUsage, fmt::format("{}: {} needs a value", invocation.name,
-                                               base::Printable(what.substr(0, what.find(':')))));
+    const bool too_many = what.find("At Most") != std::string_view::npos;
+    return Fail(
+        ErrorKind::kUsage,
+        fmt::format("{}: {} {}", invocation.name, base::Printable(what.substr(0, what.find(':'))),
+                    too_many ? "is given more than once" : "needs a value"));
   } catch (const CLI::ParseError& error) {
     return Fail(ErrorKind::kUsage,
                 fmt::format("{}: {}", invocation.name, base::Printable(error.what())));

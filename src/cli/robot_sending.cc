@@ -244,7 +244,7 @@ class RobotSender {
     ProgressBar bar(sending_.targets.IsSet() ? robots_.size() : 0, context_.output);
     bar_ = sending_.targets.IsSet() && bar.IsPossible() ? &bar : nullptr;
     dispatch::Stream stream(transport_, **ledger, options_, sending_.waiting.wait, HooksFor());
-    const auto sent = SendAll(stream);
+    auto sent = SendAll(stream);
     bar_ = nullptr;
     if (transport_ != nullptr) transport_->Disconnect();
     if (!sent) return sent;
@@ -357,7 +357,7 @@ class RobotSender {
 
 }  // namespace
 
-Result<ExitCode> SendToRobots(RobotSending sending, const Context& context) {
+Result<ExitCode> SendToRobots(const RobotSending& sending, const Context& context) {
   const auto qos = QosOf(sending.options.qos);
   if (!qos) return Fail(qos.error());
   const auto pace = PaceOf(sending.options.rate);

@@ -57,6 +57,6 @@ struct RobotSending {
 /// Asks who is meant where only the broker knows, and for consent where it is needed, then sends to
 /// all of the robots, batch by batch, or to none when the message is invalid. Prints a result for
 /// each as it becomes known, and a summary when a word stands for several.
-[[nodiscard]] Result<ExitCode> SendToRobots(RobotSending sending, const Context& context);
+[[nodiscard]] Result<ExitCode> SendToRobots(const RobotSending& sending, const Context& context);
 
 }  // namespace fleetpub::cli

@@ -128,6 +128,8 @@ TEST(Printable, ShowsWhatWouldMoveTheCursor) {
        "\\x9b31m"},  // and as a bare byte
       {"a\xFF\xC3", "a\\xff\\xc3"},
       {"\xED\xA0\x80", "\\xed\\xa0\\x80"},
+      {"KIT/\u202E1000", "KIT/\\u202e1000"},
+      {"a\u200Bb\u2066\uFEFF", "a\\u200bb\\u2066\\ufeff"},
   };
   for (const auto& [text, shown] : kCases) EXPECT_EQ(Printable(text), shown);
 }

@@ -35,6 +35,8 @@ TEST_F(Refusals, NameWhatIsWrongAndSendNothing) {
       {{"pause", "KIT/0001", "--vda", "4"}, 2, "1.1.0, 2.0.0, 2.1.0 or 3.0.0"},
       {{"pause", "KIT/0001", "--qso", "1"}, 2, "did you mean --qos?"},
       {{"pause", "KIT/0001", "-q", "3"}, 2, "0, 1 or 2"},
+      {{"pause", "KIT/0001", "-q", "1", "--qos", "1"}, 2, "--qos is given more than once"},
+      {{"pause", "KIT/0001", "-q"}, 2, "--qos needs a value"},
       {{"pause", "KIT/0001", "-b", "http://x"}, 2, "no scheme"},
       {{"pause", "KIT/0001", "-b", "mqtt://u:secret@x"}, 2, "password"},
       {{"pause", "KIT/0001", "-P", "secret"}, 2, "key=text"},
