@@ -36,8 +36,8 @@ namespace fleetpub::base {
 
 /// The text made safe for a terminal and for one line: control characters (C0, DEL, C1) and bytes
 /// that are no UTF-8 are shown as `\n`, `\x1b`, marks of direction and what has no width as
-/// `\u202e`. What a robot says must not be able to move an operator's cursor, nor look like another's
-/// words.
+/// `\u202e`. What a robot says must not be able to move an operator's cursor, nor look like
+/// another's words.
 [[nodiscard]] std::string Printable(std::string_view text);
 
 }  // namespace fleetpub::base
