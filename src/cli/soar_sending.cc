@@ -13,23 +13,19 @@
 namespace fleetpub::cli {
 namespace {
 
-using std::chrono::steady_clock;
-
 // Shows each level that somebody reaches while the command waits for its end.
 class LevelTeller {
  public:
   LevelTeller(std::string target, Output& output) : target_(std::move(target)), output_(output) {}
 
-  void operator()(const soar::Acknowledgement& said) const {
+  void operator()(const soar::Acknowledgement& said, std::chrono::nanoseconds after) const {
     output_.Tell(fmt::format("{}: {}  {}", base::Printable(said.from.empty() ? target_ : said.from),
-                             soar::NameOf(said.level),
-                             base::FormatElapsed(steady_clock::now() - started_)));
+                             soar::NameOf(said.level), base::FormatElapsed(after)));
   }
 
  private:
   std::string target_;
   Output& output_;
-  steady_clock::time_point started_ = steady_clock::now();
 };
 
 }  // namespace

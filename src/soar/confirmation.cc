@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <map>
+#include <optional>
 
 #include "base/json.h"
 #include "base/text.h"
@@ -14,6 +15,7 @@ namespace {
 using base::FindMember;
 using base::StringMember;
 using dispatch::Verdict;
+using std::chrono::steady_clock;
 
 class MessageConfirmation : public dispatch::Confirmation {
  public:
@@ -23,7 +25,7 @@ class MessageConfirmation : public dispatch::Confirmation {
 
   [[nodiscard]] std::vector<std::string> Topics() const override { return options_.topics; }
 
-  void Published(std::uint32_t /*header_id*/) override { published_ = true; }
+  void Published(std::uint32_t /*header_id*/) override { published_ = steady_clock::now(); }
 
   void Receive(const dispatch::Incoming& message) override {
     if (!published_ || progress_.ended || message.retained) return;
@@ -35,7 +37,7 @@ class MessageConfirmation : public dispatch::Confirmation {
     if (!is_new && said->level <= known->second) return;
     known->second = said->level;
     Judge();
-    if (options_.on_level) options_.on_level(*said);
+    if (options_.on_level) options_.on_level(*said, steady_clock::now() - *published_);
   }
 
   [[nodiscard]] const dispatch::Progress& progress() const override { return progress_; }
@@ -72,7 +74,7 @@ class MessageConfirmation : public dispatch::Confirmation {
   }
 
   ConfirmationOptions options_;
-  bool published_ = false;
+  std::optional<steady_clock::time_point> published_;
   dispatch::Progress progress_;
   std::map<std::string, Level> levels_;  // by who said it
 };

@@ -5,6 +5,7 @@
 // refuse a message in this protocol: the end is a level, or silence.
 #pragma once
 
+#include <chrono>
 #include <cstddef>
 #include <functional>
 #include <memory>
@@ -38,8 +39,9 @@ struct ConfirmationOptions {
   Prefix prefix;
   Level wait_for = Level::kExecuted;
   std::size_t count = 1;  ///< so many must say so, each counted once
-  /// Told of each level that somebody has newly reached. May be empty.
-  std::function<void(const Acknowledgement&)> on_level;
+  /// Told of each level that somebody has newly reached, and how long after the message was
+  /// published. May be empty.
+  std::function<void(const Acknowledgement&, std::chrono::nanoseconds)> on_level;
 };
 
 /// Ends with kFinished when the message is executed, with kAccepted when a lower level was waited

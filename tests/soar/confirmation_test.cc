@@ -27,7 +27,7 @@ class SoarConfirmation : public ::testing::Test {
                         .prefix = {},
                         .wait_for = wait_for,
                         .count = count,
-                        .on_level = [this](const Acknowledgement& said) {
+                        .on_level = [this](const Acknowledgement& said, auto /*after*/) {
                           levels_.push_back(said.from + " " + std::string(NameOf(said.level)));
                         }});
     confirmation_->Published(0);
