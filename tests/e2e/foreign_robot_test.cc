@@ -19,7 +19,10 @@ class ForeignRobot : public EndToEnd, public ::testing::WithParamInterface<Diale
   ForeignRobot()
       : robot_({.arguments = {"node", FLEETPUB_SOURCE_DIR "/tests/peers/virtual_agv.mjs",
                               broker_.Url(), GetParam().version, "LIB", "0001"}}) {
-    if (!robot_.AwaitOutput("online")) throw std::runtime_error(robot_.Errors());
+    // Its library calls itself started before the broker has its subscriptions.
+    const bool listens =
+        robot_.AwaitOutput("online") && broker_.AwaitLog("/LIB/0001/instantActions (QoS");
+    if (!listens) throw std::runtime_error(robot_.Errors());
   }
 
   /// Commands the robot and waits for its word.
