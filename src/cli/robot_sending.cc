@@ -7,6 +7,7 @@
 
 #include "base/text.h"
 #include "cli/command_maker.h"
+#include "cli/commanded.h"
 #include "cli/dry_run.h"
 #include "cli/fleet_summary.h"
 #include "cli/interrupt.h"
@@ -181,13 +182,8 @@ class RobotSender {
       names.insert(robot.ToString());
     }
     for (const auto& [robot, table] : context_.config.robots) names.insert(robot.ToString());
-    const auto ledger = OpenLedger(context_, ledger::OpenMode::kReadOnly);
-    if (!ledger) return names;
-    const auto rows = (*ledger)->History({.limit = 1'000});
-    if (!rows) return names;
-    for (const ledger::Record& row : *rows) {
-      if (row.protocol == "vda5050") names.insert(row.target);
-    }
+    for (std::string& target : CommandedBefore(context_, "vda5050"))
+      names.insert(std::move(target));
     return names;
   }
 

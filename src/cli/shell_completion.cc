@@ -11,6 +11,7 @@
 
 #include "base/text.h"
 #include "cli/call.h"
+#include "cli/commanded.h"
 #include "cli/output.h"
 #include "schema/schema.h"
 #include "vda5050/catalogue.h"
@@ -73,22 +74,9 @@ void SchemaNames(const Typed& typed, Candidates& found) {
   for (const auto& [name, origin] : registry.List()) found.words.push_back({name, origin});
 }
 
-// Whom the ledger saw commanded, newest first.
 std::vector<std::string> Commanded(const Typed& typed, std::string_view protocol) {
   Output quiet({.quiet = true});
-  const Context context{typed.call.options, quiet, typed.call.config};
-  const auto ledger = OpenLedger(context, ledger::OpenMode::kReadOnly);
-  if (!ledger) return {};
-  constexpr int kNewestRows = 1'000;
-  const auto rows = (*ledger)->History({.limit = kNewestRows});
-  std::vector<std::string> targets;
-  std::set<std::string> seen;
-  if (!rows) return targets;
-  for (const ledger::Record& row : *rows) {
-    const bool asked = base::EqualsIgnoringCase(row.protocol, protocol);
-    if (asked && seen.insert(row.target).second) targets.push_back(row.target);
-  }
-  return targets;
+  return CommandedBefore(Context{typed.call.options, quiet, typed.call.config}, protocol);
 }
 
 void Robots(const Typed& typed, Candidates& found) {
@@ -101,7 +89,7 @@ void Robots(const Typed& typed, Candidates& found) {
     seen.insert(robot.ToString());
     found.words.push_back({robot.ToString(), "configured"});
   }
-  for (const std::string& target : Commanded(typed, "VDA5050")) {
+  for (const std::string& target : Commanded(typed, "vda5050")) {
     if (seen.insert(target).second) found.words.push_back({target, "commanded before"});
   }
 }
@@ -114,7 +102,7 @@ void Targets(const Typed& typed, Candidates& found) {
 }
 
 void Destinations(const Typed& typed, Candidates& found) {
-  for (const std::string& target : Commanded(typed, "SoAR")) {
+  for (const std::string& target : Commanded(typed, "soar")) {
     found.words.push_back({target, "commanded before"});
   }
 }
