@@ -144,7 +144,7 @@ std::string ShortHelp() {
       "Usage: fleetpub COMMAND [TARGET...] [OPTIONS]\n\n"
       "  fleetpub ping -b mqtt://localhost:1883   can the broker be reached?\n"
       "  fleetpub pause KIT/0001 --dry-run        the message that would be sent\n"
-      "  fleetpub pause KIT/0001 --wait           send it, and wait for the robot's word\n"
+      "  fleetpub pause KIT/0001 --wait           send it, wait for the robot's word\n"
       "  fleetpub history                         what was sent\n\n"
       "fleetpub --help lists all commands, fleetpub COMMAND --help explains one.\n",
       kWhatItIs);
