@@ -1,7 +1,7 @@
 #include "base/json.h"
 
 #include <fmt/format.h>
-#include <rapidjson/error/en.h>
+#include <rapidjson/error/error.h>
 #include <rapidjson/memorystream.h>
 #include <rapidjson/prettywriter.h>
 
@@ -109,6 +109,44 @@ std::string Place(std::string_view text, std::size_t offset) {
   return fmt::format("line {}, column {}", line, column);
 }
 
+// In our words, not RapidJSON's.
+std::string_view WordsFor(rapidjson::ParseErrorCode code) {
+  switch (code) {
+    case rapidjson::kParseErrorDocumentEmpty:
+      return "nothing is there";
+    case rapidjson::kParseErrorDocumentRootNotSingular:
+      return "something stands behind its end";
+    case rapidjson::kParseErrorValueInvalid:
+      return "here must be a value: a text stands in quotation marks";
+    case rapidjson::kParseErrorObjectMissName:
+      return "here must be a member's name in quotation marks (is there a comma too many?)";
+    case rapidjson::kParseErrorObjectMissColon:
+      return "a colon is missing behind a member's name";
+    case rapidjson::kParseErrorObjectMissCommaOrCurlyBracket:
+      return "a comma or } is missing";
+    case rapidjson::kParseErrorArrayMissCommaOrSquareBracket:
+      return "a comma or ] is missing";
+    case rapidjson::kParseErrorStringUnicodeEscapeInvalidHex:
+      return "four hexadecimal digits are missing behind \\u";
+    case rapidjson::kParseErrorStringUnicodeSurrogateInvalid:
+      return "half of a surrogate pair";
+    case rapidjson::kParseErrorStringEscapeInvalid:
+      return "an escape that JSON does not have";
+    case rapidjson::kParseErrorStringMissQuotationMark:
+      return "a quotation mark is missing";
+    case rapidjson::kParseErrorStringInvalidEncoding:
+      return "not UTF-8";
+    case rapidjson::kParseErrorNumberTooBig:
+      return "a number is too large";
+    case rapidjson::kParseErrorNumberMissFraction:
+      return "digits are missing behind the decimal point";
+    case rapidjson::kParseErrorNumberMissExponent:
+      return "digits are missing in the exponent";
+    default:
+      return "it cannot be read from here on";
+  }
+}
+
 Error ParseError(std::string_view text, const Generator& generator) {
   const std::string place = Place(text, generator.result.Offset());
   if (generator.too_deep) {
@@ -118,9 +156,7 @@ Error ParseError(std::string_view text, const Generator& generator) {
   const bool by_guard = generator.result.Code() == rapidjson::kParseErrorTermination;
   const auto code =
       by_guard ? rapidjson::kParseErrorStringUnicodeSurrogateInvalid : generator.result.Code();
-  std::string reason = rapidjson::GetParseError_En(code);
-  if (reason.ends_with('.')) reason.pop_back();
-  return {ErrorKind::kInvalid, fmt::format("not valid JSON at {}: {}", place, reason)};
+  return {ErrorKind::kInvalid, fmt::format("not valid JSON at {}: {}", place, WordsFor(code))};
 }
 
 // The name that stands twice in this object, or null.

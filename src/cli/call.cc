@@ -33,6 +33,24 @@ Error UnknownArguments(const CLI::App& app, const std::string& command) {
           fmt::format("{}: '{}' is not understood: {}", command, base::Printable(first), hint)};
 }
 
+// CLI11's sentence names the option somewhere; ours says what it was given.
+Error NotTaken(const CLI::App& app, const std::string& command, std::string_view what) {
+  for (const CLI::Option* option : app.get_options()) {
+    const std::string name = option->get_name();
+    if (name.empty() || what.find(name) == std::string_view::npos) continue;
+    const std::string given = base::Printable(base::Join(option->results(), " "));
+    const std::string why = option->get_expected_max() == 0
+                                ? "takes no value"
+                                : fmt::format("does not take '{}'", given);
+    return {ErrorKind::kUsage,
+            fmt::format("{0}: {1} {2}: fleetpub {0} --help says what it takes", command, name, why),
+            std::string(what)};
+  }
+  return {ErrorKind::kUsage,
+          fmt::format("{0}: the arguments are not understood: fleetpub {0} --help", command),
+          std::string(what)};
+}
+
 // CLI11 throws; the rest of the program does not.
 Status Parse(CLI::App& app, const Invocation& invocation) {
   std::vector<std::string> reversed(invocation.arguments.rbegin(), invocation.arguments.rend());
@@ -49,8 +67,7 @@ Status Parse(CLI::App& app, const Invocation& invocation) {
         fmt::format("{}: {} {}", invocation.name, base::Printable(what.substr(0, what.find(':'))),
                     too_many ? "is given more than once" : "needs a value"));
   } catch (const CLI::ParseError& error) {
-    return Fail(ErrorKind::kUsage,
-                fmt::format("{}: {}", invocation.name, base::Printable(error.what())));
+    return Fail(NotTaken(app, invocation.name, error.what()));
   }
   if (!app.remaining(true).empty()) return Fail(UnknownArguments(app, invocation.name));
   return {};

@@ -8,6 +8,7 @@
 
 #include "base/json.h"
 #include "base/text.h"
+#include "base/width.h"
 #include "cli/config_files.h"
 #include "cli/config_settings.h"
 #include "cli/option_set.h"
@@ -120,8 +121,9 @@ void Show(const std::vector<Row>& rows, Output& output) {
   std::size_t key_width = 0;
   std::size_t value_width = 0;
   for (const Row& row : rows) {
-    key_width = std::max(key_width, row.key.size());
-    value_width = std::max(value_width, std::min<std::size_t>(row.value.size(), 40));
+    key_width = std::max(key_width, base::WidthOf(base::Printable(row.key)));
+    value_width =
+        std::max(value_width, std::min<std::size_t>(base::WidthOf(base::Printable(row.value)), 40));
   }
   for (const Row& row : rows) {
     if (output.json()) {
@@ -129,8 +131,8 @@ void Show(const std::vector<Row>& rows, Output& output) {
                               JsonString(row.value), JsonString(row.origin)));
     } else {
       const std::string value = row.value.empty() ? "-" : base::Printable(row.value);
-      output.Line(fmt::format("{:<{}}  {:<{}}  {}", base::Printable(row.key), key_width, value,
-                              value_width, base::Printable(row.origin)));
+      output.Line(fmt::format("{}  {}  {}", base::Padded(key_width, base::Printable(row.key)),
+                              base::Padded(value_width, value), base::Printable(row.origin)));
     }
   }
 }

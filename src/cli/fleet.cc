@@ -1,5 +1,4 @@
 // `fleetpub fleet [PATTERN]`: the robots known to the broker, and how they are.
-#include <limits>
 #include <memory>
 
 #include "base/time.h"
@@ -20,12 +19,10 @@ void Show(const FleetView& view, Output& output) {
     for (const RobotView* robot : robots) output.Line("{" + FleetJson(*robot) + "}");
     return;
   }
-  std::vector<Row> rows = {FleetHeader()};
+  std::vector<Row> rows;
   const auto now = base::WallTime::clock::now();
   for (const RobotView* robot : robots) rows.push_back(FleetRow(*robot, now));
-  const auto lines = TableLines(rows, std::numeric_limits<std::size_t>::max(), output);
-  output.PeopleLine(lines.front());
-  for (const std::string& line : std::span(lines).subspan(1)) output.Line(line);
+  PrintTable(FleetColumns(), rows, output);
 }
 
 Result<ExitCode> RunFleet(const GatheringOptions& options, const Context& context) {

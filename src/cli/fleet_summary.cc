@@ -1,10 +1,8 @@
 #include "cli/fleet_summary.h"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <cstdio>
 
 #include "base/json.h"
 #include "base/text.h"
@@ -130,16 +128,11 @@ std::string FleetSummary::Json(nanoseconds elapsed, ExitCode code) const {
                             base::Join(slow, ","), SecondsJson(elapsed), static_cast<int>(code));
 }
 
-ProgressBar::ProgressBar(std::size_t total, const Output& output)
-    : total_(total),
-      possible_(isatty(STDERR_FILENO) == 1 && !output.quiet()),
+ProgressBar::ProgressBar(std::size_t total, Output& output)
+    : output_(output),
+      total_(total),
+      possible_(output.CanPass()),
       next_(steady_clock::now() + milliseconds(500)) {}
-
-void ProgressBar::Clear() {
-  if (!visible_) return;
-  std::fputs("\r\x1b[K", stderr);
-  visible_ = false;
-}
 
 void ProgressBar::Draw(const FleetSummary& summary) {
   const auto now = steady_clock::now();
@@ -147,10 +140,8 @@ void ProgressBar::Draw(const FleetSummary& summary) {
   next_ = now + milliseconds(100);
   constexpr std::size_t kWidth = 24;
   const std::size_t done = total_ == 0 ? kWidth : summary.robots() * kWidth / total_;
-  fmt::print(stderr, "\r\x1b[K[{:<{}}] {} of {}  {}", std::string(std::min(done, kWidth), '='),
-             kWidth, summary.robots(), total_, summary.Counts());
-  std::fflush(stderr);
-  visible_ = true;
+  output_.Pass(fmt::format("[{:<{}}] {} of {}  {}", std::string(std::min(done, kWidth), '='),
+                           kWidth, summary.robots(), total_, summary.Counts()));
 }
 
 }  // namespace fleetpub::cli

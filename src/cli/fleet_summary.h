@@ -51,21 +51,19 @@ class FleetSummary {
 /// A line on standard error that is redrawn in place, when that is a terminal and it takes long.
 class ProgressBar {
  public:
-  ProgressBar(std::size_t total, const Output& output);
+  ProgressBar(std::size_t total, Output& output);
   ProgressBar(const ProgressBar&) = delete;
   ProgressBar& operator=(const ProgressBar&) = delete;
-  ~ProgressBar() { Clear(); }
+  ~ProgressBar() { output_.ClearPassing(); }
 
   [[nodiscard]] bool IsPossible() const { return possible_; }
-  /// Before anything else is written.
-  void Clear();
   /// At most ten times a second.
   void Draw(const FleetSummary& summary);
 
  private:
+  Output& output_;
   std::size_t total_;
   bool possible_;
-  bool visible_ = false;
   std::chrono::steady_clock::time_point next_;
 };
 

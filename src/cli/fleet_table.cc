@@ -78,34 +78,6 @@ Cell Errors(const RobotView& robot) {
           Tone::kBad};
 }
 
-// Code points: a robot's name may hold umlauts.
-std::size_t WidthOf(std::string_view text) {
-  return static_cast<std::size_t>(std::count_if(text.begin(), text.end(), [](char c) {
-    return (static_cast<unsigned char>(c) & 0xC0U) != 0x80;
-  }));
-}
-
-std::string_view Cut(std::string_view text, std::size_t width) {
-  std::size_t end = 0;
-  while (end < text.size() && WidthOf(text.substr(0, end + 1)) <= width) ++end;
-  return text.substr(0, end);
-}
-
-std::string Line(const Row& row, std::span<const std::size_t> widths, std::size_t width,
-                 const Output& output) {
-  std::string line;
-  for (std::size_t i = 0; i < row.size() && width > 0; ++i) {
-    const std::string_view text = Cut(row[i].text, width);
-    line += output.Toned(row[i].tone, text);
-    width -= WidthOf(text);
-    if (i + 1 == row.size()) break;
-    const std::size_t gap = std::min(width, widths[i] - WidthOf(row[i].text) + 2);
-    line.append(gap, ' ');
-    width -= gap;
-  }
-  return line;
-}
-
 std::string TextOrNull(std::string_view text) { return text.empty() ? "null" : JsonString(text); }
 
 std::string TruthOrNull(const std::optional<bool>& value) {
@@ -137,33 +109,24 @@ std::string StateJson(const std::optional<RobotState>& state) {
 
 }  // namespace
 
-Row FleetHeader() {
-  constexpr std::array<const char*, 10> kNames = {"TARGET", "VERSION", "CONNECTION", "SINCE",
-                                                  "MODE",   "DRIVING", "PAUSED",     "BATTERY",
-                                                  "ORDER",  "ERRORS"};
-  Row row;
-  for (const char* name : kNames) row.push_back({name});
-  return row;
+std::span<const Column> FleetColumns() {
+  // What an operator can do without comes last: eighty columns show the rest.
+  static constexpr std::array kColumns = {Column{.name = "TARGET", .least = 16},
+                                          Column{.name = "VERSION", .rank = 6},
+                                          Column{.name = "CONNECTION"},
+                                          Column{.name = "SINCE", .rank = 7},
+                                          Column{.name = "MODE", .rank = 3, .least = 10},
+                                          Column{.name = "DRIVING", .rank = 5},
+                                          Column{.name = "PAUSED", .rank = 2},
+                                          Column{.name = "BATTERY", .rank = 1},
+                                          Column{.name = "ORDER", .rank = 4, .least = 12},
+                                          Column{.name = "ERRORS"}};
+  return kColumns;
 }
 
 Row FleetRow(const RobotView& robot, base::WallTime now) {
   return {Target(robot),  VersionOf(robot), Connection(robot), Since(robot, now), Mode(robot),
           Driving(robot), Paused(robot),    Battery(robot),    Order(robot),      Errors(robot)};
-}
-
-std::vector<std::string> TableLines(std::span<const Row> rows, std::size_t width,
-                                    const Output& output) {
-  std::vector<std::size_t> widths;
-  for (const Row& row : rows) {
-    widths.resize(std::max(widths.size(), row.size()));
-    for (std::size_t i = 0; i < row.size(); ++i) {
-      widths[i] = std::max(widths[i], WidthOf(row[i].text));
-    }
-  }
-  std::vector<std::string> lines;
-  lines.reserve(rows.size());
-  for (const Row& row : rows) lines.push_back(Line(row, widths, width, output));
-  return lines;
 }
 
 std::string FleetLine(const RobotView& robot, const Output& output) {

@@ -1,32 +1,19 @@
 // How robots are shown: as rows of a table, as a line for each change, as JSON.
 #pragma once
 
-#include <cstddef>
 #include <span>
 #include <string>
-#include <vector>
 
 #include "base/time.h"
-#include "cli/output.h"
+#include "cli/table.h"
 #include "vda5050/fleet_view.h"
 
 namespace fleetpub::cli {
 
-struct Cell {
-  std::string text;  ///< printable
-  Tone tone = Tone::kPlain;
-};
-
-using Row = std::vector<Cell>;
-
-[[nodiscard]] Row FleetHeader();
+[[nodiscard]] std::span<const Column> FleetColumns();
 
 /// One robot; what is not known is `-`. `now` is for the age of its connection message.
 [[nodiscard]] Row FleetRow(const vda5050::RobotView& robot, base::WallTime now);
-
-/// Rows as lines with aligned columns, each cut after `width` characters.
-[[nodiscard]] std::vector<std::string> TableLines(std::span<const Row> rows, std::size_t width,
-                                                  const Output& output);
 
 /// One robot with its columns named, for a line that stands alone.
 [[nodiscard]] std::string FleetLine(const vda5050::RobotView& robot, const Output& output);

@@ -2,7 +2,7 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
-#include <algorithm>
+#include <array>
 #include <charconv>
 #include <memory>
 
@@ -11,6 +11,7 @@
 #include "base/time.h"
 #include "cli/option_set.h"
 #include "cli/subcommand.h"
+#include "cli/table.h"
 
 namespace fleetpub::cli {
 namespace {
@@ -72,23 +73,25 @@ std::string HeaderIdText(const Record& record) {
 }
 
 void ShowTable(const std::vector<Record>& records, Output& output) {
-  std::size_t target = 6;
-  std::size_t types = 6;
-  std::size_t user = 4;
+  constexpr std::array kColumns = {Column{.name = "ID", .is_number = true},
+                                   Column{.name = "TIME", .rank = 1},
+                                   Column{.name = "USER", .rank = 3, .least = 8},
+                                   Column{.name = "TARGET", .least = 16},
+                                   Column{.name = "ACTION", .least = 12},
+                                   Column{.name = "HEADERID", .rank = 2, .is_number = true},
+                                   Column{.name = "STATUS"}};
+  std::vector<Row> rows;
+  rows.reserve(records.size());
   for (const Record& record : records) {
-    target = std::max(target, record.target.size());
-    types = std::max(types, TypesOf(record).size());
-    user = std::max(user, record.user.size());
+    rows.push_back({{fmt::format("{:>6}", record.id)},
+                    {base::FormatLocal(record.recorded_at)},
+                    {base::Printable(record.user)},
+                    {base::Printable(record.target)},
+                    {TypesOf(record)},
+                    {HeaderIdText(record)},
+                    {record.status}});
   }
-  output.PeopleLine(fmt::format("{:>6}  {:<19}  {:<{}}  {:<{}}  {:<{}}  {:>8}  {}", "ID", "TIME",
-                                "USER", user, "TARGET", target, "ACTION", types, "HEADERID",
-                                "STATUS"));
-  for (const Record& record : records) {
-    output.Line(fmt::format("{:>6}  {:<19}  {:<{}}  {:<{}}  {:<{}}  {:>8}  {}", record.id,
-                            base::FormatLocal(record.recorded_at), base::Printable(record.user),
-                            user, base::Printable(record.target), target, TypesOf(record), types,
-                            HeaderIdText(record), record.status));
-  }
+  PrintTable(kColumns, rows, output);
 }
 
 Result<ExitCode> RunHistory(Options options, const Context& context) {

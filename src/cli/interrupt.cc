@@ -8,6 +8,8 @@
 #include <cstring>
 #include <string_view>
 
+#include "cli/output.h"
+
 namespace fleetpub::cli {
 namespace {
 
@@ -38,6 +40,7 @@ class SignalSafeLine {
 
 void End(int signal) {
   SignalSafeLine line;
+  if (Output::HasPassing()) line.Add("\r\x1b[K");
   line.Add(signal == SIGINT ? "fleetpub: interrupted: " : "fleetpub: terminated: ");
   if (g_sent == 0) {
     line.Add("nothing was sent\n");

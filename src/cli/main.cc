@@ -87,7 +87,10 @@ int Main(int argc, char** argv) {
   try {
     code = RunMain({argv + 1, argv + argc});
   } catch (const std::exception& error) {
-    fmt::print(stderr, "fleetpub: unexpected error: {}\n", error.what());
+    fmt::print(stderr,
+               "fleetpub: error: nobody foresaw this, and whether anything was sent is not known "
+               "(fleetpub history tells): please report it\nfleetpub: detail: {}\n",
+               base::Printable(error.what()));
   }
   std::fflush(stdout);
   // Nothing is left to do, and the libraries' own clean-up costs more than the command did.

@@ -1,16 +1,21 @@
 #include "cli/output.h"
 
 #include <fmt/format.h>
+#include <sys/ioctl.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <cerrno>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <limits>
 
 #include "base/json.h"
 #include "base/text.h"
 #include "base/time.h"
+#include "base/width.h"
 
 namespace fleetpub::cli {
 namespace {
@@ -18,7 +23,14 @@ namespace {
 using dispatch::Report;
 using dispatch::Verdict;
 
+std::atomic<bool> g_has_passing = false;
+
+void ClearPassingLine() {
+  if (g_has_passing.exchange(false)) std::fputs("\r\x1b[K", stderr);
+}
+
 void Print(std::FILE* stream, std::string_view text) {
+  ClearPassingLine();
   std::fwrite(text.data(), 1, text.size(), stream);
 }
 
@@ -42,6 +54,12 @@ Tone ToneOf(const Report& report) {
 }
 
 }  // namespace
+
+std::size_t TerminalWidth(int descriptor) {
+  winsize size{};
+  const bool is_known = ioctl(descriptor, TIOCGWINSZ, &size) == 0 && size.ws_col > 0;
+  return is_known ? size.ws_col : std::numeric_limits<std::size_t>::max();
+}
 
 Output::Output(Settings settings) : settings_(settings), colour_(WantsColour(STDOUT_FILENO)) {}
 
@@ -77,6 +95,25 @@ void Output::Complain(const Error& error) {
   }
 }
 
+bool Output::CanPass() const {
+  struct stat out {};
+  const bool is_pipe =
+      fstat(STDOUT_FILENO, &out) == 0 && (S_ISFIFO(out.st_mode) || S_ISSOCK(out.st_mode));
+  return !settings_.quiet && !is_pipe && isatty(STDERR_FILENO) == 1;
+}
+
+void Output::Pass(std::string_view text) {
+  // The last column stays empty: some terminals go to the next line at once.
+  const std::size_t width = TerminalWidth(STDERR_FILENO) - 1;
+  fmt::print(stderr, "\r\x1b[K{}", base::CutTo(width, text));
+  std::fflush(stderr);
+  g_has_passing = true;
+}
+
+void Output::ClearPassing() { ClearPassingLine(); }
+
+bool Output::HasPassing() { return g_has_passing; }
+
 std::string Output::Toned(Tone tone, std::string_view text) const {
   if (!colour_ || tone == Tone::kPlain) return std::string(text);
   const std::string_view code = tone == Tone::kGood ? "32" : tone == Tone::kBad ? "1;31" : "2";
@@ -94,8 +131,8 @@ Status Output::Flush() {
 
 std::string ReportText(const Report& report, std::size_t target_width, const Output& output) {
   std::string line =
-      fmt::format("{:<{}}  {}  {}", base::Printable(report.target), target_width, TypesOf(report),
-                  output.Toned(ToneOf(report), NameOf(report.verdict)));
+      fmt::format("{}  {}  {}", base::Padded(target_width, base::Printable(report.target)),
+                  TypesOf(report), output.Toned(ToneOf(report), NameOf(report.verdict)));
   if (report.header_id) line += fmt::format("  headerId {}", *report.header_id);
   if (report.elapsed.count() > 0) line += "  " + base::FormatElapsed(report.elapsed);
   if (report.version_assumed) line += fmt::format("  {} (assumed)", report.version);

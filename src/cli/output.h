@@ -2,6 +2,7 @@
 // error.
 #pragma once
 
+#include <cstddef>
 #include <string>
 #include <string_view>
 
@@ -14,6 +15,9 @@ enum class Format { kText, kJson };
 
 /// What a word means, as its colour tells on a terminal.
 enum class Tone { kPlain, kGood, kBad, kDim };
+
+/// The columns of the terminal behind a descriptor; without limit when it is none.
+[[nodiscard]] std::size_t TerminalWidth(int descriptor);
 
 class Output {
  public:
@@ -41,6 +45,16 @@ class Output {
   void Note(std::string_view text);  ///< with `--verbose` only
   void Trace(std::string_view line);
   void Complain(const Error& error);
+
+  /// Whether there is anyone to see a passing line: standard error is a terminal, and standard
+  /// output no pipe, whose other end may write to the same terminal at any time.
+  [[nodiscard]] bool CanPass() const;
+  /// A line on standard error that the next one replaces, such as a progress bar, no wider than the
+  /// terminal. It is cleared before anything else is written.
+  void Pass(std::string_view text);
+  void ClearPassing();
+  /// Whether one is shown. Safe in a signal handler.
+  [[nodiscard]] static bool HasPassing();
 
   /// The text in colour when standard output is a terminal and NO_COLOR is not set.
   [[nodiscard]] std::string Toned(Tone tone, std::string_view text) const;

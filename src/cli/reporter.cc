@@ -1,6 +1,15 @@
 #include "cli/reporter.h"
 
+#include <algorithm>
+
+#include "base/text.h"
+#include "base/width.h"
+
 namespace fleetpub::cli {
+
+void Reporter::Fit(const std::string& target) {
+  width_ = std::max(width_, base::WidthOf(base::Printable(target)));
+}
 
 void Reporter::Show(const dispatch::Report& report) {
   worst_ = Worse(worst_, CodeOf(report));

@@ -1,7 +1,6 @@
 // Prints results as they become known.
 #pragma once
 
-#include <algorithm>
 #include <cstddef>
 #include <string>
 
@@ -17,7 +16,7 @@ class Reporter {
   explicit Reporter(Output& output) : output_(output) {}
 
   /// A target of this name will be reported: names are aligned.
-  void Fit(const std::string& target) { width_ = std::max(width_, target.size()); }
+  void Fit(const std::string& target);
 
   /// With `--quiet`, a person reads only what went wrong.
   void Show(const dispatch::Report& report);

@@ -1,15 +1,16 @@
 // `fleetpub requests [PATTERN]`: what robots ask fleet control for (VDA 5050 3.0 §6.4.3).
 #include <fmt/format.h>
 
-#include <limits>
+#include <array>
 #include <memory>
 #include <vector>
 
 #include "base/json.h"
-#include "cli/fleet_table.h"
+#include "base/text.h"
 #include "cli/gathering.h"
 #include "cli/option_set.h"
 #include "cli/subcommand.h"
+#include "cli/table.h"
 #include "vda5050/robot_messages.h"
 
 namespace fleetpub::cli {
@@ -53,7 +54,7 @@ Result<ExitCode> RunRequests(const GatheringOptions& options, const Context& con
       if (context.output.json()) {
         context.output.Line(RequestJson(target, request));
       } else {
-        rows.push_back({{target},
+        rows.push_back({{base::Printable(target)},
                         {Shown(request.id)},
                         {Shown(request.type)},
                         {About(request)},
@@ -66,10 +67,10 @@ Result<ExitCode> RunRequests(const GatheringOptions& options, const Context& con
     context.output.PeopleLine("no robot that sent a state asks for anything");
     return ExitCode::kDone;
   }
-  rows.insert(rows.begin(), {{"ROBOT"}, {"REQUEST"}, {"TYPE"}, {"ABOUT"}, {"STATUS"}});
-  const auto lines = TableLines(rows, std::numeric_limits<std::size_t>::max(), context.output);
-  context.output.PeopleLine(lines.front());
-  for (const std::string& line : std::span(lines).subspan(1)) context.output.Line(line);
+  constexpr std::array kColumns = {Column{.name = "ROBOT", .least = 16}, Column{.name = "REQUEST"},
+                                   Column{.name = "TYPE", .rank = 1},
+                                   Column{.name = "ABOUT", .least = 16}, Column{.name = "STATUS"}};
+  PrintTable(kColumns, rows, context.output);
   return ExitCode::kDone;
 }
 

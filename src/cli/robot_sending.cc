@@ -263,8 +263,11 @@ class RobotSender {
                   context_.output.SomethingWasSent();
                 },
             .connect = ConnectHookOf(connect_),
-            .lost = [this](const Error& error) { Warn(error.message + ": connecting again"); },
-            .again = [this] { Warn("connected again"); }};
+            .lost =
+                [this](const Error& error) {
+                  context_.output.Warn(error.message + ": connecting again");
+                },
+            .again = [this] { context_.output.Warn("connected again"); }};
   }
 
   Status SendAll(dispatch::Stream& stream) {
@@ -315,13 +318,7 @@ class RobotSender {
     return error;
   }
 
-  void Warn(std::string_view text) {
-    if (bar_ != nullptr) bar_->Clear();
-    context_.output.Warn(text);
-  }
-
   void Show(const Report& report) {
-    if (bar_ != nullptr) bar_->Clear();
     summary_.Add(report);
     reporter_.Show(report);
   }

@@ -9,6 +9,7 @@
 
 #include "base/json.h"
 #include "base/text.h"
+#include "base/width.h"
 #include "cli/option_set.h"
 #include "cli/subcommand.h"
 
@@ -21,7 +22,8 @@ Result<ExitCode> RunList(const Context& context) {
     context.output.Line(context.output.json()
                             ? fmt::format(R"({{"name":{},"origin":{}}})", base::JsonString(name),
                                           base::JsonString(origin))
-                            : fmt::format("{:<36} {}", name, origin));
+                            : fmt::format("{} {}", base::Padded(36, base::Printable(name)),
+                                          base::Printable(origin)));
   }
   return ExitCode::kDone;
 }

@@ -18,6 +18,8 @@ namespace {
 constexpr std::string_view kEnter = "\x1b[?1049h\x1b[?25l\x1b[?7l";
 constexpr std::string_view kLeave = "\x1b[?7h\x1b[?25h\x1b[?1049l";
 
+constexpr std::array kCrashes = {SIGABRT, SIGSEGV, SIGBUS, SIGFPE, SIGILL};
+
 // What the signal handlers know. All that they call is safe there (signal-safety(7)).
 volatile std::sig_atomic_t g_active = 0;
 volatile std::sig_atomic_t g_disturbed = 0;
@@ -34,16 +36,17 @@ void Write(std::string_view text) {
 }
 
 void Enter() {
+  g_active = 1;  // first: a signal that comes now must find something to restore
   if (g_has_keys) tcsetattr(STDIN_FILENO, TCSADRAIN, &g_keys);
   Write(kEnter);
-  g_active = 1;
 }
 
 void Leave() {
   if (g_active == 0) return;
   g_active = 0;
   Write(kLeave);
-  if (g_has_keys) tcsetattr(STDIN_FILENO, TCSADRAIN, &g_normal);
+  // Not TCSADRAIN, which would wait for a person who has stopped the output with Ctrl-S.
+  if (g_has_keys) tcsetattr(STDIN_FILENO, TCSANOW, &g_normal);
 }
 
 void End(int /*signal*/) {
@@ -55,6 +58,13 @@ void End(int /*signal*/) {
 void EndBySignal(int signal) {
   Leave();
   _exit(128 + signal);
+}
+
+// Our own fault: the terminal is given back, then it takes its course.
+void Crash(int signal) {
+  Leave();
+  std::signal(signal, SIG_DFL);
+  raise(signal);
 }
 
 void Stop(int /*signal*/) {
@@ -98,12 +108,14 @@ Screen::Screen() {
   Handle(SIGQUIT, EndBySignal);
   Handle(SIGTSTP, Stop);
   Handle(SIGWINCH, Disturb);
+  for (const int signal : kCrashes) Handle(signal, Crash);
   Enter();
 }
 
 Screen::~Screen() {
   Leave();
   for (const int signal : {SIGHUP, SIGQUIT, SIGTSTP, SIGWINCH}) Handle(signal, SIG_DFL);
+  for (const int signal : kCrashes) Handle(signal, SIG_DFL);
 }
 
 Screen::Size Screen::size() const {

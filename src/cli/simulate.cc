@@ -275,7 +275,7 @@ Result<ExitCode> RunSimulate(const Options& o, const Context& context) {
     output.Note(fmt::format("more than {} robots: they have no last will", robot::kMostWills));
   }
   run.stopped = [] { return g_stopped != 0; };
-  run.on_lost = [&](const Error& error) { output.Warn(error.message + "; trying again"); };
+  run.on_lost = [&](const Error& error) { output.Warn(error.message + ": connecting again"); };
   run.on_ready = [&] {
     StopOnSignals();
     fmt::print(stderr, "fleetpub: {} robot{} online at {}, version {}\n", robots->size(),

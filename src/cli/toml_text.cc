@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <exception>
@@ -128,6 +130,27 @@ bool MayBeQuoted(std::string_view text, std::size_t line) {
   return base::ToLower(lines[line - 1]).find("password") == std::string::npos;
 }
 
+// In our words, not the library's.
+std::string_view WordsFor(std::string_view description) {
+  struct Fault {
+    std::string_view part;
+    std::string_view words;
+  };
+  constexpr std::array<Fault, 6> kFaults{{
+      {"redefine", "this key or table is there already"},
+      {"existing", "this key or table is there already"},
+      {"encountered end-of-file", "a value, a quotation mark or a bracket is missing at the end"},
+      {"UTF-8", "not UTF-8"},
+      {"utf-8", "not UTF-8"},
+      {"nest", "nested too deeply"},
+  }};
+  const auto fault = std::find_if(kFaults.begin(), kFaults.end(), [&](const Fault& known) {
+    return description.find(known.part) != std::string_view::npos;
+  });
+  return fault == kFaults.end() ? "write KEY = VALUE, with a text in quotation marks, or [TABLE]"
+                                : fault->words;
+}
+
 }  // namespace
 
 Result<TomlValue> ParseToml(std::string_view text) {
@@ -135,11 +158,12 @@ Result<TomlValue> ParseToml(std::string_view text) {
     return ValueOf(toml::parse(text));
   } catch (const toml::parse_error& error) {
     const auto [line, column] = PlaceOf(error.source());
-    const std::string what = base::Printable(error.description());
-    return Fail(ErrorKind::kUsage, fmt::format("{}:{}: not valid TOML{}", line, column,
-                                               MayBeQuoted(text, line) ? ": " + what : ""));
+    return Fail(
+        ErrorKind::kUsage,
+        fmt::format("{}:{}: not valid TOML: {}", line, column, WordsFor(error.description())),
+        MayBeQuoted(text, line) ? std::string(error.description()) : "");
   } catch (const std::exception& error) {
-    return Fail(ErrorKind::kUsage, fmt::format("1:1: not valid TOML: {}", error.what()));
+    return Fail(ErrorKind::kUsage, "1:1: not valid TOML", error.what());
   }
 }
 
@@ -152,10 +176,10 @@ Result<std::string> TomlToJson(std::string_view text) {
   } catch (const toml::parse_error& error) {
     return Fail(ErrorKind::kInvalid,
                 fmt::format("line {}: not valid TOML: {}", error.source().begin.line,
-                            base::Printable(error.description())));
+                            WordsFor(error.description())),
+                std::string(error.description()));
   } catch (const std::exception& error) {
-    return Fail(ErrorKind::kInvalid,
-                fmt::format("not valid TOML: {}", base::Printable(error.what())));
+    return Fail(ErrorKind::kInvalid, "not valid TOML", error.what());
   }
 }
 

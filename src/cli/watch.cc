@@ -7,10 +7,12 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <utility>
 
 #include "base/json.h"
 #include "base/text.h"
 #include "base/time.h"
+#include "base/width.h"
 #include "cli/fleet_table.h"
 #include "cli/listening.h"
 #include "cli/option_set.h"
@@ -111,23 +113,26 @@ class ScreenDisplay final : public Display {
   void Draw(const FleetView& view) {
     constexpr std::size_t kFrame = 3;  // title, trouble, the table's header
     const auto [rows, columns] = screen_.size();
+    if (std::exchange(columns_, columns) != columns) widths_.clear();
     auto robots = view.robots();
     const std::size_t room = rows > kFrame ? rows - kFrame : 0;
     const std::size_t hidden = robots.size() > room ? robots.size() - room + 1 : 0;
-    std::vector<Row> table = {FleetHeader()};
+    std::vector<Row> table;
     const auto now = base::WallTime::clock::now();
     const std::size_t shown = robots.size() - std::min(hidden, robots.size());
     for (std::size_t i = 0; i < shown; ++i) table.push_back(FleetRow(*robots[i], now));
 
-    std::vector<Row> frame = {{{Title(robots, now)}}, {{trouble_, Tone::kBad}}};
-    auto lines = TableLines(frame, columns, output_);
-    const auto body = TableLines(table, columns, output_);
+    const auto line = [&](Tone tone, std::string_view text) {
+      return output_.Toned(tone, base::Shortened(columns, text));
+    };
+    std::vector<std::string> lines = {line(Tone::kPlain, Title(robots, now)),
+                                      line(Tone::kBad, trouble_)};
+    const auto body = TableLines(FleetColumns(), table, columns, output_, &widths_);
     lines.insert(lines.end(), body.begin(), body.end());
     if (hidden > 0) {
-      frame = {
-          {{fmt::format("{} more are not shown: a larger window or fewer TARGETs help", hidden),
-            Tone::kDim}}};
-      lines.push_back(TableLines(frame, columns, output_).front());
+      lines.push_back(line(
+          Tone::kDim,
+          fmt::format("{} more are not shown: a larger window or fewer TARGETs help", hidden)));
     }
     lines.resize(std::min(lines.size(), rows));
     screen_.Draw(lines);
@@ -137,14 +142,17 @@ class ScreenDisplay final : public Display {
                                   base::WallTime now) const {
     const auto online = std::count_if(robots.begin(), robots.end(),
                                       [](const RobotView* robot) { return robot->IsOnline(); });
-    return fmt::format("{}   {} robot{}, {} online   {}   q quits", title_, robots.size(),
-                       robots.size() == 1 ? "" : "s", online, base::FormatLocal(now));
+    // What matters most comes first: a narrow window cuts the rest.
+    return fmt::format("{} robot{}, {} online   q quits   {}   {}", robots.size(),
+                       robots.size() == 1 ? "" : "s", online, base::FormatLocal(now), title_);
   }
 
   std::string title_;
   Output& output_;
   std::string trouble_;
   bool is_stale_ = true;
+  std::size_t columns_ = 0;
+  std::vector<std::size_t> widths_;  // of the table, which only grows until the window changes
   steady_clock::time_point drawn_;
   Screen screen_;
 };

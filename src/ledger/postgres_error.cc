@@ -31,6 +31,34 @@ constexpr auto kRemedies = std::to_array<Remedy>({
     {"22P05", "the ledger {} cannot hold a text: make its database with ENCODING 'UTF8'"},
 });
 
+struct Cause {
+  std::string_view part;   ///< of what libpq says
+  std::string_view words;  ///< what a person reads instead
+};
+
+constexpr auto kCauses = std::to_array<Cause>({
+    {"password",
+     "the password is missing or not accepted: its place is ~/.pgpass, the file that PGPASSFILE "
+     "names, or PGPASSWORD"},
+    {"pg_hba.conf", "the server does not admit this user from here: see its pg_hba.conf"},
+    {"could not translate host name", "its host name is not known"},
+    {"Connection refused", "connection refused: is a server running there?"},
+    {"No such file", "no server listens there: is one running on this machine?"},
+    {"timeout expired",
+     "no answer in time: is the address right, and does a firewall let it through?"},
+    {"timed out", "no answer in time: is the address right, and does a firewall let it through?"},
+    {"certificate", "TLS: its certificate is not accepted: see sslmode and sslrootcert"},
+    {"SSL", "TLS: the two do not agree on it: see sslmode"},
+    {"database \"", "there is no such database, or this user may not use it"},
+    {"role \"", "there is no such user"},
+    {"starting up", "the server is just starting: try again"},
+    {"shutting down", "the server is just ending: try again"},
+    {"connection slots", "the server has no connection left: try again later"},
+    {"too many clients", "the server has no connection left: try again later"},
+    {"read-only", "only a standby answers, and none that can be written"},
+    {"invalid", "a parameter in its URL is not understood"},
+});
+
 /// libpq's messages end with a line break, and may have several lines, one per address tried.
 std::string OneLine(std::string_view text) {
   std::string line;
@@ -60,16 +88,20 @@ Error ExplainPostgres(std::string_view state, std::string_view text, const std::
     return {ErrorKind::kLedger, fmt::format("the connection to the ledger {} was lost", place),
             said};
   }
-  return {ErrorKind::kLedger, fmt::format("the ledger {} refuses: {}", place, said),
-          fmt::format("SQLSTATE {}", state)};
+  return {ErrorKind::kLedger,
+          fmt::format("the ledger {} refuses (SQLSTATE {}): -v tells its reason", place, state),
+          said};
 }
 
 Error CannotConnect(std::string_view text, const std::string& place) {
-  std::string said = OneLine(text);
-  if (said.find("password") != std::string::npos) {
-    said += ": its place is ~/.pgpass, the file that PGPASSFILE names, or PGPASSWORD";
-  }
-  return {ErrorKind::kLedger, fmt::format("cannot reach the ledger {}: {}", place, said)};
+  const std::string said = OneLine(text);
+  const auto cause = std::find_if(kCauses.begin(), kCauses.end(), [&](const Cause& known) {
+    return said.find(known.part) != std::string::npos;
+  });
+  return {ErrorKind::kLedger,
+          fmt::format("cannot reach the ledger {}: {}", place,
+                      cause == kCauses.end() ? "-v tells the reason" : cause->words),
+          said};
 }
 
 }  // namespace fleetpub::ledger

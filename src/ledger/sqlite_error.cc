@@ -39,10 +39,12 @@ std::string Message(const SqliteFailure& failure) {
           "folder, or use another ledger",
           path);
     case SQLITE_IOERR:
-      return fmt::format("reading or writing the ledger {} failed ({}): check the disk", path,
-                         failure.system_error == 0 ? failure.text : Reason(failure.system_error));
+      return fmt::format(
+          "reading or writing the ledger {} failed ({}): check the disk", path,
+          failure.system_error == 0 ? "no reason is known" : Reason(failure.system_error));
     default:
-      return fmt::format("the ledger {} failed: {}", path, failure.text);
+      return fmt::format("the ledger {} failed (SQLite code {}): try again; -v tells more", path,
+                         failure.code);
   }
 }
 

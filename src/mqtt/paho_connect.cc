@@ -258,7 +258,7 @@ Result<PahoConnection> Attempt(const BrokerUrl& broker, const ConnectOptions& op
                                           ClientId(options).c_str(), MQTTCLIENT_PERSISTENCE_NONE,
                                           nullptr, &create);
   if (code != MQTTCLIENT_SUCCESS) {
-    return Fail(ErrorKind::kUnexpected, "the MQTT library makes no client",
+    return Fail(ErrorKind::kUnexpected, "the MQTT library makes no client: is memory short?",
                 MQTTClient_strerror(code));
   }
   PahoCall call(-1, deadline);

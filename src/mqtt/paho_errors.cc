@@ -128,8 +128,8 @@ std::string VerifyCause(const ConnectFacts& facts) {
              "certificate with "
              "--cafile";
     default:
-      return fmt::format("its certificate is not accepted: {}",
-                         X509_verify_cert_error_string(facts.verify_code));
+      return fmt::format("its certificate is not accepted (OpenSSL's verdict {}): -v tells more",
+                         facts.verify_code);
   }
 }
 
@@ -175,7 +175,8 @@ std::string TlsCause(const ConnectFacts& facts, const ConnectOptions& options) {
     return "it offers no TLS from 1.2 on, which is the oldest that is safe";
   }
   if (!facts.tls_alert.empty()) {
-    return fmt::format("the TLS handshake failed: {}", base::Printable(facts.tls_alert));
+    return fmt::format("the TLS handshake failed with the alert '{}'",
+                       base::Printable(facts.tls_alert));
   }
   return "it closed the connection during the TLS handshake: does it speak TLS on this port? "
          "(otherwise mqtt:// instead of mqtts://)";
@@ -242,6 +243,9 @@ Error ConnectError(const BrokerUrl& broker, const ConnectOptions& options,
   }
   std::string detail = fmt::format("Paho: {}", facts.code);
   if (!facts.tls_errors.empty()) detail += "; " + facts.tls_errors;
+  if (facts.verify_code != 0) {
+    detail += fmt::format("; {}", X509_verify_cert_error_string(facts.verify_code));
+  }
   return Broker(
       fmt::format("cannot connect to {}: {}", broker.ToString(), Cause(broker, options, facts)),
       std::move(detail));

@@ -98,7 +98,22 @@ std::string Reason(const re2::RE2& expression) {
   if (argument.size() == 2 && argument[0] == '\\' && argument[1] >= '1' && argument[1] <= '9') {
     return fmt::format("refers back with {}, which takes more than linear time", argument);
   }
-  return base::Printable(expression.error());
+  switch (expression.error_code()) {
+    case re2::RE2::ErrorMissingParen:
+    case re2::RE2::ErrorUnexpectedParen:
+      return "has a ( without a ), or the other way round";
+    case re2::RE2::ErrorMissingBracket:
+      return "has a [ without a ]";
+    case re2::RE2::ErrorRepeatArgument:
+    case re2::RE2::ErrorRepeatOp:
+      return fmt::format("repeats nothing with {}", argument);
+    case re2::RE2::ErrorRepeatSize:
+      return fmt::format("repeats more often than is possible here: {}", argument);
+    case re2::RE2::ErrorPatternTooLarge:
+      return "is too large";
+    default:
+      return fmt::format("has a part that is not understood: {}", argument);
+  }
 }
 
 }  // namespace

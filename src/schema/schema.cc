@@ -47,8 +47,9 @@ Schema::~Schema() = default;
 
 Result<Schema> Schema::Compile(std::string_view text, std::string_view name,
                                std::string_view pointer) {
-  const auto refuse = [name](std::string_view why) {
-    return Fail(ErrorKind::kInvalid, fmt::format("schema {}: {}", base::Printable(name), why));
+  const auto refuse = [name](std::string_view why, std::string detail = {}) {
+    return Fail(ErrorKind::kInvalid, fmt::format("schema {}: {}", base::Printable(name), why),
+                std::move(detail));
   };
   auto vetted = Vet(text, pointer);
   if (!vetted) {
@@ -58,7 +59,7 @@ Result<Schema> Schema::Compile(std::string_view text, std::string_view name,
   try {
     return Schema(std::make_unique<const Compiled>(std::move(*vetted)));
   } catch (const std::exception& e) {  // valijson's and rapidjson's
-    return refuse(fmt::format("cannot be compiled: {}", e.what()));
+    return refuse("it asks for more than this validator can do", e.what());
   }
 }
 
@@ -70,8 +71,8 @@ std::vector<Violation> Schema::Validate(const rapidjson::Value& message) const {
     return violations;
   } catch (const TooMuchWork&) {
     return {{"", "could not be checked: the schema's references make this message too much work"}};
-  } catch (const std::exception& e) {
-    return {{"", fmt::format("could not be checked: {}", e.what())}};
+  } catch (const std::exception&) {
+    return {{"", "could not be checked: the schema asks for more than this validator can do"}};
   }
 }
 

@@ -3,25 +3,40 @@
 
 #include <algorithm>
 #include <cctype>
-#include <fstream>
+#include <filesystem>
 #include <regex>
 #include <set>
-#include <sstream>
 
+#include "support/document.h"
 #include "support/operator.h"
 
 namespace fleetpub::testing {
 namespace {
 
+using ::testing::AnyOf;
 using ::testing::Contains;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-std::string Manual() {
-  std::ifstream file(FLEETPUB_SOURCE_DIR "/docs/manual.md");
-  std::ostringstream text;
-  text << file.rdbuf();
-  return text.str();
+std::string Manual() { return SourceText("docs/manual.md"); }
+
+/// Of the manual, from its heading to the next.
+std::string Chapter(const std::string& heading) {
+  const std::string manual = Manual();
+  const auto begin = manual.find("\n## " + heading + "\n");
+  return begin == std::string::npos ? ""
+                                    : manual.substr(begin, manual.find("\n## ", begin + 1) - begin);
+}
+
+/// All that stands below a folder of the source.
+std::string Source(const std::string& folder) {
+  std::string text;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(
+           std::filesystem::path(FLEETPUB_SOURCE_DIR) / folder)) {
+    if (entry.path().extension() != ".cc" && entry.path().extension() != ".h") continue;
+    text += SourceText(std::filesystem::relative(entry.path(), FLEETPUB_SOURCE_DIR).string());
+  }
+  return text;
 }
 
 std::string Upper(std::string text) {
@@ -102,19 +117,74 @@ TEST(TheManual, DocumentsNoOptionThatIsNotThere) {
   }
 }
 
-TEST(TheManual, DocumentsEveryVariable) {
+TEST(TheManual, DocumentsEveryVariableAndNoOther) {
   const std::string manual = Manual();
-  std::set<std::string> variables;
-  for (const char* file :
-       {"global_options.cc", "vda_options.cc", "sending.cc", "password.cc", "soar_options.cc"}) {
-    std::ifstream source(std::string(FLEETPUB_SOURCE_DIR "/src/cli/") + file);
-    std::ostringstream text;
-    text << source.rdbuf();
-    variables.merge(Matches(text.str(), std::regex("\"(FLEETPUB_[A-Z_]+)\"")));
+  const std::string source = Source("src");
+  auto variables = Matches(source, std::regex("\"(FLEETPUB_[A-Z_]+)\""));
+  EXPECT_GT(variables.size(), 25U);
+  for (const std::string& variable : Matches(manual, std::regex("`(FLEETPUB_[A-Z_]+)`"))) {
+    EXPECT_THAT(variables, Contains(variable));
   }
-  EXPECT_GT(variables.size(), 15U);
+  variables.merge(Matches(source, std::regex("(?:getenv|FromEnvironment)\\(\"([A-Z_]+)\"\\)")));
+  EXPECT_THAT(variables, Contains("XDG_STATE_HOME"));
   for (const std::string& variable : variables) {
-    EXPECT_NE(manual.find("`" + variable + "`"), std::string::npos) << variable;
+    EXPECT_THAT(manual, HasSubstr("`" + variable + "`"));
+  }
+}
+
+TEST(TheManual, DocumentsEveryExitCodeAndNoOther) {
+  const std::set<std::string> codes =
+      Matches(SourceText("src/cli/exit_code.h"), std::regex("\n  k[A-Za-z]+ = ([0-9]+),"));
+  EXPECT_EQ(codes.size(), 11U);
+  const std::string chapter = Chapter("Exit codes");
+  std::set<std::string> documented;
+  for (const std::string& row : Matches(chapter, std::regex("\n\\| ([0-9, ]+) \\|"))) {
+    documented.merge(Matches(row, std::regex("([0-9]+)")));
+  }
+  EXPECT_EQ(documented, codes);
+}
+
+TEST(TheManual, DocumentsEveryStatusAndNoOther) {
+  const auto statuses =
+      Matches(SourceText("src/dispatch/verdict.cc"), std::regex("\"([A-Z_]+)\","));
+  EXPECT_EQ(statuses.size(), 14U);
+  EXPECT_EQ(Matches(Chapter("JSON"), std::regex("\n\\| `([A-Z_]+)` \\|")), statuses);
+}
+
+// The members of the objects that `-o json` prints stand in cli's texts.
+TEST(TheManual, DocumentsEveryJsonFieldAndNoOther) {
+  const std::string manual = Manual();
+  const std::string source = Source("src/cli");
+  auto fields = Matches(source, std::regex("\"([A-Za-z]+)\\\\?\":"));
+  fields.merge(Matches(source, std::regex("add\\(\"([A-Za-z]+)\"")));
+  EXPECT_GT(fields.size(), 70U);
+  for (const std::string& field : fields) {
+    EXPECT_THAT(manual, AnyOf(HasSubstr("`" + field + "`"), HasSubstr("\"" + field + "\"")))
+        << field;
+  }
+  // The first cells of the tables of fields.
+  for (const std::string& table :
+       Matches(manual, std::regex("\n\\| field \\| meaning \\|\n((?:\\|[^\n]*\n)*)"))) {
+    for (const std::string& cell : Matches("\n" + table, std::regex("\n\\| ([^|]*) \\|"))) {
+      for (const std::string& field : Matches(cell, std::regex("`([A-Za-z]+)`"))) {
+        EXPECT_THAT(fields, Contains(field));
+      }
+    }
+  }
+}
+
+// By where they lie on the system.
+TEST(TheManual, DocumentsEveryFileAndNoOther) {
+  const std::string manual = Manual();
+  const std::string source = Source("src");
+  const auto files = Matches(source, std::regex("\"(/(?:etc|var|usr)/[^\"]*)\""));
+  EXPECT_THAT(files, Contains("/var/lib/fleetpub/ledger.db"));
+  for (const std::string& file : files) EXPECT_THAT(manual, HasSubstr(file));
+  for (const std::string& file : Matches(manual, std::regex("`(/(?:etc|var)/[^` ]*)`"))) {
+    EXPECT_THAT(source, HasSubstr(file));
+  }
+  for (const char* ending : {"-wal", "-shm", ".locks"}) {
+    EXPECT_THAT(manual, HasSubstr("`ledger.db" + std::string(ending) + "`"));
   }
 }
 

@@ -105,7 +105,7 @@ TEST_F(Simulate, AThousandRobotsEachAnswer) {
 TEST_F(Simulate, ComesBackWhenTheBrokerDoes) {
   const auto robot = Start({"KIT/0001"});
   broker_.Restart();
-  EXPECT_TRUE(robot->AwaitErrors("trying again"));
+  EXPECT_TRUE(robot->AwaitErrors("connecting again"));
   const Subscriber connections(broker_, "+/+/+/+/connection", 1);
   const auto messages = connections.Await(1);
   ASSERT_THAT(messages, SizeIs(1));

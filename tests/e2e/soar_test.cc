@@ -442,7 +442,7 @@ TEST_F(Soar, SimulatesPlatformsThatSayWhereTheyAre) {
 TEST_F(Soar, SimulatesPlatformsThatComeBack) {
   const auto platform = Simulate({kEco1});
   broker_.Restart();
-  EXPECT_TRUE(platform->AwaitErrors("trying again"));
+  EXPECT_TRUE(platform->AwaitErrors("connecting again"));
   const Subscriber subscriber(broker_, "soar/+/+/+/from_platform/platform_status");
   EXPECT_THAT(subscriber.Await(1), SizeIs(1));
   const auto brief = Simulate({"ah1", "--for", "50ms"});

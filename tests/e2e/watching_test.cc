@@ -4,7 +4,6 @@
 #include <thread>
 
 #include "support/operator.h"
-#include "support/terminal.h"
 
 namespace fleetpub::testing {
 namespace {
@@ -201,43 +200,6 @@ TEST_F(Watching, ComesBackAfterARestartOfTheBroker) {
   EXPECT_TRUE(watch->AwaitOutput("KIT/0001  3.0.0  ONLINE"));
   watch->Signal(SIGTERM);
   EXPECT_EQ(watch->Wait(), 0);
-}
-
-// ── on a terminal ──
-
-class OnATerminal : public Watching {};
-
-// Its end, and whether the terminal is as it was, are shown below it.
-std::string ForATerminal(const Operator& someone, const std::vector<std::string>& arguments) {
-  return ShellLine(someone.Prepare(arguments)) +
-         "; echo exit code $?; stty -a | grep -o -- '-\\?icanon'; sleep 100";
-}
-
-TEST_F(OnATerminal, RedrawsInPlaceAndRestoresTheScreen) {
-  const auto robots = Simulate({"KIT/0001", "--count", "9", "--state-interval", "100ms"});
-  Terminal terminal(ForATerminal(operator_, {"watch"}), 100, 8);
-  ASSERT_TRUE(terminal.Await("9 robots, 9 online"));
-  ASSERT_TRUE(terminal.Await("5 more are not shown"));
-  EXPECT_EQ(terminal.Flags(), "1 0\n");
-  EXPECT_EQ(Fleetpub({"pause", "KIT/0001"}).exit_code, 0);
-  ASSERT_TRUE(terminal.Await("yes"));
-  terminal.Resize(30, 14);
-  ASSERT_TRUE(terminal.Await("KIT/0009"));
-  EXPECT_THAT(terminal.Shown(), Not(HasSubstr("MODE")));
-  terminal.Press("q");
-  ASSERT_TRUE(terminal.Await("exit code 0\nicanon"));
-  EXPECT_EQ(terminal.Flags(), "0 1\n");
-}
-
-TEST_F(OnATerminal, IsRestoredWhenInterrupted) {
-  Terminal terminal(ForATerminal(operator_, {"watch"}), 60, 8);
-  ASSERT_TRUE(terminal.Await("0 robots"));
-  broker_.Kill();
-  ASSERT_TRUE(terminal.Await("was lost"));
-  terminal.Press("C-c");
-  ASSERT_TRUE(terminal.Await("icanon"));
-  EXPECT_THAT(terminal.Shown(), Not(HasSubstr("-icanon")));
-  EXPECT_EQ(terminal.Flags(), "0 1\n");
 }
 
 }  // namespace

@@ -23,6 +23,13 @@ void Terminal::Resize(int columns, int rows) {
 
 std::string Terminal::Shown() { return Tmux({"capture-pane", "-p"}); }
 
+std::string Terminal::ShownInColour() { return Tmux({"capture-pane", "-p", "-e"}); }
+
+std::size_t Terminal::WidthOf(const std::string& text) {
+  Tmux({"set-option", "-g", "@text", text});
+  return std::stoul(Tmux({"display-message", "-p", "#{w:@text}"}));
+}
+
 std::string Terminal::Flags() {
   return Tmux({"display-message", "-p", "#{alternate_on} #{cursor_flag}"});
 }

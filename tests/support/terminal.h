@@ -22,6 +22,10 @@ class Terminal {
   void Type(const std::string& text);
   void Resize(int columns, int rows);
   [[nodiscard]] std::string Shown();
+  /// The same with its colours, as escape sequences.
+  [[nodiscard]] std::string ShownInColour();
+  /// Columns that the text takes here: this terminal's word for it.
+  [[nodiscard]] std::size_t WidthOf(const std::string& text);
   /// Two digits, 1 or 0: the alternate screen is on, the cursor is shown.
   [[nodiscard]] std::string Flags();
   /// Whether the text is shown in time; the test fails when it is not.

@@ -1,0 +1,270 @@
+// What people see in a terminal (a real emulator, tmux), and what is left of it in pipes and files.
+#include "support/terminal.h"
+
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <fstream>
+#include <iterator>
+
+#include "support/operator.h"
+
+namespace fleetpub::testing {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::Each;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::Le;
+using ::testing::MatchesRegex;
+using ::testing::Not;
+using ::testing::StartsWith;
+
+class OnATerminal : public EndToEnd {
+ protected:
+  [[nodiscard]] std::string Line(const std::vector<std::string>& arguments) const {
+    return ShellLine(operator_.Prepare(arguments));
+  }
+};
+
+// Its end, and whether the terminal is as it was, are shown below it.
+std::string AndTellTheEnd(const std::string& line) {
+  return line + "; echo exit code $?; stty -a | grep -o -- '-\\?icanon'; sleep 100";
+}
+
+std::string Contents(const std::filesystem::path& file) {
+  std::ifstream stream(file);
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+std::string RowOf(const std::string& name, const std::string& shown) {
+  for (const std::string& line : Lines(shown)) {
+    if (line.starts_with(name)) return line;
+  }
+  ADD_FAILURE() << "no " << name << " in:\n" << shown;
+  return name;
+}
+
+// ── watch ──
+
+TEST_F(OnATerminal, WatchRedrawsInPlaceAndRestoresTheScreen) {
+  const auto robots = Robot({"KIT/0001", "--count", "9", "--state-interval", "100ms"});
+  Terminal terminal(AndTellTheEnd(Line({"watch"})), 100, 8);
+  ASSERT_TRUE(terminal.Await("9 robots, 9 online"));
+  ASSERT_TRUE(terminal.Await("5 more are not shown"));
+  EXPECT_EQ(terminal.Flags(), "1 0\n");
+  EXPECT_EQ(Fleetpub({"pause", "KIT/0001"}).exit_code, 0);
+  ASSERT_TRUE(terminal.Await("yes"));
+  terminal.Resize(30, 14);
+  ASSERT_TRUE(terminal.Await("KIT/0009"));
+  EXPECT_THAT(terminal.Shown(), Not(HasSubstr("MODE")));
+  terminal.Press("q");
+  ASSERT_TRUE(terminal.Await("exit code 0\nicanon"));
+  EXPECT_EQ(terminal.Flags(), "0 1\n");
+}
+
+TEST_F(OnATerminal, WatchRestoresItWhenInterruptedWithoutABroker) {
+  Terminal terminal(AndTellTheEnd(Line({"watch"})), 60, 8);
+  ASSERT_TRUE(terminal.Await("0 robots"));
+  broker_.Kill();
+  ASSERT_TRUE(terminal.Await("was lost"));
+  terminal.Press("C-c");
+  ASSERT_TRUE(terminal.Await("exit code 0\nicanon"));
+  EXPECT_EQ(terminal.Flags(), "0 1\n");
+}
+
+// In the middle of a drawing, too: states come all the time.
+TEST_F(OnATerminal, WatchRestoresItWhateverEndsIt) {
+  const auto robots = Robot({"KIT/0001", "--count", "20", "--state-interval", "10ms"});
+  const std::pair<const char*, int> ends[] = {{"TERM", 0},   {"INT", 0},    {"HUP", 129},
+                                              {"QUIT", 131}, {"SEGV", 139}, {"ABRT", 134}};
+  for (const auto& [signal, code] : ends) {
+    const std::string killer = std::string("timeout --foreground --preserve-status -s ") + signal;
+    Terminal terminal("ulimit -c 0; " + AndTellTheEnd(killer + " 1 " + Line({"watch"})), 80, 8);
+    ASSERT_TRUE(terminal.Await("20 robots")) << signal;
+    ASSERT_TRUE(terminal.Await("exit code " + std::to_string(code))) << signal;
+    ASSERT_TRUE(terminal.Await("\nicanon")) << signal;
+    EXPECT_EQ(terminal.Flags(), "0 1\n") << signal;
+  }
+}
+
+TEST_F(OnATerminal, WatchShowsWhatMattersInEightyColumnsAndBreaksInNone) {
+  const auto robots = Robot({"KIT/0001", "--with-order", "--state-interval", "50ms"});
+  Terminal terminal(AndTellTheEnd(Line({"watch"})), 80, 8);
+  ASSERT_TRUE(terminal.Await("AUTOMATIC"));
+  EXPECT_THAT(terminal.Shown(),
+              AllOf(HasSubstr("1 robot, 1 online   q quits"),
+                    HasSubstr("TARGET    CONNECTION  MODE       "), HasSubstr("ERRORS")));
+  const std::pair<int, int> sizes[] = {{40, 5}, {12, 3}, {2, 2}, {1, 1}};
+  for (const auto& [columns, rows] : sizes) {
+    terminal.Resize(columns, rows);
+    EXPECT_FALSE(terminal.Shown().empty());
+  }
+  terminal.Resize(40, 8);
+  ASSERT_TRUE(terminal.Await("TARGET    CONNECTION  PAUSED  "));
+  terminal.Press("q");
+  ASSERT_TRUE(terminal.Await("exit code 0"));
+}
+
+TEST_F(OnATerminal, WatchAlignsWideNamesAndKeepsItsColumns) {
+  const std::vector<std::string> names = {"搬送/車一号", "Fo\u0308rd/🤖1", "KIT/0001",
+                                          "a-very-long-maker/serial-0000017"};
+  std::vector<std::unique_ptr<Process>> robots;
+  for (const std::string& name : names) robots.push_back(Robot({name, "--state-interval", "50ms"}));
+  Terminal terminal(AndTellTheEnd(Line({"watch"})), 140, 10);
+  ASSERT_TRUE(terminal.Await("4 robots, 4 online"));
+  const std::string shown = terminal.Shown();
+  const std::string header = RowOf("TARGET", shown);
+  const std::size_t column = header.find("VERSION");
+  for (const std::string& name : names) {
+    const std::string row = RowOf(name, shown);
+    EXPECT_EQ(terminal.WidthOf(row.substr(0, row.find("3.0.0"))), column) << shown;
+  }
+  // The widest name goes; the columns stay where they are.
+  robots.back()->Signal();
+  ASSERT_TRUE(terminal.Await("OFFLINE"));
+  EXPECT_EQ(Fleetpub({"pause", "KIT/0001"}).exit_code, 0);
+  ASSERT_TRUE(terminal.Await("yes"));
+  EXPECT_EQ(RowOf("TARGET", terminal.Shown()), header);
+}
+
+TEST_F(OnATerminal, NoColourStandsAlone) {
+  const auto robot = Robot({"KIT/0001", "--state-interval", "50ms"});
+  const auto gone = Robot({"KIT/0002"});
+  gone->Signal();
+  EXPECT_EQ(gone->Wait(), 0);
+  const std::string line = Line({"watch"});
+  Terminal coloured(AndTellTheEnd(line), 100, 8);
+  ASSERT_TRUE(coloured.Await("2 robots, 1 online"));
+  // Green and bold red: whoever sees neither reads the word, and sees what is bold.
+  EXPECT_THAT(coloured.ShownInColour(), AllOf(HasSubstr("\x1b[32mONLINE"), HasSubstr("OFFLINE")));
+  EXPECT_THAT(coloured.ShownInColour(), HasSubstr("\x1b[1m\x1b[31m"));
+  Terminal plain(AndTellTheEnd("NO_COLOR=1 " + line.substr(line.find("-u NO_COLOR") + 12)), 100, 8);
+  ASSERT_TRUE(plain.Await("2 robots, 1 online"));
+  EXPECT_THAT(plain.ShownInColour(), Not(HasSubstr("\x1b[")));
+}
+
+// ── other tables ──
+
+TEST_F(OnATerminal, FleetFitsTheWindowAndIsWholeInAPipe) {
+  const auto robot = Robot({"KIT/0001", "--state-interval", "50ms"});
+  const auto wide = Robot({"搬送/車一号", "--state-interval", "50ms"});
+  const std::string fleet = Line({"fleet"});
+  Terminal terminal(AndTellTheEnd(fleet), 80, 8);
+  ASSERT_TRUE(terminal.Await("exit code 0"));
+  EXPECT_THAT(Lines(terminal.Shown())[0], AllOf(StartsWith("TARGET       CONNECTION"),
+                                                HasSubstr("ERRORS"), Not(HasSubstr("SINCE"))));
+  Terminal piped(AndTellTheEnd(fleet + " > '" + (operator_.home() / "fleet") + "'"), 40, 8);
+  ASSERT_TRUE(piped.Await("exit code 0"));
+  const auto lines = Lines(Contents(operator_.home() / "fleet"));
+  EXPECT_THAT(lines.at(0), AllOf(StartsWith("TARGET       VERSION"), HasSubstr("SINCE")));
+  EXPECT_THAT(lines.at(1), StartsWith("KIT/0001     3.0.0"));
+  EXPECT_THAT(lines.at(2), StartsWith("搬送/車一号  3.0.0"));
+}
+
+TEST_F(OnATerminal, ResultsAndHistoryAlignWideNames) {
+  const Finished sent = Fleetpub({"pause", "搬送/車一号", "KIT/0001"});
+  EXPECT_THAT(Lines(sent.output).at(0), StartsWith("搬送/車一号  startPause"));
+  EXPECT_THAT(Lines(sent.output).at(1), StartsWith("KIT/0001     startPause"));
+  const auto history = Lines(Fleetpub({"history"}).output);
+  ASSERT_EQ(history.size(), 3U);
+  EXPECT_THAT(history[1], HasSubstr("  搬送/車一号  startPause  "));
+  EXPECT_THAT(history[2], HasSubstr("  KIT/0001     startPause  "));
+  Terminal narrow(AndTellTheEnd(Line({"history"})), 40, 8);
+  ASSERT_TRUE(narrow.Await("exit code 0"));
+  EXPECT_THAT(Lines(narrow.Shown())[0], MatchesRegex(" +ID  TARGET       ACTION +STATUS"));
+}
+
+// ── progress ──
+
+class Progress : public OnATerminal {
+ protected:
+  // Six robots that have gone: each gets its pause, and a warning.
+  Progress() {
+    const auto robots = Robot({"KIT/0001", "--count", "6"});
+    robots->Signal();
+    EXPECT_EQ(robots->Wait(), 0);
+  }
+  [[nodiscard]] std::string PauseAll() const { return Line({"pause", "--all", "--rate", "3"}); }
+};
+
+std::vector<std::string> WhatIsLeft(Terminal& terminal) {
+  std::vector<std::string> lines = Lines(terminal.Shown());
+  std::erase(lines, "");
+  return lines;
+}
+
+TEST_F(Progress, LeavesNothingBehindWhenWarningsAndResultsCome) {
+  Terminal terminal(AndTellTheEnd(PauseAll()), 150, 24);
+  ASSERT_TRUE(terminal.Await("=   ") && terminal.Await("of 6"));
+  ASSERT_TRUE(terminal.Await("exit code 0"));
+  const auto lines = WhatIsLeft(terminal);
+  EXPECT_THAT(lines, Each(MatchesRegex("(fleetpub: warning: )?KIT/000[1-6].*|6 robots: .*|"
+                                       "  offline  .*|exit code 0|icanon")));
+  EXPECT_THAT(terminal.Shown(), HasSubstr("warning: KIT/0006 is OFFLINE"));
+}
+
+TEST_F(Progress, StaysOnOneLineOfANarrowWindow) {
+  Terminal terminal(AndTellTheEnd(PauseAll() + " 2>/dev/tty >/dev/null"), 36, 24);
+  ASSERT_TRUE(terminal.Await("] 3 of 6"));
+  ASSERT_TRUE(terminal.Await("exit code 0"));
+  EXPECT_THAT(terminal.Shown(), Not(HasSubstr("[=")));
+}
+
+TEST_F(Progress, IsClearedWhenInterrupted) {
+  Terminal terminal(AndTellTheEnd(PauseAll()), 150, 24);
+  ASSERT_TRUE(terminal.Await("] 2 of 6"));
+  terminal.Press("C-c");
+  ASSERT_TRUE(terminal.Await("exit code 130"));
+  EXPECT_THAT(terminal.Shown(), HasSubstr("\nfleetpub: interrupted: "));
+  EXPECT_THAT(terminal.Shown(), Not(HasSubstr("[=")));
+}
+
+TEST_F(Progress, IsNotShownWhereItWouldGarble) {
+  const std::string file = operator_.home() / "seen";
+  for (const std::string& tail :
+       {" | cat", " 2>&1 | tee '" + file + "'", " > '" + file + "' 2>&1"}) {
+    Terminal terminal(AndTellTheEnd(PauseAll() + tail), 150, 24);
+    ASSERT_TRUE(terminal.Await("exit code 0"));
+    EXPECT_THAT(terminal.Shown(), Not(HasSubstr("[=")));
+    EXPECT_THAT(Contents(file), AllOf(Not(HasSubstr("\x1b")), Not(HasSubstr("\r"))));
+  }
+  EXPECT_THAT(Lines(Contents(file)),
+              Each(MatchesRegex("(fleetpub: warning: )?KIT/.*|6 robots.*|  offline.*")));
+}
+
+TEST_F(Progress, ShowsOnTheTerminalWhatGoesToAFile) {
+  const std::string file = operator_.home() / "results";
+  Terminal terminal(AndTellTheEnd(PauseAll() + " -o json > '" + file + "'"), 150, 24);
+  ASSERT_TRUE(terminal.Await("of 6"));
+  ASSERT_TRUE(terminal.Await("exit code 0"));
+  EXPECT_THAT(Lines(Contents(file)), Each(StartsWith("{")));
+}
+
+// ── consent ──
+
+TEST_F(OnATerminal, AsksBeforeManyAreCommanded) {
+  const auto robots = Robot({"KIT/0001", "--count", "3"});
+  for (const auto& [answer, end] : {std::pair("n", "exit code 2"), std::pair("y", "exit code 0")}) {
+    Terminal terminal(AndTellTheEnd(Line({"charge", "--all"})), 40, 12);
+    ASSERT_TRUE(terminal.Await("Send to these 3 robots? [y/N]"));
+    terminal.Press(answer);
+    terminal.Press("Enter");
+    ASSERT_TRUE(terminal.Await(end)) << answer;
+    for (const std::string& line : WhatIsLeft(terminal))
+      EXPECT_THAT(terminal.WidthOf(line), Le(40U));
+  }
+}
+
+// Standard output is a file, and so is standard error: nobody could answer.
+TEST_F(OnATerminal, AsksNobodyWhoCannotSeeTheQuestion) {
+  const auto robots = Robot({"KIT/0001", "--count", "3"});
+  const std::string file = operator_.home() / "errors";
+  Terminal terminal(AndTellTheEnd(Line({"charge", "--all"}) + " 2> '" + file + "'"), 80, 12);
+  ASSERT_TRUE(terminal.Await("exit code 2"));
+  EXPECT_THAT(Contents(file), HasSubstr("--yes sends to all of them"));
+}
+
+}  // namespace
+}  // namespace fleetpub::testing
