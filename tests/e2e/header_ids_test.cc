@@ -1,12 +1,14 @@
 // Header ids under parallel processes and `kill -9`.
 #include <gmock/gmock.h>
 
+#include <array>
 #include <map>
 #include <random>
 #include <set>
 #include <thread>
 
 #include "support/operator.h"
+#include "support/relay.h"
 
 namespace fleetpub::testing {
 namespace {
@@ -33,6 +35,32 @@ TEST_F(HeaderIds, ArriveInOrderFromParallelProcessesAtQos1) {
   ASSERT_THAT(messages, SizeIs(100));
   for (int i = 0; i < 100; ++i) {
     EXPECT_EQ(Json(messages[static_cast<std::size_t>(i)].payload)["headerId"].GetInt(), i);
+  }
+}
+
+// Each of the three has several brackets on their way at once, and meets the others in every topic.
+TEST_F(HeaderIds, ArriveInOrderFromWholeFleetsAtADistance) {
+  constexpr int kRobots = 1'200;
+  constexpr int kOperators = 3;
+  constexpr std::array kSteps = {1, 7, 11};  // all robots, each in an order of its own
+  const Relay far(broker_.port(), std::chrono::milliseconds(10));
+  const Subscriber subscriber(broker_);  // at QoS 1 mosquitto would queue 1,000 and drop the rest
+  InParallel(kOperators, [&](int each) {
+    std::string robots;
+    for (int i = 0; i < kRobots; ++i) {
+      robots +=
+          "KIT/" + std::to_string(i * kSteps[static_cast<std::size_t>(each)] % kRobots) + "\n";
+    }
+    Command command = operator_.Prepare({"pause", "-", "--yes", "-q", "1", "-b", far.Url()});
+    command.input = robots;
+    const Finished ran = testing::Run(std::move(command));
+    EXPECT_EQ(ran.exit_code, 0) << ran.errors;
+  });
+  const auto messages = subscriber.Await(kOperators * kRobots);
+  ASSERT_THAT(messages, SizeIs(kOperators * kRobots));
+  std::map<std::string, int> next;
+  for (const auto& message : messages) {
+    EXPECT_EQ(Json(message.payload)["headerId"].GetInt(), next[message.topic]++) << message.topic;
   }
 }
 
