@@ -58,4 +58,6 @@ std::string Padded(std::size_t width, std::string_view text) {
   return padded;
 }
 
+std::string_view Utf8procVersion() { return utf8proc_version(); }
+
 }  // namespace fleetpub::base

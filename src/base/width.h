@@ -20,4 +20,7 @@ namespace fleetpub::base {
 /// With blanks behind it, so that it takes so many columns at least.
 [[nodiscard]] std::string Padded(std::size_t width, std::string_view text);
 
+/// Of the library that knows the widths.
+[[nodiscard]] std::string_view Utf8procVersion();
+
 }  // namespace fleetpub::base

@@ -286,7 +286,8 @@ Status ReadConfig(std::string_view text, const std::string& file, Config& config
   const auto document = ParseToml(text);
   if (!document) {
     return Fail(ErrorKind::kUsage,
-                fmt::format("{}:{}", base::Printable(file), document.error().message));
+                fmt::format("{}:{}", base::Printable(file), document.error().message),
+                document.error().detail);
   }
   config.files.push_back(file);
   return Reader(file, config).Read(*document);

@@ -117,8 +117,8 @@ std::span<const Column> FleetColumns() {
                                           Column{.name = "SINCE", .rank = 7},
                                           Column{.name = "MODE", .rank = 3, .least = 10},
                                           Column{.name = "DRIVING", .rank = 5},
-                                          Column{.name = "PAUSED", .rank = 2},
-                                          Column{.name = "BATTERY", .rank = 1},
+                                          Column{.name = "PAUSED", .rank = 1},
+                                          Column{.name = "BATTERY", .rank = 2},
                                           Column{.name = "ORDER", .rank = 4, .least = 12},
                                           Column{.name = "ERRORS"}};
   return kColumns;

@@ -8,6 +8,7 @@
 
 #include "base/rapidjson.h"
 #include "base/text.h"
+#include "base/width.h"
 #include "ledger/sqlite_database.h"
 #include "mqtt/paho_version.h"
 #include "schema/schema.h"
@@ -37,11 +38,12 @@ std::string VersionText() {
   return fmt::format(
       "fleetpub {}\n"
       "build      {}\n"
-      "libraries  {}, SQLite {}, RapidJSON {}, fmt {}.{}.{}, CLI11 {}\n"
+      "libraries  {}, SQLite {}, RapidJSON {}, fmt {}.{}.{}, CLI11 {}, utf8proc {}\n"
       "schemas    {}",
       FLEETPUB_VERSION, FLEETPUB_BUILD, base::Join(mqtt::LibraryVersions(), ", "),
       ledger::SqliteVersion(), RAPIDJSON_VERSION_STRING, FMT_VERSION / 10'000,
-      FMT_VERSION / 100 % 100, FMT_VERSION % 100, CLI11_VERSION, Schemas());
+      FMT_VERSION / 100 % 100, FMT_VERSION % 100, CLI11_VERSION, base::Utf8procVersion(),
+      Schemas());
 }
 
 }  // namespace fleetpub::cli

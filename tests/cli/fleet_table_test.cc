@@ -78,8 +78,9 @@ TEST(FleetTable, ShowsWhatAnOperatorNeedsInEightyColumns) {
   const Output output({});
   EXPECT_THAT(
       TableLines(FleetColumns(), rows, 80, output),
-      ElementsAre("TARGET    CONNECTION  MODE       PAUSED  BATTERY       ORDER          ERRORS",
-                  "KIT/0001  ONLINE      AUTOMATIC  yes     80% charging  order-2026-0…  2 FATAL"));
+      ElementsAre(
+          "TARGET    CONNECTION  MODE       PAUSED  BATTERY       ORDER             ERRORS",
+          "KIT/0001  ONLINE      AUTOMATIC  yes     80% charging  order-2026-01-0…  2 FATAL"));
   EXPECT_THAT(
       TableLines(FleetColumns(), rows, 40, output),
       ElementsAre("TARGET    CONNECTION  PAUSED  ERRORS", "KIT/0001  ONLINE      yes     2 FATAL"));

@@ -17,7 +17,8 @@ constexpr std::array kColumns = {
     Column{.name = "ORDER", .rank = 1, .least = 5}, Column{.name = "END"}};
 
 std::vector<std::string> Lines(const Row& row, std::size_t width) {
-  return TableLines(kColumns, std::vector{row}, width, kOutput);
+  const std::vector<Row> rows = {row};
+  return TableLines(kColumns, rows, width, kOutput);
 }
 
 TEST(Table, AlignsColumnsByWhatATerminalShows) {

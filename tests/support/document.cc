@@ -17,7 +17,9 @@ bool IsCommand(const std::string& line) {
 void ReadExamples(Block& block) {
   const bool is_session =
       block.text.starts_with("$ ") || block.text.find("\n$ ") != std::string::npos;
-  if (!is_session && !IsCommand(block.text.substr(0, block.text.find('\n')))) return;
+  const std::size_t first = block.text.starts_with("#") ? block.text.find('\n') + 1 : 0;
+  if (!is_session && !IsCommand(block.text.substr(first, block.text.find('\n', first) - first)))
+    return;
   if (block.text.starts_with("for ")) return block.examples.push_back({block.text, {}});
   std::istringstream lines(block.text);
   bool goes_on = false;
@@ -73,7 +75,7 @@ std::vector<Block> IndentedBlocks(const std::string& page) {
 bool IsShownAs(const std::string& shown, const std::string& line) {
   static const std::pair<std::regex, const char*> kMayDiffer[] = {
       {std::regex(R"([.*+?^${}()|\[\]\\])"), R"(\$&)"},
-      {std::regex("…"), ".*"},
+      {std::regex(" ?… ?"), ".*"},
       {std::regex(" {2,}"), " +"},
       {std::regex(R"([0-9]+(\\\.[0-9]+)? (ms|s|min|h|d)\b)"), R"([0-9.]+ (us|ms|s|min|h|d))"},
       {std::regex(R"(elapsedMs":[0-9]+\\\.[0-9]+)"), R"(elapsedMs":[0-9.]+)"},
