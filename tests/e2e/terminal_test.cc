@@ -181,9 +181,9 @@ TEST_F(OnATerminal, ResultsAndHistoryAlignWideNames) {
 
 class Progress : public OnATerminal {
  protected:
-  // Six robots that have gone: each gets its pause, and a warning.
+  // Six robots that have gone: each gets its pause, and a warning for its name.
   Progress() {
-    const auto robots = Robot({"KIT/0001", "--count", "6"});
+    const auto robots = Robot({"KIT/r~0001", "--count", "6"});
     robots->Signal();
     EXPECT_EQ(robots->Wait(), 0);
   }
@@ -201,9 +201,10 @@ TEST_F(Progress, LeavesNothingBehindWhenWarningsAndResultsCome) {
   ASSERT_TRUE(terminal.Await("=   ") && terminal.Await("of 6"));
   ASSERT_TRUE(terminal.Await("exit code 6"));
   const auto lines = WhatIsLeft(terminal);
-  EXPECT_THAT(lines, Each(MatchesRegex("(fleetpub: warning: )?KIT/000[1-6].*|6 robots: .*|"
+  EXPECT_THAT(lines, Each(MatchesRegex("(fleetpub: warning: )?KIT/r~000[1-6].*|6 robots: .*|"
                                        "  offline  .*|exit code 6|icanon")));
-  EXPECT_THAT(terminal.Shown(), HasSubstr("warning: KIT/0006 is OFFLINE"));
+  EXPECT_THAT(terminal.Shown(),
+              HasSubstr("\nfleetpub: warning: KIT/r~0006: serial number 'r~0006'"));
 }
 
 TEST_F(Progress, StaysOnOneLineOfANarrowWindow) {
