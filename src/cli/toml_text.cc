@@ -136,13 +136,21 @@ std::string_view WordsFor(std::string_view description) {
     std::string_view part;
     std::string_view words;
   };
-  constexpr std::array<Fault, 6> kFaults{{
+  constexpr std::array<Fault, 14> kFaults{{
       {"redefine", "this key or table is there already"},
       {"existing", "this key or table is there already"},
       {"encountered end-of-file", "a value, a quotation mark or a bracket is missing at the end"},
       {"UTF-8", "not UTF-8"},
       {"utf-8", "not UTF-8"},
       {"nest", "nested too deeply"},
+      {"unescaped control", "a quotation mark is missing at the end of this line"},
+      {"unknown escape", "an escape that TOML does not have: \\ itself is written \\\\"},
+      {"expected ']'", "a ] is missing"},
+      {"expected '='", "a = is missing behind the key"},
+      {"expected value", "a value is missing behind the ="},
+      {"not representable", "a number is too large"},
+      {"parsing date", "a date that is none"},
+      {"parsing time", "a time that is none"},
   }};
   const auto fault = std::find_if(kFaults.begin(), kFaults.end(), [&](const Fault& known) {
     return description.find(known.part) != std::string_view::npos;
