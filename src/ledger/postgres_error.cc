@@ -55,7 +55,7 @@ constexpr auto kCauses = std::to_array<Cause>({
     {"shutting down", "the server is just ending: try again"},
     {"connection slots", "the server has no connection left: try again later"},
     {"too many clients", "the server has no connection left: try again later"},
-    {"read-only", "only a standby answers, and none that can be written"},
+    {"read-only", "only a standby answers, which is read-only: name the primary server"},
     {"invalid", "a parameter in its URL is not understood"},
 });
 
