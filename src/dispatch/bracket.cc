@@ -98,8 +98,7 @@ Status Bracket::Reserve(std::span<const Command> commands) {
 }
 
 void Bracket::Publish(const SentHook& sent) {
-  // At QoS 1 and 2 a full window would wait for what is held back.
-  const bool is_burst = options_.qos == mqtt::Qos::kAtMostOnce && reports_.size() > 1;
+  const bool is_burst = reports_.size() > 1;
   if (is_burst) transport_.Cork(true);
   PublishEach(sent);
   if (is_burst) transport_.Cork(false);

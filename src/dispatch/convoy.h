@@ -20,8 +20,9 @@ class Convoy {
   /// Told what became of a batch, in the order of Send; its outcomes are not recorded yet.
   using DoneHook = std::function<void(Key key, BatchResult result)>;
 
-  /// So many brackets travel while the next is made: more would keep others from their topics.
-  static constexpr std::size_t kMostUnderWay = 3;
+  /// So many brackets travel while the next is made: enough for 50 ms. More would keep others from
+  /// their topics longer, and the kernel walks all locks for each new one.
+  static constexpr std::size_t kMostUnderWay = 2;
 
   Convoy(ledger::Ledger& ledger, const SendOptions& options, SentHook sent, DoneHook done);
 

@@ -143,6 +143,7 @@ class PahoTransport final : public RobotTransport {
     const bool careful = qos == Qos::kExactlyOnce && server().version == ProtocolVersion::k311;
     const int window = careful ? std::min(window_, kWindowOfQos2) : window_;
     while (in_flight() >= window) {
+      session_.Cork(false);  // what is held back cannot be acknowledged
       const bool gained = session_.Step();
       if (session_.lost()) return Fail(*session_.lost());
       if (in_flight() < window) break;

@@ -84,7 +84,7 @@ struct ConnectOptions {
   /// `http://[user:password@]host:port`; empty: none, whatever the environment says.
   std::string proxy;
   /// How many QoS 1 and 2 messages may await their acknowledgement at once.
-  int window = 2'000;
+  int window = 1'500;
   std::optional<Will> will;
   /// Receives a line for each protocol step, without secrets. May be empty.
   std::function<void(std::string_view)> trace;
