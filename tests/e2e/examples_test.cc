@@ -40,6 +40,7 @@ constexpr const char* kPrelude = R"(
 trap 'kill $(jobs -p) 2>/dev/null; wait' EXIT
 shopt -s expand_aliases
 background() { local log; log=$(mktemp -p .); "$@" >"$log" 2>&1 & until grep -q online "$log"; do sleep .02; done; cat "$log"; }
+until_killed() { background "$@"; kill $!; wait $!; }
 online() { background fleetpub simulate --state-interval 50ms "$@" >/dev/null; }
 gone() { online "$@"; kill $!; wait $!; }
 everybody_goes() { kill $(jobs -p); wait; }
@@ -68,12 +69,13 @@ std::string ScriptOf(const std::vector<Example>& examples, const World& world) {
     for (const auto& [what, with] : world.changes) Replace(command, what, with);
     Replace(command, "127.0.0.1:1883", "127.0.0.1:$PORT");
     Replace(command, "localhost:1883", "127.0.0.1:$PORT");
-    // What runs until Ctrl-C gets it, and what runs in the background is waited for until it is up.
+    // What would run on is killed once it is up, and what runs in the background is waited for
+    // until it is.
     const bool is_simulate = command.starts_with("fleetpub simulate");
     if (is_simulate && command.ends_with(" &")) {
       command = "background " + command.substr(0, command.size() - 2);
     } else if (is_simulate && command.find(" & ") == std::string::npos) {
-      command = "timeout --preserve-status -s INT 1 " + command;
+      command = "until_killed " + command;
     }
     script += "echo '@@'\n" + command + "\necho \"@@exit $?\"\n";
   }

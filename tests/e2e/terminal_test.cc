@@ -3,7 +3,7 @@
 
 #include <gmock/gmock.h>
 
-#include <algorithm>
+#include <csignal>
 #include <fstream>
 #include <iterator>
 
@@ -77,12 +77,14 @@ TEST_F(OnATerminal, WatchRestoresItWhenInterruptedWithoutABroker) {
 // In the middle of a drawing, too: states come all the time.
 TEST_F(OnATerminal, WatchRestoresItWhateverEndsIt) {
   const auto robots = Robot({"KIT/0001", "--count", "20", "--state-interval", "10ms"});
-  const std::pair<const char*, int> ends[] = {{"TERM", 0},   {"INT", 0},    {"HUP", 129},
-                                              {"QUIT", 131}, {"SEGV", 139}, {"ABRT", 134}};
+  const std::string file = operator_.home() / "pid";
+  const std::string watch = "sh -c 'echo $$ > " + file + "; exec \"$@\"' - " + Line({"watch"});
+  const std::pair<int, int> ends[] = {{SIGTERM, 0},   {SIGINT, 0},    {SIGHUP, 129},
+                                      {SIGQUIT, 131}, {SIGSEGV, 139}, {SIGABRT, 134}};
   for (const auto& [signal, code] : ends) {
-    const std::string killer = std::string("timeout --foreground --preserve-status -s ") + signal;
-    Terminal terminal("ulimit -c 0; " + AndTellTheEnd(killer + " 1 " + Line({"watch"})), 80, 8);
+    Terminal terminal("ulimit -c 0; " + AndTellTheEnd(watch), 80, 8);
     ASSERT_TRUE(terminal.Await("20 robots")) << signal;
+    EXPECT_EQ(kill(std::stoi(Contents(file)), signal), 0);
     ASSERT_TRUE(terminal.Await("exit code " + std::to_string(code))) << signal;
     ASSERT_TRUE(terminal.Await("\nicanon")) << signal;
     EXPECT_EQ(terminal.Flags(), "0 1\n") << signal;
@@ -219,7 +221,7 @@ TEST_F(Progress, IsClearedWhenInterrupted) {
   ASSERT_TRUE(terminal.Await("] 2 of 6"));
   terminal.Press("C-c");
   ASSERT_TRUE(terminal.Await("exit code 130"));
-  EXPECT_THAT(terminal.Shown(), HasSubstr("\nfleetpub: interrupted: "));
+  EXPECT_THAT(terminal.Shown(), HasSubstr("fleetpub: interrupted: "));
   EXPECT_THAT(terminal.Shown(), Not(HasSubstr("[=")));
 }
 
