@@ -2,10 +2,10 @@
 //
 //   pairs RUNS FIGURE CSV  NAME A…  --  NAME B…  [--  NAME C… …]
 //
-// Prints the medians of wall time, the largest peak of memory, and the median of the ratios A/B turn by turn; of
-// more than two commands a table, each beside A. Appends a line per run to CSV:
-// figure,program,run,milliseconds,processor_milliseconds,kilobytes. Commands are given no shell, /dev/null for their
-// output, and no input unless the first word behind NAME is `<FILE`.
+// Prints the medians of wall time, the largest peak of memory, and the median of the ratios A/B
+// turn by turn; of more than two commands a table with A's ratio to each. Appends a line per run to
+// CSV: figure,program,run,milliseconds,processor_milliseconds,kilobytes. Commands are given no
+// shell, /dev/null for their output, and no input unless the first word behind NAME is `<FILE`.
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <spawn.h>
@@ -104,7 +104,7 @@ void Print(const std::string& figure, const std::vector<Program>& programs) {
     const auto times = Times(program);
     fmt::print("{:<44} {:>8.2f} {:>8.2f} {:>8.2f} {:>8.2f} {:>9.1f}\n", "  " + program.name,
                Quantile(times, 0.5), Quantile(times, 0.9), Quantile(times, 0.99),
-               Ratio(program, programs[0]), Peak(program));
+               Ratio(programs[0], program), Peak(program));
   }
 }
 

@@ -18,12 +18,12 @@ start_postgres() {
     postgres_port=$((40000 + RANDOM % 20000))
     helper "${as_user[@]}" "$programs/postgres" -D "$folder" -p "$postgres_port" -c listen_addresses=127.0.0.1 \
       -c unix_socket_directories= -c logging_collector=off
-    until grep -q 'ready to accept connections' "$home/helper"; do
+    until grep -q 'ready to accept connections' "$said"; do
       kill -0 "${helpers[-1]}" 2>/dev/null || { unset 'helpers[-1]'; continue 2; }
       sleep 0.02
     done
     return
   done
-  cat "$home/helper" >&2
+  cat "$said" >&2
   return 1
 }

@@ -4,8 +4,8 @@
 //   raw_commander PORT COUNT
 //   raw_commander PORT COUNT QOS
 //
-// Subscribes to the states of all 3.0 robots, sends startPause to KIT/000001 … in bursts of 500, and
-// ends when every one of them has reported its action FINISHED. With QOS 0 or 1 it only sends
+// Subscribes to the states of all 3.0 robots, sends startPause to KIT/000001 … in bursts of 500,
+// and ends when every one of them has reported its action FINISHED. With QOS 0 or 1 it only sends
 // packets that were made beforehand, and ends when the broker has taken them.
 #include <arpa/inet.h>
 #include <fmt/format.h>

@@ -15,7 +15,7 @@ import sys
 ABOUT = [
     ("pg_try_advisory_lock", "lock the topics, read their last ids"),
     ("WITH taken", "reserve the ids, record the messages"),
-    ("synchronous_commit", "record the outcomes"),
+    ("UPDATE fleetpub.messages", "record the outcomes"),
     ("set_config", "settings of the session"),
     ("application_name", "log in"),
     ("", "ask for TLS"),

@@ -1,7 +1,7 @@
 # A broker 30 ms away: each byte takes 15 ms.
 helper build/static/tests/bench/delay "$broker_port" 15
-await_helper test -s "$home/helper"
-distant=$(cat "$home/helper")
+await_helper test -s "$said"
+distant=$(cat "$said")
 heading 'At a round trip of 30 ms' fleetpub peer
 for qos in 0 1; do
   compare 30 "one shot at 30 ms, QoS $qos" \

@@ -5,7 +5,7 @@ start_postgres
 release=build/release/src/fleetpub
 database=postgresql://postgres@127.0.0.1:$postgres_port/postgres
 $release ledger migrate --ledger "$database" >/dev/null
-heading "A ledger in PostgreSQL (on $(stat -f -c %T "$postgres_data")) beside one in a file, release" PostgreSQL SQLite
+heading "A ledger in PostgreSQL (on $(findmnt -no FSTYPE -T "$postgres_data")) beside one in a file, release" PostgreSQL SQLite
 for count in 1 500 10000; do
   case $count in 1) times=100 ;; 500) times=30 ;; *) times=5 ;; esac
   compare $times "PostgreSQL, $count robots sent" \
@@ -19,8 +19,8 @@ python3 tests/bench/round_trips.py "$home/strace" "$postgres_port" "$folder/post
 echo
 # A database 30 ms away: each byte takes 15 ms.
 helper build/static/tests/bench/delay "$postgres_port" 15
-await_helper test -s "$home/helper"
-distant=$(cat "$home/helper")
+await_helper test -s "$said"
+distant=$(cat "$said")
 distant=${database/:$postgres_port/:${distant##*:}}
 heading 'The same with a database 30 ms away: 20 brackets more' '10500 robots' '500 robots'
 compare 5 'PostgreSQL 30 ms away' \
