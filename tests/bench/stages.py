@@ -14,20 +14,22 @@ import re
 import subprocess
 import sys
 
-# stage → its functions, and a stage that is within it. What else is below main is `rest`; what is not, `start`.
+# stage → its functions (of `A|B` the first that is there), and a stage that is within it. What else is below main is `rest`; what is not, `start`.
 STAGES = {
     "start": ([], None),
     "arguments": (["cli::Call::Read", "cli::Call::Configure", "cli::RosterOf"], None),
-    "build": (["cli::CommandMaker::Judge", "cli::CommandMaker::Make"], "validate"),
+    "build": (["cli::CommandMaker::Judge", "cli::RobotSender::Next|cli::CommandMaker::Make"], "validate"),
     "validate": (["dispatch::Validate"], None),
     "open ledger": (["cli::OpenLedger"], None),
     "connect": (["mqtt::ConnectPaho"], None),
     "lock": (["ledger::SqliteLedger::Lock"], None),
-    "reserve": (["ledger::SqliteLedger::Reserve"], None),
+    "reserve": (["dispatch::Batch::Reserve|ledger::SqliteLedger::Reserve"], None),
     "publish": (["mqtt::PahoTransport::AwaitReady", "mqtt::PahoTransport::Publish", "mqtt::PahoTransport::Cork"], None),
     "answers": (["mqtt::PahoTransport::Subscribe", "mqtt::PahoTransport::Receive", "mqtt::PahoTransport::AwaitAcknowledgements",
                  "dispatch::Follower::Deliver"], None),
     "outcome": (["ledger::SqliteLedger::RecordOutcomes"], None),
+    "close": (["mqtt::PahoTransport::Disconnect", "cli::RobotSender::~RobotSender|mqtt::PahoTransport::~PahoTransport",
+               "ledger::SqliteLedger::~SqliteLedger"], None),
     "rest": ([], None),
 }
 MOST_WITHOUT_STAGE = 0.1
@@ -60,8 +62,9 @@ def by_stage(total, costs):
     stages = {}
     for stage, (functions, _) in STAGES.items():
         stages[stage] = nothing
-        for function in functions:
-            stages[stage] = plus(stages[stage], costs.get(function, nothing))
+        for names in functions:
+            cost = next((costs[name] for name in names.split("|") if name in costs), nothing)
+            stages[stage] = plus(stages[stage], cost)
     for stage, (_, within) in STAGES.items():
         if within:
             stages[stage] = plus(stages[stage], stages[within], -1)
