@@ -9,8 +9,8 @@ set border 1
 set grid noytics
 set key outside right center vertical Left reverse samplen 1.5
 set style fill solid 1 border linecolor "white"
-# Paul Tol's light scheme and three more: black text can be read on all of them.
-colours = "#77AADD #99DDFF #44BB99 #BBCC33 #EEDD88 #EE8866 #FFAABB #CCBBEE #AAAA00 #C8A27A #88CCBB #D9B3A0 #DDDDDD"
+# Paul Tol's light scheme and some more: black text can be read on all of them.
+colours = "#77AADD #99DDFF #44BB99 #BBCC33 #EEDD88 #EE8866 #FFAABB #CCBBEE #AAAA00 #C8A27A #88CCBB #D9B3A0 #B0B8E0 #DDDDDD"
 called(i) = system(sprintf("echo '%s' | tr _ ' '", word(names, i)))
 plot for [i=1:words(names)] \
     table using ($3 == i ? $6 : NaN):(-$2):6:7:(-$2 - 0.25):(-$2 + 0.25) skip 1 with boxxyerror linecolor rgb word(colours, i) title called(i), \
