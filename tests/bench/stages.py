@@ -23,7 +23,7 @@ STAGES = {
     "open ledger": (["cli::OpenLedger"], None),
     "connect": (["mqtt::ConnectPaho"], None),
     "lock": (["ledger::SqliteLedger::Lock"], None),
-    "reserve": (["dispatch::Batch::Reserve|ledger::SqliteLedger::Reserve"], None),
+    "reserve": (["dispatch::Bracket::Reserve|ledger::SqliteLedger::Reserve"], None),
     "publish": (["mqtt::PahoTransport::Admits", "mqtt::PahoTransport::AwaitReady", "mqtt::PahoTransport::Publish",
                  "mqtt::PahoTransport::Cork"], None),
     "answers": (["mqtt::PahoTransport::Subscribe", "mqtt::PahoTransport::Receive", "mqtt::PahoTransport::AwaitAcknowledgements",
