@@ -40,8 +40,9 @@ std::string Packet(unsigned char type, const std::string& body) {
 }
 
 std::string Command(int robot, int qos = 0) {
+  const int packet = robot % 65535 + 1;  // 0 is none
   const std::string id =
-      qos == 0 ? "" : std::string{static_cast<char>(robot >> 8), static_cast<char>(robot & 0xFF)};
+      qos == 0 ? "" : std::string{static_cast<char>(packet >> 8), static_cast<char>(packet & 0xFF)};
   return Packet(
       qos == 0 ? 0x30 : 0x32,
       Text(fmt::format("vda5050/v3/KIT/{:06}/instantActions", robot)) + id +
