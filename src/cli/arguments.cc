@@ -96,6 +96,11 @@ Result<Invocation> FindSubcommand(const CLI::App& app, std::vector<std::string> 
   if (positions.empty()) return take(0);
 
   const std::string first = arguments[positions[0]];
+  if (base::EqualsIgnoringCase(first, "help")) {
+    arguments.erase(arguments.begin() + static_cast<std::ptrdiff_t>(positions[0]));
+    arguments.emplace_back("--help");
+    return FindSubcommand(app, std::move(arguments));
+  }
   if (positions.size() > 1) {
     const std::string two = first + " " + arguments[positions[1]];
     if ((invocation.subcommand = Named(two)) != nullptr) {

@@ -230,6 +230,13 @@ struct Request {
   [[nodiscard]] Result<Command> For(std::string_view target) const {
     const auto robot = vda5050::ParseRobotAddress(target);
     if (!robot) return Fail(robot.error());
+    if (target.find_first_of("*?") != std::string_view::npos) {
+      return Fail(
+          ErrorKind::kUsage,
+          fmt::format("'{}' is a pattern, and a line names robots: `fleetpub fleet -o json` "
+                      "lists them",
+                      Printable(target)));
+    }
     return FindMember(line, "action") != nullptr ? ActionFor(*robot) : MessageFor(*robot);
   }
 

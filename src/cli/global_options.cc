@@ -4,8 +4,10 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <array>
 #include <cassert>
 #include <charconv>
+#include <tuple>
 
 #include "base/text.h"
 #include "base/time.h"
@@ -210,6 +212,26 @@ Result<std::vector<mqtt::BrokerUrl>> BrokersOf(const GlobalOptions& o) {
   return brokers;
 }
 
+// Who names an authority expects to be encrypted. A configuration may do so for other brokers.
+Status CheckEncryption(const Context& context, std::span<const mqtt::BrokerUrl> brokers) {
+  const GlobalOptions& o = context.options;
+  const std::array<std::tuple<std::string_view, const std::string*, std::string_view>, 3> given = {
+      {{"cafile", &o.ca_file, "--cafile"},
+       {"capath", &o.ca_path, "--capath"},
+       {"cert", &o.cert_file, "--cert"}}};
+  for (const auto& [key, value, option] : given) {
+    if (value->empty() || context.config.Find(key) != nullptr) continue;
+    for (const mqtt::BrokerUrl& broker : brokers) {
+      if (broker.UsesTls()) continue;
+      return Fail(ErrorKind::kUsage,
+                  fmt::format("{0} is for TLS, and {1} is not encrypted: name the broker with "
+                              "--broker mqtts://HOST[:PORT], or leave {0} out",
+                              option, broker.ToString()));
+    }
+  }
+  return {};
+}
+
 Result<mqtt::TlsOptions> TlsOf(const Context& context) {
   const GlobalOptions& o = context.options;
   mqtt::TlsOptions tls{.ca_file = o.ca_file,
@@ -313,6 +335,7 @@ Result<mqtt::ConnectOptions> ConnectOptionsOf(const Context& context) {
   const GlobalOptions& o = context.options;
   auto brokers = BrokersOf(o);
   if (!brokers) return Fail(std::move(brokers.error()));
+  if (auto ok = CheckEncryption(context, *brokers); !ok) return Fail(std::move(ok.error()));
   const auto version = MqttVersionOf(o.mqtt_version);
   if (!version) return Fail(version.error());
   const auto keep_alive = ParseWhole(o.keep_alive, 0, 65'535, "--keep-alive");

@@ -35,9 +35,13 @@ ExitCode Finish(const Result<ExitCode>& result, Output& output) {
   const ExitCode code = result ? *result : CodeOf(result.error().kind);
   const auto flushed = output.Flush();
   if (flushed) return code;
-  output.Complain(flushed.error());
   // After sending, what the broker and the robots said weighs more than that nobody could read it.
-  return code == ExitCode::kDone && !output.something_was_sent() ? ExitCode::kLedger : code;
+  if (output.something_was_sent()) {
+    output.Warn(flushed.error().message + ": fleetpub history shows them");
+    return code;
+  }
+  output.Complain(flushed.error());
+  return code == ExitCode::kDone ? ExitCode::kLedger : code;
 }
 
 ExitCode PrintHelp(const CLI::App& app, const Invocation& invocation) {

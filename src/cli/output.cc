@@ -1,6 +1,7 @@
 #include "cli/output.h"
 
 #include <fmt/format.h>
+#include <poll.h>
 #include <sys/ioctl.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -124,9 +125,14 @@ void Output::FlushNow() { std::fflush(stdout); }
 
 Status Output::Flush() {
   if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return {};
+  const int why = errno;
+  // Who reads has seen enough (`| head`); what was sent is another matter.
+  pollfd reader{.fd = STDOUT_FILENO, .events = POLLOUT, .revents = 0};
+  const bool is_gone = poll(&reader, 1, 0) == 1 && (reader.revents & POLLERR) != 0;
+  if (is_gone && !something_was_sent()) return {};
   return Fail(ErrorKind::kLedger, fmt::format("the results could not be written to standard "
                                               "output: {}",
-                                              std::strerror(errno)));
+                                              std::strerror(why)));
 }
 
 std::string ReportText(const Report& report, std::size_t target_width, const Output& output) {

@@ -47,12 +47,15 @@ Result<std::chrono::nanoseconds> TimedSubscribe(mqtt::Transport& transport,
 }
 
 // mosquitto and others publish their name retained; a broker that refuses the topic or stays silent
-// is no trouble.
-std::string SoftwareOf(mqtt::Transport& transport, steady_clock::time_point deadline) {
-  if (!TimedSubscribe(transport, "$SYS/broker/version", deadline)) return {};
+// is no trouble. To be asked first: what robots have left comes with the other topics.
+void AskForSoftware(mqtt::Transport& transport, steady_clock::time_point deadline,
+                    Finding& finding) {
+  const auto took = TimedSubscribe(transport, "$SYS/broker/version", deadline);
+  if (!took) return;
+  finding.round_trip = *took;
   const auto patience = steady_clock::now() + std::chrono::milliseconds(200);
   const auto message = transport.Receive(std::min(deadline, patience));
-  return message && *message ? base::Printable((*message)->payload) : std::string();
+  if (message && *message) finding.software = base::Printable((*message)->payload);
 }
 
 std::vector<std::string> LimitsOf(const mqtt::ServerInfo& server) {
@@ -78,13 +81,13 @@ Result<Finding> Explore(const mqtt::ConnectOptions& connect) {
                   .mqtt = server.version == mqtt::ProtocolVersion::k5 ? "5" : "3.1.1",
                   .limits = LimitsOf(server),
                   .connect = steady_clock::now() - start};
+  AskForSoftware(**transport, deadline, finding);
   for (const std::string_view topic : kTopics) {
     const auto took = TimedSubscribe(**transport, fmt::format("+/+/+/+/{}", topic), deadline);
     finding.grants.push_back(
         {std::string(topic), took.has_value(), took ? "" : took.error().message});
-    if (took) finding.round_trip = *took;
+    if (took && finding.round_trip.count() == 0) finding.round_trip = *took;
   }
-  finding.software = SoftwareOf(**transport, deadline);
   (*transport)->Disconnect();
   return finding;
 }

@@ -316,7 +316,7 @@ class RobotSender {
     if (context_.output.json()) {
       for (const ListedRobot* robot : robots_) {
         context_.output.Line(
-            ReportJson(maker_.ReportOn(*robot, verdict, error.kind, error.message)));
+            ReportJson(maker_.ReportOn(*robot, verdict, error.kind, "not sent: " + error.message)));
       }
     }
     error.message = "nothing was sent: " + error.message;

@@ -204,7 +204,7 @@ std::string WordsOf(const Targets& targets) {
   std::vector<std::string> words;
   if (!targets.who.set.empty()) words.push_back(base::Printable(targets.who.set));
   for (const Condition& condition : targets.where) {
-    words.push_back("--where " + base::Printable(condition.path));
+    words.push_back("--where " + base::Printable(vda5050::ToString(condition)));
   }
   return base::Join(words, " ");
 }

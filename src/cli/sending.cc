@@ -149,7 +149,7 @@ Error NothingSent(const std::vector<Command>& commands, Verdict verdict, Error e
       Report report = dispatch::ReportOn(command);
       report.verdict = verdict;
       report.error = error.kind;
-      report.message = error.message;
+      report.message = "not sent: " + error.message;
       context.output.Line(ReportJson(report));
     }
   }

@@ -43,7 +43,9 @@ constexpr int kWebSocketProbes = 3;
 constexpr std::string_view kClosed =
     "the broker closed it (does another client use the same client id? Is something not allowed?)";
 constexpr std::string_view kClosedBySubscribing =
-    "the broker closed it when we subscribed: may this client read these topics?";
+    "the broker closed it when we subscribed (may this client read these topics? Does another one "
+    "use "
+    "the same client id?)";
 constexpr std::string_view kSilent = "the broker did not answer the keep-alive pings";
 
 milliseconds SliceFor(std::chrono::seconds keep_alive) {

@@ -150,6 +150,15 @@ Result<Condition> ParseCondition(std::string_view text) {
   return condition;
 }
 
+std::string ToString(const Condition& condition) {
+  const auto* written = std::find_if(
+      kOperators.begin(), kOperators.end(),
+      [&condition](const Operator& each) { return each.comparison == condition.comparison; });
+  const std::string_view text =
+      condition.comparison == Comparison::kEqual ? std::string_view("=") : written->text;
+  return condition.path + std::string(text) + condition.wanted;
+}
+
 std::optional<std::string> Unmet(const Condition& condition, const Value& message) {
   constexpr std::size_t kLongest = 80;
   const Value* member = Find(condition.path, message);

@@ -29,6 +29,9 @@ struct Condition {
 /// right form.
 [[nodiscard]] Result<Condition> ParseCondition(std::string_view text);
 
+/// `PATH<VALUE`.
+[[nodiscard]] std::string ToString(const Condition& condition);
+
 /// What the message says instead (`paused is false`, `there is no /batteryState`); nothing when it
 /// satisfies the condition. A member that is not there satisfies none, not even `!=`.
 [[nodiscard]] std::optional<std::string> Unmet(const Condition& condition,
