@@ -173,7 +173,7 @@ TEST(AnyNumber, IsReadAsTheNearestDouble) {
     const auto digits = rc::gen::container<std::string>(rc::gen::elementOf(std::string("000019")));
     std::string text = *rc::gen::element<std::string>("", "-");
     text += *rc::gen::element<std::string>("0", "1", "9007199254740993", "123456789012345678");
-    text += "." + *digits + "0e" + std::to_string(*rc::gen::inRange(-290, 280));
+    text += "." + *digits + "0e" + std::to_string(*rc::gen::inRange(-400, 280));
     const auto document = base::ParseJson(text);
     if (!document) RC_FAIL(text + ": " + document.error().message);
     RC_ASSERT(document->GetDouble() == std::strtod(text.c_str(), nullptr));

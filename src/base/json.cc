@@ -6,15 +6,20 @@
 #include <rapidjson/prettywriter.h>
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
+#include <cstdlib>
+#include <optional>
 #include <vector>
 
 namespace fleetpub::base {
 namespace {
 
+// RapidJSON's own reading of numbers is not used: it makes 1.9e22 of `0e41`, and reads beyond its
+// table at very small ones.
 constexpr unsigned kParseFlags = rapidjson::kParseIterativeFlag |
                                  rapidjson::kParseValidateEncodingFlag |
-                                 rapidjson::kParseFullPrecisionFlag;
+                                 rapidjson::kParseNumbersAsStringsFlag;
 
 constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
 
@@ -27,15 +32,23 @@ bool HoldsSurrogate(std::string_view text) {
   return false;
 }
 
-// Passes every event on to the document and stops the parser at the first one too deep, or at a
-// text that is none.
+// The nearest double; too small a number is 0. Nothing when it is too large for one.
+std::optional<double> ReadDouble(std::string_view text) {
+  double value = 0;
+  if (std::from_chars(text.data(), text.data() + text.size(), value).ec == std::errc()) {
+    return value;
+  }
+  value = std::strtod(std::string(text).c_str(), nullptr);  // tells too large from too small
+  return std::isfinite(value) ? std::optional(value) : std::nullopt;
+}
+
+// Passes every event on to the document and stops the parser at the first one too deep, at a text
+// that is none, and at a number that no double can hold.
 class Guard {
  public:
   using Ch = char;
 
-  /// `stream` is where the parser reads.
-  Guard(rapidjson::Document& document, int limit, const rapidjson::MemoryStream& stream)
-      : document_(document), limit_(limit), stream_(stream) {}
+  Guard(rapidjson::Document& document, int limit) : document_(document), limit_(limit) {}
 
   bool Null() { return document_.Null(); }
   bool Bool(bool value) { return document_.Bool(value); }
@@ -43,9 +56,16 @@ class Guard {
   bool Uint(unsigned value) { return document_.Uint(value); }
   bool Int64(int64_t value) { return document_.Int64(value); }
   bool Uint64(uint64_t value) { return document_.Uint64(value); }
-  bool Double(double value) { return document_.Double(IsZero() ? std::copysign(0, value) : value); }
-  bool RawNumber(const char* text, rapidjson::SizeType length, bool copy) {
-    return document_.RawNumber(text, length, copy);
+  bool Double(double value) { return document_.Double(value); }
+  bool RawNumber(const char* text, rapidjson::SizeType length, bool /*copy*/) {
+    const std::string_view number(text, length);
+    if (number.find_first_of(".eE") == std::string_view::npos) {
+      if (int64_t value = 0; ReadWhole(number, value)) return document_.Int64(value);
+      if (uint64_t value = 0; ReadWhole(number, value)) return document_.Uint64(value);
+    }
+    const auto value = ReadDouble(number);
+    too_large_ = !value;
+    return value && document_.Double(*value);
   }
   bool String(const char* text, rapidjson::SizeType length, bool copy) {
     return IsText(text, length) && document_.String(text, length, copy);
@@ -59,28 +79,23 @@ class Guard {
   bool EndArray(rapidjson::SizeType elements) { return Leave(), document_.EndArray(elements); }
 
   [[nodiscard]] bool too_deep() const { return depth_ > limit_; }
+  [[nodiscard]] bool too_large() const { return too_large_; }
 
  private:
+  template <typename Whole>
+  static bool ReadWhole(std::string_view text, Whole& value) {
+    return std::from_chars(text.data(), text.data() + text.size(), value).ec == std::errc();
+  }
   bool Enter() { return ++depth_ <= limit_; }
   void Leave() { --depth_; }
   static bool IsText(const char* text, rapidjson::SizeType length) {
     return !HoldsSurrogate({text, length});
   }
 
-  // Whether the number that was just read is 0. RapidJSON makes 1.9e22 of `0e41`: it normalises a
-  // significand of 0.
-  [[nodiscard]] bool IsZero() const {
-    const std::string_view before(stream_.begin_, stream_.Tell());
-    const std::size_t start = before.find_last_not_of("+-.0123456789eE") + 1;  // npos + 1 is 0
-    const std::string_view number = before.substr(start);
-    return number.substr(0, number.find_first_of("eE")).find_first_of("123456789") ==
-           std::string_view::npos;
-  }
-
   rapidjson::Document& document_;
   int limit_;
-  const rapidjson::MemoryStream& stream_;
   int depth_ = 0;
+  bool too_large_ = false;
 };
 
 // Feeds a Document from a text: rapidjson::Document::Populate calls it with the document as
@@ -90,12 +105,14 @@ struct Generator {
   int depth;
   rapidjson::ParseResult result;
   bool too_deep = false;
+  bool too_large = false;
 
   bool operator()(rapidjson::Document& document) {
     rapidjson::Reader reader;
-    Guard guard(document, depth, stream);
+    Guard guard(document, depth);
     result = reader.Parse<kParseFlags>(stream, guard);
     too_deep = guard.too_deep();
+    too_large = guard.too_large();
     return !result.IsError();
   }
 };
@@ -116,8 +133,9 @@ Error ParseError(std::string_view text, const Generator& generator) {
                                              place, generator.depth)};
   }
   const bool by_guard = generator.result.Code() == rapidjson::kParseErrorTermination;
-  const auto code =
-      by_guard ? rapidjson::kParseErrorStringUnicodeSurrogateInvalid : generator.result.Code();
+  const auto refused = generator.too_large ? rapidjson::kParseErrorNumberTooBig
+                                           : rapidjson::kParseErrorStringUnicodeSurrogateInvalid;
+  const auto code = by_guard ? refused : generator.result.Code();
   std::string reason = rapidjson::GetParseError_En(code);
   if (reason.ends_with('.')) reason.pop_back();
   return {ErrorKind::kInvalid, fmt::format("not valid JSON at {}: {}", place, reason)};
@@ -180,7 +198,7 @@ Result<rapidjson::Document> ParseJson(std::string_view text, JsonLimits limits) 
                 fmt::format("not valid JSON at {}: a NUL byte", Place(text, nul)));
   }
   rapidjson::Document document;
-  Generator generator{rapidjson::MemoryStream(text.data(), text.size()), limits.depth, {}, false};
+  Generator generator{rapidjson::MemoryStream(text.data(), text.size()), limits.depth, {}};
   document.Populate(generator);
   if (generator.result.IsError()) return Fail(ParseError(text, generator));
   if (const std::string name = FindRepeatedName(document); !name.empty()) {

@@ -66,11 +66,9 @@ Status Gather(mqtt::Transport& transport, const Patience& patience, FleetView& v
   const auto filters = view.Filters();
   if (!filters) return Fail(filters.error());
   const auto start = steady_clock::now();
-  auto ok =
-      dispatch::Collect(transport, *filters, patience.discover, [&](const mqtt::Message& message) {
-        Take(message, view);
-        return false;
-      });
+  auto ok = dispatch::CollectAll(
+      transport, *filters, patience.discover,
+      [&](const mqtt::Message& message) { Take(message, view); }, [&] { return view.size(); });
   if (ok) ok = AwaitStates(transport, start + patience.state_wait, view);
   return ok;
 }

@@ -282,14 +282,19 @@ class RobotSender {
       }
       const bool is_first = next_ == 0;
       const auto commands = Next(most);
-      if (!commands) return Fail(commands.error());
+      if (!commands) {
+        static_cast<void>(stream.Send({}));  // what has left is told of
+        return Fail(commands.error());
+      }
       pace_.Took(commands->size(), now);
       if (is_first && next_ == robots_.size()) {  // else one robot's topics may be forbidden
         if (auto ok = stream.Subscribe(*commands); !ok) {
           return Fail(NothingSentToAny(Verdict::kError, ok.error()));
         }
       }
-      const auto sent = stream.Send(*commands);
+      using More = dispatch::Stream::More;
+      const bool follow = next_ < robots_.size() && pace_.Allowance(now) > 0;
+      const auto sent = stream.Send(*commands, follow ? More::kFollow : More::kNone);
       if (!sent && stream.lost()) GiveUpRest(sent.error());
     }
     return {};

@@ -22,12 +22,6 @@ using vda5050::RobotPattern;
 using vda5050::Roster;
 using vda5050::RosterEntry;
 
-// A default mosquitto queues so many messages for a client and drops the rest.
-constexpr std::size_t kBrokersQueue = 1'000;
-
-// What many have left takes its time, and it ends.
-constexpr std::chrono::seconds kLongestCollection{60};
-
 bool Needs(const Targets& targets, std::string_view topic_name) {
   return std::any_of(targets.where.begin(), targets.where.end(), [&](const Condition& condition) {
     return vda5050::TopicOf(condition) == topic_name;
@@ -122,9 +116,7 @@ class Caller {
                              });
   }
 
-  // Connection messages alone: with the large ones the broker's queue would run over. It may do so
-  // with small ones too when there are many; then they are asked for again, and those that are
-  // known by now are read faster, until nobody new turns up.
+  // Connection messages alone: with the large ones the broker's queue would run over sooner.
   Status CallPatterns() {
     constexpr std::array<std::string_view, 1> kTopics = {"connection"};
     Filters filters;
@@ -133,20 +125,10 @@ class Caller {
         if (auto ok = filters.Add(scheme, pattern.Filter(), kTopics); !ok) return ok;
       }
     }
-    const std::vector<std::string> all = filters.Take();
-    dispatch::CollectOptions discover = call_.discover;
-    discover.most = kLongestCollection;
-    for (;;) {
-      const std::size_t before = roster_.robots().size();
-      std::size_t messages = 0;
-      const auto take = [&](const mqtt::Message& message) {
-        Take(message);
-        ++messages;
-        return false;
-      };
-      if (auto ok = dispatch::Collect(transport_, all, discover, take); !ok) return ok;
-      if (messages < kBrokersQueue || roster_.robots().size() == before) return {};
-    }
+    return dispatch::CollectAll(
+        transport_, filters.Take(), call_.discover,
+        [&](const mqtt::Message& message) { Take(message); },
+        [&] { return roster_.robots().size(); });
   }
 
   // Of those that have been found; 1.1 knows no factsheet.

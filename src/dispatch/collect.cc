@@ -11,6 +11,10 @@ using std::chrono::steady_clock;
 // So many filters at a time, reading in between: a default mosquitto drops what it has to queue
 // beyond 1,000 messages, retained ones included.
 constexpr std::size_t kFiltersAtOnce = 500;
+constexpr std::size_t kBrokersQueue = 1'000;
+
+// What many have left takes its time, and it ends.
+constexpr std::chrono::seconds kLongestCollection{60};
 
 }  // namespace
 
@@ -38,6 +42,22 @@ Status Collect(mqtt::Transport& transport, std::span<const std::string> filters,
     if (!*message || take(**message)) return {};
     if ((*message)->retained) quiet_at = steady_clock::now() + options.quiet;
     if (steady_clock::now() >= std::min(quiet_at, start + options.most)) return {};
+  }
+}
+
+Status CollectAll(mqtt::Transport& transport, std::span<const std::string> filters,
+                  CollectOptions options, const std::function<void(const mqtt::Message&)>& take,
+                  const std::function<std::size_t()>& known) {
+  options.most = kLongestCollection;
+  for (;;) {
+    const std::size_t before = known();
+    std::size_t messages = 0;
+    auto ok = Collect(transport, filters, options, [&](const mqtt::Message& message) {
+      take(message);
+      ++messages;
+      return false;
+    });
+    if (!ok || messages < kBrokersQueue || known() == before) return ok;
   }
 }
 

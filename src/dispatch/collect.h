@@ -28,4 +28,12 @@ using Taker = std::function<bool(const mqtt::Message&)>;
 [[nodiscard]] Status Collect(mqtt::Transport& transport, std::span<const std::string> filters,
                              const CollectOptions& options, const Taker& take);
 
+/// For filters that may find thousands: asks again while so much came that the broker may have
+/// dropped some, and `known` tells of more senders than before. Those that are known by then are
+/// read faster. Takes everything; ends after a minute at the latest, per asking.
+[[nodiscard]] Status CollectAll(mqtt::Transport& transport, std::span<const std::string> filters,
+                                CollectOptions options,
+                                const std::function<void(const mqtt::Message&)>& take,
+                                const std::function<std::size_t()>& known);
+
 }  // namespace fleetpub::dispatch

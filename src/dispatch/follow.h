@@ -46,6 +46,8 @@ class Follower {
   /// Registers a command under the caller's key before it is published.
   void Watch(Key key, std::shared_ptr<Confirmation> confirmation);
 
+  [[nodiscard]] bool Watches(Key key) const { return watched_.contains(key); }
+
   /// The command did not leave.
   void Forget(Key key);
 

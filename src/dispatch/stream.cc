@@ -34,12 +34,16 @@ Stream::Stream(std::unique_ptr<mqtt::Transport>& transport, ledger::Ledger& ledg
       send_(send),
       resends_(wait.resend > 0),
       hooks_(std::move(hooks)),
-      follower_(wait, [this](Follower::Key key, Report ended) {
-        again_.erase(key);
-        if (lost_ && ended.verdict == Verdict::kTimeout) {
-          ended.message += "; the broker was out of reach at the end";
-        }
-        ended_.push_back(std::move(ended));
+      follower_(wait,
+                [this](Follower::Key key, Report ended) {
+                  again_.erase(key);
+                  if (lost_ && ended.verdict == Verdict::kTimeout) {
+                    ended.message += "; the broker was out of reach at the end";
+                  }
+                  ended_.push_back(std::move(ended));
+                }),
+      convoy_(ledger, send, hooks_.sent, [this](Convoy::Key first_key, BatchResult result) {
+        Done(first_key, std::move(result));
       }) {}
 
 Status Stream::Subscribe(std::span<const Command> commands) {
@@ -65,11 +69,10 @@ Status Stream::SubscribeNew(std::vector<std::string> topics) {
   return {};
 }
 
-Status Stream::Send(std::span<const Command> commands) {
-  if (commands.empty()) return {};
+Status Stream::Send(std::span<const Command> commands, More more) {
   auto sent = Subscribe(commands);
   if (sent) {
-    sent = Bracket(commands);
+    sent = SendBracket(commands, more);
   } else if (commands.size() > 1 && !lost_) {
     return SendOneByOne(commands);  // one robot's topics may be forbidden, another's not
   } else {
@@ -89,60 +92,79 @@ Status Stream::SendOneByOne(std::span<const Command> commands) {
   return first;
 }
 
-Status Stream::Bracket(std::span<const Command> commands) {
+Status Stream::SendBracket(std::span<const Command> commands, More more) {
   const Follower::Key first_key = next_key_;
   next_key_ += commands.size();
   for (std::size_t i = 0; i < commands.size(); ++i) {
-    if (commands[i].confirmation) follower_.Watch(first_key + i, commands[i].confirmation);
+    if (!commands[i].confirmation) continue;
+    follower_.Watch(first_key + i, commands[i].confirmation);
+    if (resends_) again_[first_key + i] = commands[i];
   }
   // What was retained or sent before our command must not be taken for an answer.
   while (!lost_ && !subscribed_.empty() && ReadOne(steady_clock::now())) {
   }
-  auto result =
-      lost_ ? Fail(*lost_) : SendBatch(commands, *transport_, ledger_, send_, hooks_.sent);
-  if (!result) {
-    for (std::size_t i = 0; i < commands.size(); ++i) follower_.Forget(first_key + i);
+  Status left;
+  if (lost_) {
+    left = Fail(*lost_);
+  } else if (!commands.empty()) {
+    left = convoy_.Send(*transport_, commands, first_key);
+  }
+  // An answer that is read while its command's bracket is under way would be lost.
+  const bool overlaps = more == More::kFollow && subscribed_.empty();
+  if (!lost_) convoy_.Await(*transport_, left && overlaps ? Convoy::kMostUnderWay : 0);
+  if (!left) {
+    for (std::size_t i = 0; i < commands.size(); ++i) Forget(first_key + i);
     // One header id that was asked for, or one message that is too large, must not keep the others
     // from leaving.
-    if (result.error().kind != ErrorKind::kLedger && commands.size() > 1) {
+    if (left.error().kind != ErrorKind::kLedger && commands.size() > 1 && !broken_) {
       return SendOneByOne(commands);
     }
-    ReportNotSent(commands, result.error(), hooks_.report);
-    return Fail(std::move(result.error()));
+    ReportNotSent(commands, left.error(), hooks_.report);
   }
-  Record(result->reports);
-  for (std::size_t i = 0; i < commands.size(); ++i) {
-    Settle(commands[i], first_key + i, std::move(result->reports[i]));
+  if (!broken_) return left;
+  const Error why = *broken_;
+  Lose(why);
+  return Fail(why);
+}
+
+void Stream::Done(Follower::Key first_key, BatchResult result) {
+  Record(result.reports);
+  for (std::size_t i = 0; i < result.reports.size(); ++i) {
+    Settle(first_key + i, std::move(result.reports[i]));
   }
-  if (!result->broken) return {};
-  Lose(*result->broken);
-  return Fail(*std::move(result->broken));
+  if (result.broken) broken_ = std::move(result.broken);
 }
 
 // A command has left, or not.
-void Stream::Settle(const Command& command, Follower::Key key, Report report) {
-  if (report.error || !command.confirmation) {
-    follower_.Forget(key);
+void Stream::Settle(Follower::Key key, Report report) {
+  if (report.error || !follower_.Watches(key)) {
+    Forget(key);
     return hooks_.report(report);
   }
   report.payload = {};  // the ledger has it; thousands that wait need not
   ++since_pause_;
-  if (resends_) again_[key] = command;
   follower_.Published(key, std::move(report));
 }
 
+void Stream::Forget(Follower::Key key) {
+  follower_.Forget(key);
+  again_.erase(key);
+}
+
+// Whose repetition does not leave is waited for on: his time runs, and ends as a timeout.
 void Stream::SendAgain(const std::vector<Follower::Key>& keys) {
+  Convoy convoy(ledger_, send_, hooks_.sent, [this](Convoy::Key key, BatchResult result) {
+    Record(result.reports);
+    Report& report = result.reports.front();
+    if (!report.error) follower_.Published(key, std::move(report));
+    if (result.broken) broken_ = std::move(result.broken);
+  });
   for (const Follower::Key key : keys) {
     const auto command = again_.find(key);
-    if (lost_ || command == again_.end()) continue;  // its time runs on, and ends as a timeout
-    auto result =
-        SendBatch(std::span(&command->second, 1), *transport_, ledger_, send_, hooks_.sent);
-    if (!result) continue;
-    Record(result->reports);
-    if (!result->reports.front().error) {
-      follower_.Published(key, std::move(result->reports.front()));
-    }
-    if (result->broken) Lose(*std::move(result->broken));
+    if (lost_ || command == again_.end()) continue;
+    static_cast<void>(convoy.Send(*transport_, std::span(&command->second, 1), key));
+    convoy.Await(*transport_, 0);
+    if (broken_) Lose(Error(*broken_));
   }
 }
 
@@ -185,6 +207,8 @@ bool Stream::ReadOne(mqtt::Deadline deadline) {
 
 void Stream::Lose(Error error) {
   if (lost_) return;
+  convoy_.Await(*transport_, 0);  // at once: nothing more comes
+  broken_.reset();
   transport_.reset();
   const auto now = steady_clock::now();
   pause_ = now - connected_at_ < kLasting

@@ -16,6 +16,7 @@
 #include "base/result.h"
 #include "dispatch/command.h"
 #include "dispatch/connect_hook.h"
+#include "dispatch/convoy.h"
 #include "dispatch/follow.h"
 #include "dispatch/send.h"
 
@@ -47,7 +48,11 @@ class Stream {
   /// confirmation are subscribed to first. Then, if many were sent since the last pause, reads
   /// until the targets' answers have come: a broker drops what it has to queue for long. Errors:
   /// what kept some from leaving; their reports say it too.
-  Status Send(std::span<const Command> commands);
+  ///
+  /// With More::kFollow the next Send comes at once: the bracket may still wait for the broker's
+  /// acknowledgements on return, and is told of by a later Send.
+  enum class More : std::uint8_t { kNone, kFollow };
+  Status Send(std::span<const Command> commands, More more = More::kNone);
 
   /// Reads answers until the deadline or until something else is to be done: a report was made, a
   /// descriptor of WakeOn() is readable, many messages have been read, the connection was lost.
@@ -68,8 +73,10 @@ class Stream {
  private:
   Status SubscribeNew(std::vector<std::string> topics);
   Status SendOneByOne(std::span<const Command> commands);
-  Status Bracket(std::span<const Command> commands);
-  void Settle(const Command& command, Follower::Key key, Report report);
+  Status SendBracket(std::span<const Command> commands, More more);
+  void Done(Follower::Key first_key, BatchResult result);
+  void Settle(Follower::Key key, Report report);
+  void Forget(Follower::Key key);
   void SendAgain(const std::vector<Follower::Key>& keys);
   void ReadUntilQuiet();
   bool ReadOne(mqtt::Deadline deadline);
@@ -84,7 +91,9 @@ class Stream {
   bool resends_;
   StreamHooks hooks_;
   Follower follower_;
-  std::vector<Report> ended_;  // not told yet
+  Convoy convoy_;
+  std::optional<Error> broken_;  // a bracket tells that the connection is
+  std::vector<Report> ended_;    // not told yet
   Follower::Key next_key_ = 0;
   std::unordered_map<Follower::Key, Command> again_;  // what may have to be sent again
   std::unordered_set<std::string> subscribed_;

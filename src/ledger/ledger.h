@@ -111,7 +111,7 @@ struct LedgerInfo {
 /// dies. Independent of the Ledger that gave it. A forked child holds it too, until it ends or
 /// starts another program.
 ///
-/// At most one of a Ledger's at a time.
+/// A Ledger may give several. One that cannot (PostgreSQL) refuses the second at once.
 class TopicLock {
  public:
   TopicLock() = default;

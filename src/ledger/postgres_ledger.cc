@@ -28,7 +28,9 @@
 //    for outcomes, which are the same when written twice. Never between Lock and Reserve.
 //
 // A pool that hands its connections round by transaction (PgBouncer, pool_mode=transaction) breaks
-// 3: lock and reservation come from two server processes. That is noticed and refused.
+// 3: lock and reservation come from two server processes, or two of us share one and get the same
+// locks. So who locks writes its mark into the server's session and looks whose mark stands there:
+// that of another is noticed and refused.
 #include "ledger/postgres_ledger.h"
 
 #include <fmt/format.h>
@@ -39,6 +41,7 @@
 #include <utility>
 
 #include "base/time.h"
+#include "base/uuid.h"
 #include "ledger/header_ids.h"
 #include "ledger/postgres_error.h"
 #include "ledger/postgres_history.h"
@@ -62,13 +65,18 @@ constexpr milliseconds kReading{60'000};
 /// Without the topics' locks somebody may be faster; with them nobody is.
 constexpr int kAttempts = 20;
 
+// Whose session of the server this is: ours from now on, unless it is another's.
+constexpr std::string_view kClaim =
+    "SELECT coalesce(nullif(current_setting('fleetpub.holder', true), ''), "
+    "set_config('fleetpub.holder', $1, false))";
+
 // Takes what is free at once; waits for the rest until $2 milliseconds have passed since the
 // beginning, a millisecond at least.
 constexpr std::string_view kLock =
     "SELECT count(CASE WHEN pg_try_advisory_lock(key) THEN '' ELSE set_config('lock_timeout', "
     "greatest(1, $2::bigint - (extract(epoch FROM clock_timestamp() - statement_timestamp()) "
     "* 1000)::bigint)::text, true) || pg_advisory_lock(key)::text END), pg_backend_pid() "
-    "FROM unnest($1::bigint[]) AS key";
+    "FROM unnest($1::bigint[]) AS key WHERE current_setting('fleetpub.holder') = $3";
 
 // The first of these that another session has, and who that is.
 constexpr std::string_view kHolder =
@@ -80,19 +88,30 @@ constexpr std::string_view kHolder =
     "AND l.database = (SELECT oid FROM pg_database WHERE datname = current_database()) "
     "AND l.pid <> pg_backend_pid() ORDER BY wanted.place LIMIT 1";
 
-constexpr std::string_view kUnlock = "SELECT pg_advisory_unlock_all()";
+// A claim that was rolled back has left no mark, but perhaps locks.
+constexpr std::string_view kUnlock =
+    "SELECT pg_advisory_unlock_all(), set_config('fleetpub.holder', '', false) "
+    "WHERE coalesce(current_setting('fleetpub.holder', true), '') IN ('', $1)";
+
+Error PoolRefusal(const Session& session) {
+  return {ErrorKind::kLedger,
+          fmt::format("the ledger {} is reached through a pool that changes connections between "
+                      "transactions: use one in session mode, or none",
+                      session.place())};
+}
 
 /// From locking to unlocking.
 struct Bracket {
-  Bracket(std::shared_ptr<Session> connection, int server_process)
-      : session(std::move(connection)), backend(server_process) {}
+  Bracket(std::shared_ptr<Session> connection, int server_process, std::string our_mark)
+      : session(std::move(connection)), backend(server_process), mark(std::move(our_mark)) {}
   Bracket(const Bracket&) = delete;
   Bracket& operator=(const Bracket&) = delete;
   /// Nobody waits for the answer: the server does it before whatever comes next.
-  ~Bracket() { session->Post({kUnlock}); }
+  ~Bracket() { session->Post({kUnlock, {mark}}); }
 
   std::shared_ptr<Session> session;
   int backend;
+  std::string mark;
   LastIds last_ids;  ///< of the locked topics
 };
 
@@ -164,6 +183,7 @@ class PostgresLedger : public Ledger {
   PostgresOptions options_;
   OpenMode mode_;
   SessionOptions session_options_;
+  std::string mark_ = base::RandomUuid();  ///< who holds what
   std::shared_ptr<Session> session_;
   std::weak_ptr<Bracket> bracket_;
   bool is_there_ = false;  // false: no tables yet, for reading
@@ -230,16 +250,19 @@ Result<std::unique_ptr<TopicLock>> PostgresLedger::TryLock(std::span<const std::
                                                            const Keys& keys, Deadline deadline) {
   const auto started = steady_clock::now();
   const auto wait = std::chrono::duration_cast<milliseconds>(deadline - started).count();
-  const std::array<Query, 2> queries = {
-      Query{kLock, {keys.Array(), std::to_string(std::max<milliseconds::rep>(wait, 1))}},
+  const std::array<Query, 3> queries = {
+      Query{kClaim, {mark_}},
+      Query{kLock, {keys.Array(), std::to_string(std::max<milliseconds::rep>(wait, 1)), mark_}},
       ReadingLastIds(topics)};
   const auto rows = session_->Run(queries, std::max(deadline, started) + kGrace);
   if (!rows) {
     const bool held = session_->state() == sql_state::kLockNotAvailable;
-    session_->Post({kUnlock});  // those that it had got
+    session_->Post({kUnlock, {mark_}});  // those that it had got
     return Fail(held ? Refusal(keys, steady_clock::now() - started) : rows.error());
   }
-  auto bracket = std::make_shared<Bracket>(session_, static_cast<int>(rows->front().Integer(0, 1)));
+  if (rows->front().Text(0, 0) != mark_) return Fail(PoolRefusal(*session_));
+  const int backend = static_cast<int>((*rows)[1].Integer(0, 1));
+  auto bracket = std::make_shared<Bracket>(session_, backend, mark_);
   for (const std::string& topic : topics) bracket->last_ids[topic];
   TakeLastIds(rows->back(), bracket->last_ids);
   bracket_ = bracket;
@@ -289,10 +312,7 @@ Result<std::vector<Reservation>> PostgresLedger::Reserve(std::span<const Draft> 
     const auto written = WritePlan(*session, options_, drafts, *plan, last_ids, Patience());
     if (!written) return Fail(written.error());
     if (bracket && written->backend != bracket->backend) {
-      return Fail(ErrorKind::kLedger,
-                  fmt::format("the ledger {} is reached through a pool that changes connections "
-                              "between transactions: use one in session mode, or none",
-                              session->place()));
+      return Fail(PoolRefusal(*session));
     }
     if (!written->taken) {
       last_ids.clear();

@@ -91,10 +91,10 @@ class PahoTransport final : public RobotTransport {
   }
 
   [[nodiscard]] Result<std::vector<Acknowledgement>> AwaitAcknowledgements(
-      Deadline deadline) override {
+      Deadline deadline, std::size_t left) override {
     while (true) {
       const bool gained = session_.Step();
-      if (session_.lost() || in_flight() == 0 || steady_clock::now() >= deadline) break;
+      if (session_.lost() || std::cmp_less_equal(in_flight(), left) || steady_clock::now() >= deadline) break;
       if (!gained) static_cast<void>(session_.Sleep(deadline));
     }
     // What was acknowledged before the connection broke is told first; the next call tells that it
@@ -143,6 +143,7 @@ class PahoTransport final : public RobotTransport {
     const bool careful = qos == Qos::kExactlyOnce && server().version == ProtocolVersion::k311;
     const int window = careful ? std::min(window_, kWindowOfQos2) : window_;
     while (in_flight() >= window) {
+      session_.Cork(false);  // what is held back cannot be acknowledged
       const bool gained = session_.Step();
       if (session_.lost()) return Fail(*session_.lost());
       if (in_flight() < window) break;

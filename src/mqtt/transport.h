@@ -84,7 +84,7 @@ struct ConnectOptions {
   /// `http://[user:password@]host:port`; empty: none, whatever the environment says.
   std::string proxy;
   /// How many QoS 1 and 2 messages may await their acknowledgement at once.
-  int window = 200;
+  int window = 1'500;
   std::optional<Will> will;
   /// Receives a line for each protocol step, without secrets. May be empty.
   std::function<void(std::string_view)> trace;
@@ -147,11 +147,11 @@ class Transport {
   /// only then. For bursts within which nobody waits for an answer.
   virtual void Cork(bool on) = 0;
 
-  /// Waits until every message in flight is acknowledged, or until the deadline. Returns what came
-  /// since the last call, in order of arrival; in_flight() tells what is missing. An error is a
-  /// lost connection.
+  /// Waits until no more than `left` messages are in flight, or until the deadline. Returns what
+  /// came since the last call, in order of arrival; in_flight() tells what is missing. An error is
+  /// a lost connection.
   [[nodiscard]] virtual Result<std::vector<Acknowledgement>> AwaitAcknowledgements(
-      Deadline deadline) = 0;
+      Deadline deadline, std::size_t left) = 0;
   [[nodiscard]] virtual int in_flight() const = 0;
 
   /// The next message of a subscription, in order of arrival; nothing at the deadline.

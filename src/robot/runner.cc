@@ -130,7 +130,7 @@ class Runner {
   }
 
   Status AwaitAll() {
-    const auto acknowledged = transport_->AwaitAcknowledgements(Patience());
+    const auto acknowledged = transport_->AwaitAcknowledgements(Patience(), 0);
     if (!acknowledged) return Fail(acknowledged.error());
     return {};
   }

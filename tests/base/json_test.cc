@@ -2,6 +2,8 @@
 
 #include <gmock/gmock.h>
 
+#include <cmath>
+#include <cstdint>
 #include <string>
 
 #include "base/text.h"
@@ -112,6 +114,22 @@ TEST(ParseJson, RefusesALoneSurrogate) {
 TEST(ParseJson, JoinsAPairOfSurrogates) {
   EXPECT_EQ(RoundTrip(R"("\ud83e\udd16")"), "\"\xF0\x9F\xA4\x96\"");
   EXPECT_EQ(RoundTrip("\"\xED\x95\x9C\""), "\"\xED\x95\x9C\"");  // U+D55C is a letter
+}
+
+TEST(ParseJson, ReadsTheSmallestNumbers) {
+  EXPECT_EQ(ParseJson("1.000000990001000000e-340")->GetDouble(), 0.0);
+  EXPECT_EQ(ParseJson("4.940656458412465441765687928682213723651e-324")->GetDouble(), 5e-324);
+  EXPECT_EQ(ParseJson("2.4703282292062327208e-324")->GetDouble(), 0.0);
+  EXPECT_TRUE(std::signbit(ParseJson("-1e-999")->GetDouble()));
+}
+
+TEST(ParseJson, KeepsWholeNumbersWhole) {
+  EXPECT_TRUE(ParseJson("-0")->IsInt());
+  EXPECT_EQ(ParseJson("4294967295")->GetUint(), 4'294'967'295U);
+  EXPECT_EQ(ParseJson("-9223372036854775808")->GetInt64(), INT64_MIN);
+  EXPECT_EQ(ParseJson("18446744073709551615")->GetUint64(), UINT64_MAX);
+  EXPECT_FALSE(ParseJson("1.0")->IsInt64());
+  EXPECT_FALSE(ParseJson("1e3")->IsInt64());
 }
 
 TEST(ParseJson, RefusesANumberThatNoDoubleHolds) {

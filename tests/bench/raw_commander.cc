@@ -4,8 +4,8 @@
 //   raw_commander PORT COUNT
 //   raw_commander PORT COUNT QOS
 //
-// Subscribes to the states of all 3.0 robots, sends startPause to KIT/00001 … in bursts of 500, and
-// ends when every one of them has reported its action FINISHED. With QOS 0 or 1 it only sends
+// Subscribes to the states of all 3.0 robots, sends startPause to KIT/000001 … in bursts of 500,
+// and ends when every one of them has reported its action FINISHED. With QOS 0 or 1 it only sends
 // packets that were made beforehand, and ends when the broker has taken them.
 #include <arpa/inet.h>
 #include <fmt/format.h>
@@ -40,14 +40,15 @@ std::string Packet(unsigned char type, const std::string& body) {
 }
 
 std::string Command(int robot, int qos = 0) {
+  const int packet = robot % 65535 + 1;  // 0 is none
   const std::string id =
-      qos == 0 ? "" : std::string{static_cast<char>(robot >> 8), static_cast<char>(robot & 0xFF)};
+      qos == 0 ? "" : std::string{static_cast<char>(packet >> 8), static_cast<char>(packet & 0xFF)};
   return Packet(
       qos == 0 ? 0x30 : 0x32,
-      Text(fmt::format("vda5050/v3/KIT/{:05}/instantActions", robot)) + id +
+      Text(fmt::format("vda5050/v3/KIT/{:06}/instantActions", robot)) + id +
           fmt::format(R"({{"headerId":0,"timestamp":"2026-01-02T03:04:05.678Z","version":"3.0.0",)"
-                      R"("manufacturer":"KIT","serialNumber":"{:05}","actions":[{{"actionType":)"
-                      R"("startPause","actionId":"raw-{}-{:05}","blockingType":"NONE"}}]}})",
+                      R"("manufacturer":"KIT","serialNumber":"{:06}","actions":[{{"actionType":)"
+                      R"("startPause","actionId":"raw-{}-{:06}","blockingType":"NONE"}}]}})",
                       robot, getpid(), robot));
 }
 
@@ -134,7 +135,7 @@ int main(int argc, char** argv) {
     SendOnly(socket, count, std::atoi(argv[3]));
     return 0;
   }
-  const std::string filter = count == 1 ? "vda5050/v3/KIT/00001/state" : "vda5050/v3/+/+/state";
+  const std::string filter = count == 1 ? "vda5050/v3/KIT/000001/state" : "vda5050/v3/+/+/state";
   socket.Write(Packet(0x82, std::string("\x00\x01", 2) + Text(filter) + std::string(1, '\0')));
   socket.Read();
   const std::string ours = fmt::format("raw-{}-", getpid());

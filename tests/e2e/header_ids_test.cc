@@ -7,6 +7,7 @@
 #include <thread>
 
 #include "support/operator.h"
+#include "support/relay.h"
 
 namespace fleetpub::testing {
 namespace {
@@ -33,6 +34,30 @@ TEST_F(HeaderIds, ArriveInOrderFromParallelProcessesAtQos1) {
   ASSERT_THAT(messages, SizeIs(100));
   for (int i = 0; i < 100; ++i) {
     EXPECT_EQ(Json(messages[static_cast<std::size_t>(i)].payload)["headerId"].GetInt(), i);
+  }
+}
+
+// All brackets of the distant one are on their way when the near one commands the same robots.
+TEST_F(HeaderIds, ArriveInOrderFromWholeFleetsAtADistance) {
+  constexpr int kRobots = 1'200;
+  const Relay far(broker_.port(), std::chrono::milliseconds(700));
+  const Subscriber subscriber(broker_);  // at QoS 1 mosquitto would queue 1,000 and drop the rest
+  const auto pausing = [&](const std::string& broker, int step) {
+    Command command = operator_.Prepare({"pause", "-", "-q", "1", "-b", broker});
+    command.input.emplace();
+    for (int i = 0; i < kRobots; i += step) *command.input += "KIT/" + std::to_string(i) + "\n";
+    return command;
+  };
+  Process distant(pausing(far.Url(), 1));
+  const std::vector<std::string> last = {"history", "-o", "json", "--target", "KIT/1199"};
+  while (Fleetpub(last).output.empty()) std::this_thread::yield();
+  EXPECT_EQ(testing::Run(pausing(broker_.Url(), 50)).exit_code, 0);
+  EXPECT_EQ(distant.Wait(), 0) << distant.Errors();
+  const auto messages = subscriber.Await(kRobots + kRobots / 50);
+  ASSERT_THAT(messages, SizeIs(kRobots + kRobots / 50));
+  std::map<std::string, int> next;
+  for (const auto& message : messages) {
+    EXPECT_EQ(Json(message.payload)["headerId"].GetInt(), next[message.topic]++) << message.topic;
   }
 }
 

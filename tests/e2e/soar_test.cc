@@ -289,28 +289,24 @@ struct Case {
   std::string sentence;
 };
 
-TEST_F(Soar, RefusesBadInputByNameAndSendsNothing) {
-  const Subscriber subscriber(broker_);
-  const auto& home = operator_.home();
-  home.Write("ragged.csv", "lat,lon\n50.37,-4.19\n50.36\n");
-  home.Write("empty.csv", "");
-  home.Write("latin1.csv", "lat,lon,action\n1,2,g\xE9nial\n");
-  home.Write("deep.json", std::string(100'000, '['));
-  home.Write("wrong.toml", "planning_config_ID = \n");
-  home.Write("few.json", R"({"planning_config_ID":1,"squads":[{"squad_ID":1}]})");
-  const auto with_plan = [&](const std::string& file) {
-    return std::vector<std::string>{"soar",     "mission-plan",  kEco1, "--plan-id",
-                                    "1",        "--platform-id", "1",   "--plan",
-                                    home / file};
-  };
-  const auto with_waypoint = [&](const std::string& text) {
-    return Plan(kEco1, {"--waypoint", text});
-  };
-  const auto with_configuration = [&](const std::string& file) {
-    return std::vector<std::string>{"soar", "planning-configuration", "autonomy_engine", "-f",
-                                    home / file};
-  };
-  const std::vector<Case> cases = {
+class SoarRefuses : public Soar {
+ protected:
+  ~SoarRefuses() override { EXPECT_THAT(subscriber_.SoFar(), IsEmpty()); }
+
+  void Expect(const std::vector<Case>& cases) const {
+    for (const auto& [arguments, exit_code, sentence] : cases) {
+      const Finished run = Fleetpub(arguments);
+      EXPECT_EQ(run.exit_code, exit_code) << sentence << "\n" << run.errors;
+      EXPECT_THAT(run.errors, HasSubstr(sentence));
+      EXPECT_THAT(run.output, IsEmpty()) << sentence;
+    }
+  }
+
+  const Subscriber subscriber_{broker_};
+};
+
+TEST_F(SoarRefuses, WordsThatAreNotUnderstood) {
+  Expect({
       {{"soar"}, 2, "needs a second word: soar mission-plan or"},
       {{"soar", "mission"}, 2, "needs a second word"},
       {{"soar", "mission-plan"}, 2, "--waypoint"},
@@ -329,24 +325,22 @@ TEST_F(Soar, RefusesBadInputByNameAndSendsNothing) {
       {Plan(kEco1, {"--wait", "--ack-topic", "a/b+"}), 2, "a wildcard is a whole level"},
       {Plan(kEco1, {"--plan", "x.csv"}), 2, "exclude each other"},
       {Plan(kEco1, {"another"}), 2, "'another' is not understood"},
+      {{"soar", "planning-configuration", "autonomy_engine"}, 2, "--file"},
+  });
+}
+
+TEST_F(SoarRefuses, MembersThatAreMissingOrWrong) {
+  Expect({
       {{"soar", "mission-plan", kEco1, "--plan-id", "1", "--waypoint", "lat=1,lon=2"},
        2,
        "platform_ID is missing: give it with --platform-id"},
       {{"soar", "mission-plan", kEco1, "--plan-id", "1.5", "--waypoint", "lat=1,lon=2"},
        3,
        "autonomy_engine_plan_ID must be a whole number, not '1.5'"},
-      {with_waypoint("lat=50.37"), 3, "waypoint 2: longitude_waypoint is missing"},
-      {with_waypoint("lat=50.37,lon=west"), 3, "longitude_waypoint must be a number, not 'west'"},
-      {with_waypoint("lat=50.37,lon=1,deep=3"), 3, "'deep' is not known here"},
-      {with_plan("ragged.csv"), 3, "ragged.csv: line 3: it has 1 fields, the header has 2"},
-      {with_plan("empty.csv"), 3, "empty.csv: it is empty"},
-      {with_plan("latin1.csv"), 3, "line 2: it is not valid UTF-8"},
-      {with_plan("deep.json"), 3, "deep.json: "},
-      {with_plan("none.csv"), 8, "none.csv"},
-      {{"soar", "planning-configuration", "autonomy_engine"}, 2, "--file"},
-      {with_configuration("wrong.toml"), 3, "wrong.toml: line 1: not valid TOML"},
-      {with_configuration("few.json"), 3, "exclusion_zones is required but missing"},
-      {with_configuration("deep.json"), 3, "deep.json: "},
+      {Plan(kEco1, {"--waypoint", "lat=50.37"}), 3, "waypoint 2: longitude_waypoint is missing"},
+      {Plan(kEco1, {"--waypoint", "lat=50.37,lon=west"}), 3,
+       "longitude_waypoint must be a number, not 'west'"},
+      {Plan(kEco1, {"--waypoint", "lat=50.37,lon=1,deep=3"}), 3, "'deep' is not known here"},
       {{"soar", "acknowledge", kEco1, "--message-id", "1", "--status", "done"},
        3,
        "status must be one of c2_received"},
@@ -363,14 +357,36 @@ TEST_F(Soar, RefusesBadInputByNameAndSendsNothing) {
         "--latitude", "1", "--longitude", "2"},
        3,
        "status_source must be one of usbl, onboard_platform"},
+  });
+}
+
+TEST_F(SoarRefuses, FilesThatCannotBeRead) {
+  const auto& home = operator_.home();
+  home.Write("ragged.csv", "lat,lon\n50.37,-4.19\n50.36\n");
+  home.Write("empty.csv", "");
+  home.Write("latin1.csv", "lat,lon,action\n1,2,g\xE9nial\n");
+  home.Write("deep.json", std::string(100'000, '['));
+  home.Write("wrong.toml", "planning_config_ID = \n");
+  home.Write("few.json", R"({"planning_config_ID":1,"squads":[{"squad_ID":1}]})");
+  const auto with_plan = [&](const std::string& file) {
+    return std::vector<std::string>{"soar",     "mission-plan",  kEco1, "--plan-id",
+                                    "1",        "--platform-id", "1",   "--plan",
+                                    home / file};
   };
-  for (const auto& [arguments, exit_code, sentence] : cases) {
-    const Finished run = Fleetpub(arguments);
-    EXPECT_EQ(run.exit_code, exit_code) << sentence << "\n" << run.errors;
-    EXPECT_THAT(run.errors, HasSubstr(sentence));
-    EXPECT_THAT(run.output, IsEmpty()) << sentence;
-  }
-  EXPECT_THAT(subscriber.SoFar(), IsEmpty());
+  const auto with_configuration = [&](const std::string& file) {
+    return std::vector<std::string>{"soar", "planning-configuration", "autonomy_engine", "-f",
+                                    home / file};
+  };
+  Expect({
+      {with_plan("ragged.csv"), 3, "ragged.csv: line 3: it has 1 fields, the header has 2"},
+      {with_plan("empty.csv"), 3, "empty.csv: it is empty"},
+      {with_plan("latin1.csv"), 3, "line 2: it is not valid UTF-8"},
+      {with_plan("deep.json"), 3, "deep.json: "},
+      {with_plan("none.csv"), 8, "none.csv"},
+      {with_configuration("wrong.toml"), 3, "wrong.toml: line 1: not valid TOML"},
+      {with_configuration("few.json"), 3, "exclusion_zones is required but missing"},
+      {with_configuration("deep.json"), 3, "deep.json: "},
+  });
 }
 
 TEST_F(Soar, ValidatesMessagesOfAllTypes) {

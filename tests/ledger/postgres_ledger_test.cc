@@ -15,6 +15,7 @@
 #include "ledger/contract.h"
 #include "mqtt/certificates.h"
 #include "support/free_port.h"
+#include "support/pgbouncer.h"
 
 namespace fleetpub::ledger {
 namespace {
@@ -292,6 +293,33 @@ TEST_F(OwnPostgresServer, TakesLocksWithItAndReservesNothingWithoutThem) {
   ASSERT_TRUE(again) << again.error().message;
   EXPECT_EQ(MustReserve(*ledger).header_id, 1U);
   EXPECT_EQ(ledger->History({})->size(), 2U);
+}
+
+TEST_F(OwnPostgresServer, IsReachedThroughAPoolOfSessions) {
+  const testing::PgBouncer pool(server_, "session");
+  const std::vector<std::string> topics = {TopicOf(1)};
+  for (std::uint32_t id = 0; id < 2; ++id) {
+    const auto ledger = Place{Kind::kPostgres, pool.Url()}.MustOpen();
+    const auto lock = ledger->Lock(topics, In(seconds(5)));
+    ASSERT_TRUE(lock) << lock.error().message;
+    EXPECT_EQ(MustReserve(*ledger).header_id, id);
+  }
+}
+
+// Both would get the same server process, which gives its own locks again.
+TEST_F(OwnPostgresServer, IsRefusedBehindAPoolThatSharesSessions) {
+  const testing::PgBouncer pool(server_, "transaction");
+  const std::vector<std::string> topics = {TopicOf(1)};
+  const auto first = Place{Kind::kPostgres, pool.Url()}.MustOpen();
+  const auto second = Place{Kind::kPostgres, pool.Url()}.MustOpen();
+  auto held = first->Lock(topics, In(seconds(5)));
+  ASSERT_TRUE(held) << held.error().message;
+  const auto refused = second->Lock(topics, In(seconds(5)));
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().kind, ErrorKind::kLedger);
+  EXPECT_THAT(refused.error().message, HasSubstr("use one in session mode"));
+  held->reset();
+  EXPECT_TRUE(second->Lock(topics, In(seconds(5))));
 }
 
 TEST_F(OwnPostgresServer, AsksForAPassword) {

@@ -68,7 +68,7 @@ TEST(HttpProxy, LeadsToTheBroker) {
   options.proxy = "http://user:pass@127.0.0.1:" + std::to_string(proxy.port());
   const auto transport = Connected(options);
   ASSERT_TRUE(transport->Publish({"t", "x", Qos::kAtLeastOnce}, Soon()));
-  EXPECT_TRUE(transport->AwaitAcknowledgements(Soon()));
+  EXPECT_TRUE(transport->AwaitAcknowledgements(Soon(), 0));
   EXPECT_THAT(request, AllOf(HasSubstr("CONNECT broker.invalid:1883 HTTP/1.1\r\n"),
                              HasSubstr("Proxy-Authorization: Basic dXNlcjpwYXNz\r\n")));
 }

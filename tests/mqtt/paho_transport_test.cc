@@ -49,7 +49,7 @@ TEST_P(PahoTransport, DeliversAtEveryQos) {
     const auto token = master->Publish({"uagv/v2/KIT/0001/state", payload, qos}, Soon());
     ASSERT_TRUE(token) << token.error().message;
     EXPECT_EQ(*token == 0, qos == Qos::kAtMostOnce);
-    const auto acknowledged = master->AwaitAcknowledgements(Soon());
+    const auto acknowledged = master->AwaitAcknowledgements(Soon(), 0);
     ASSERT_TRUE(acknowledged);
     ASSERT_THAT(*acknowledged, SizeIs(qos == Qos::kAtMostOnce ? 0 : 1));
     if (qos != Qos::kAtMostOnce) {
@@ -83,7 +83,7 @@ TEST_P(PahoTransport, PublishesARobotsOwnTopicsRetained) {
   ASSERT_TRUE(robot);
   ASSERT_TRUE((*robot)->PublishRetained({"connection", "ONLINE", Qos::kAtLeastOnce}, Soon()));
   ASSERT_TRUE((*robot)->Publish({"state", "driving", Qos::kAtLeastOnce}, Soon()));
-  ASSERT_TRUE((*robot)->AwaitAcknowledgements(Soon()));
+  ASSERT_TRUE((*robot)->AwaitAcknowledgements(Soon(), 0));
   const auto master = Connected(Options(broker));
   MustSubscribe(*master, "#");
   const Message message = MustReceive(*master);
@@ -129,7 +129,7 @@ TEST_P(PahoTransport, PublishesTenThousandMessagesAtEveryQos) {
       ASSERT_TRUE(sent) << sent.error().message;
     }
     while (master->in_flight() > 0 || acknowledged == 0) {
-      const auto some = master->AwaitAcknowledgements(Soon());
+      const auto some = master->AwaitAcknowledgements(Soon(), 0);
       ASSERT_TRUE(some) << some.error().message;
       acknowledged += some->size();
       if (qos == Qos::kAtMostOnce) break;
@@ -148,7 +148,7 @@ TEST_P(PahoTransport, CarriesAMegabyteBothWays) {
   for (std::size_t i = 0; i < payload.size(); ++i) payload[i] = static_cast<char>(i * 31);
   for (const Qos qos : kEveryQos) {
     ASSERT_TRUE(master->Publish({"big", payload, qos}, Soon()));
-    ASSERT_TRUE(master->AwaitAcknowledgements(Soon()));
+    ASSERT_TRUE(master->AwaitAcknowledgements(Soon(), 0));
     EXPECT_EQ(MustReceive(*robot).payload, payload);
   }
 }
@@ -182,7 +182,7 @@ TEST_P(PahoTransport, KeepsMessagesThatComeWhileItWaitsForAcknowledgements) {
   for (int i = 0; i < 50; ++i) {
     ASSERT_TRUE(both->Publish({"t/" + std::to_string(i), "x", Qos::kExactlyOnce}, Soon()));
   }
-  EXPECT_THAT(*both->AwaitAcknowledgements(Soon()), SizeIs(50));
+  EXPECT_THAT(*both->AwaitAcknowledgements(Soon(), 0), SizeIs(50));
   for (int i = 0; i < 50; ++i) EXPECT_EQ(MustReceive(*both).topic, "t/" + std::to_string(i));
 }
 
@@ -216,19 +216,19 @@ TEST_P(PahoTransport, NoticesThatTheBrokerDiedBeforeTheAcknowledgement) {
   const auto master = Connected(Options(broker));
   broker.process().Signal(SIGSTOP);
   ASSERT_TRUE(master->Publish({"t", "x", Qos::kAtLeastOnce}, Soon()));
-  EXPECT_THAT(*master->AwaitAcknowledgements(In(milliseconds(20))), IsEmpty());
+  EXPECT_THAT(*master->AwaitAcknowledgements(In(milliseconds(20)), 0), IsEmpty());
   EXPECT_EQ(master->in_flight(), 1);
   broker.Kill();
-  EXPECT_FALSE(master->AwaitAcknowledgements(Soon()));
+  EXPECT_FALSE(master->AwaitAcknowledgements(Soon(), 0));
 }
 
 TEST_P(PahoTransport, TellsAfterQos0WhetherTheConnectionStillStands) {
   Mosquitto broker;
   const auto master = Connected(Options(broker));
   ASSERT_TRUE(master->Publish({"t", "x"}, Soon()));
-  EXPECT_TRUE(master->AwaitAcknowledgements(In(milliseconds(0))));
+  EXPECT_TRUE(master->AwaitAcknowledgements(In(milliseconds(0)), 0));
   broker.Kill();
-  EXPECT_FALSE(master->AwaitAcknowledgements(Soon()));
+  EXPECT_FALSE(master->AwaitAcknowledgements(Soon(), 0));
 }
 
 TEST_P(PahoTransport, GivesUpOnABrokerThatTakesNoMore) {
@@ -271,7 +271,7 @@ TEST_P(PahoTransport, WaitsForRoomInTheWindow) {
   EXPECT_EQ(master->in_flight(), 3);
   broker.process().Signal(SIGCONT);
   EXPECT_TRUE(master->Publish({"t", "x", Qos::kAtLeastOnce}, Soon()));
-  ASSERT_TRUE(master->AwaitAcknowledgements(Soon()));
+  ASSERT_TRUE(master->AwaitAcknowledgements(Soon(), 0));
 }
 
 TEST_P(PahoTransport, TakesLeaveOnlyWhenAsked) {
@@ -331,7 +331,7 @@ TEST(PahoTransport5, TellsWhyAMessageWasRefused) {
   for (const Qos qos : {Qos::kAtLeastOnce, Qos::kExactlyOnce}) {
     const int denied = master->Publish({"denied", "x", qos}, Soon()).value();
     const int allowed = master->Publish({"allowed", "x", qos}, Soon()).value();
-    auto acknowledged = master->AwaitAcknowledgements(Soon());
+    auto acknowledged = master->AwaitAcknowledgements(Soon(), 0);
     ASSERT_TRUE(acknowledged) << acknowledged.error().message;
     ASSERT_THAT(*acknowledged, SizeIs(2)) << "QoS " << static_cast<int>(qos);
     std::sort(acknowledged->begin(), acknowledged->end(),
@@ -359,7 +359,7 @@ TEST(PahoTransport5, KnowsTheBrokersLimits) {
     ASSERT_TRUE(master->Publish({"t", "x", Qos::kAtLeastOnce}, Soon()));
     EXPECT_LE(master->in_flight(), 5);
   }
-  EXPECT_TRUE(master->AwaitAcknowledgements(Soon()));
+  EXPECT_TRUE(master->AwaitAcknowledgements(Soon(), 0));
 }
 
 TEST(PahoTransport5, StaysWithinTheBrokersReceiveMaximum) {

@@ -37,14 +37,14 @@ void ExpectTraffic(const ConnectOptions& options, std::size_t large_size = 1 << 
     }
     std::size_t acknowledged = 0;
     while (both->in_flight() > 0)
-      acknowledged += both->AwaitAcknowledgements(Soon()).value().size();
+      acknowledged += both->AwaitAcknowledgements(Soon(), 0).value().size();
     EXPECT_EQ(acknowledged, qos == Qos::kAtMostOnce ? 0U : 200U);
     for (int i = 0; i < 200; ++i) ASSERT_EQ(MustReceive(*both).topic, "t/" + std::to_string(i));
   }
   const std::string large(large_size, 'y');
   ASSERT_TRUE(both->Publish({"t/large", large, Qos::kAtLeastOnce}, Soon()));
   EXPECT_EQ(MustReceive(*both).payload, large);
-  while (both->in_flight() > 0) ASSERT_FALSE(both->AwaitAcknowledgements(Soon())->empty());
+  while (both->in_flight() > 0) ASSERT_FALSE(both->AwaitAcknowledgements(Soon(), 0)->empty());
   both->Disconnect();
 }
 
@@ -60,7 +60,7 @@ TEST(Tls, KeepsAnAcknowledgementThatComesDuringPublishing) {
   const auto master = Connected(Trusting(broker.Url("mqtts", "localhost")));
   const auto sent = master->Publish({"t", std::string(16 << 20, 'x'), Qos::kAtLeastOnce}, Soon());
   ASSERT_TRUE(sent) << sent.error().message;
-  const auto acknowledged = master->AwaitAcknowledgements(In(std::chrono::seconds(5)));
+  const auto acknowledged = master->AwaitAcknowledgements(In(std::chrono::seconds(5)), 0);
   ASSERT_TRUE(acknowledged);
   ASSERT_EQ(acknowledged->size(), 1U);
   EXPECT_EQ(acknowledged->front().token, *sent);

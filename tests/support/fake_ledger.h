@@ -33,9 +33,12 @@ class FakeLedger : public ledger::Ledger {
                                                   ledger::Deadline deadline) override {
     last_deadline_ = deadline;
     if (lock_error) return Fail(*lock_error);
+    for (const std::string& topic : topics) {
+      if (locked_.contains(topic)) return Fail(ErrorKind::kLedger, topic + " is held");
+    }
     journal_.Note("lock", topics);
     locked_.insert(topics.begin(), topics.end());
-    return std::make_unique<Held>(*this);
+    return std::make_unique<Held>(*this, topics);
   }
 
   Result<std::vector<ledger::Reservation>> Reserve(std::span<const ledger::Draft> drafts) override {
@@ -76,17 +79,19 @@ class FakeLedger : public ledger::Ledger {
  private:
   class Held : public ledger::TopicLock {
    public:
-    explicit Held(FakeLedger& ledger) : ledger_(ledger) {}
+    Held(FakeLedger& ledger, std::span<const std::string> topics)
+        : ledger_(ledger), topics_(topics.begin(), topics.end()) {}
     Held(const Held&) = delete;
     Held& operator=(const Held&) = delete;
     ~Held() override {
-      ledger_.locked_.clear();
+      for (const std::string& topic : topics_) ledger_.locked_.erase(topic);
       ledger_.journal_.Note("unlock");
     }
     [[nodiscard]] bool StillHeld() const override { return --ledger_.held_so_often >= 0; }
 
    private:
     FakeLedger& ledger_;
+    std::vector<std::string> topics_;
   };
 
   ledger::Reservation Record(const ledger::Draft& draft) {

@@ -1,6 +1,7 @@
 // A connection to a broker that is not there, through the production interface.
 #pragma once
 
+#include <chrono>
 #include <functional>
 
 #include "mqtt/transport.h"
@@ -20,6 +21,8 @@ class FakeTransport : public mqtt::Transport {
   std::function<std::optional<mqtt::Acknowledgement>(int token)> acknowledge = [](int token) {
     return mqtt::Acknowledgement{.token = token};
   };
+  /// Acknowledgements come only when they are waited for, and no more than are waited for.
+  bool is_distant = false;
   std::optional<Error> await_error;
   std::optional<Error> ready_error;
   std::size_t largest = 1'000'000;  ///< payload that is admitted
@@ -51,14 +54,18 @@ class FakeTransport : public mqtt::Transport {
     return in_flight_.back();
   }
 
-  Result<std::vector<mqtt::Acknowledgement>> AwaitAcknowledgements(
-      mqtt::Deadline /*deadline*/) override {
+  Result<std::vector<mqtt::Acknowledgement>> AwaitAcknowledgements(mqtt::Deadline deadline,
+                                                                   std::size_t left) override {
+    if (is_distant && deadline <= std::chrono::steady_clock::now()) {
+      return std::vector<mqtt::Acknowledgement>();
+    }
     journal_.Note("await");
     if (await_error) return Fail(*await_error);
     std::vector<mqtt::Acknowledgement> acknowledgements;
     std::vector<int> silent;
     for (const int token : in_flight_) {
-      const auto acknowledgement = acknowledge(token);
+      const bool enough = is_distant && in_flight_.size() - acknowledgements.size() <= left;
+      const auto acknowledgement = enough ? std::nullopt : acknowledge(token);
       if (acknowledgement) acknowledgements.push_back(*acknowledgement);
       if (!acknowledgement) silent.push_back(token);
     }

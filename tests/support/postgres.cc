@@ -32,6 +32,17 @@ std::string Program(const std::string& name) {
 
 }  // namespace
 
+std::vector<std::string> AsOrdinaryUser(std::vector<std::string> command) {
+  // A change of the user makes the kernel forget that the process is to die with us.
+  std::vector<std::string> prefix = {"setpriv", "--pdeathsig", "QUIT"};
+  if (geteuid() == 0) {
+    const std::string nobody = std::to_string(kNobody);
+    prefix.insert(prefix.end(), {"--reuid", nobody, "--regid", nobody, "--clear-groups"});
+  }
+  command.insert(command.begin(), prefix.begin(), prefix.end());
+  return command;
+}
+
 Postgres::Postgres() {
   chmod(folder_.path().c_str(), 0711);  // its data lie below and are another user's
   const std::string data = folder_ / "data";
@@ -60,17 +71,6 @@ Postgres::~Postgres() {
   if (!process_) return;
   process_->Signal(SIGQUIT);  // at once, but with its shared memory given back
   static_cast<void>(process_->Wait(kPatience));
-}
-
-std::vector<std::string> Postgres::AsOrdinaryUser(std::vector<std::string> command) const {
-  // A change of the user makes the kernel forget that the process is to die with us.
-  std::vector<std::string> prefix = {"setpriv", "--pdeathsig", "QUIT"};
-  if (geteuid() == 0) {
-    const std::string nobody = std::to_string(kNobody);
-    prefix.insert(prefix.end(), {"--reuid", nobody, "--regid", nobody, "--clear-groups"});
-  }
-  command.insert(command.begin(), prefix.begin(), prefix.end());
-  return command;
 }
 
 void Postgres::WriteData(const std::string& name, const std::string& content) const {

@@ -12,6 +12,9 @@
 
 namespace fleetpub::testing {
 
+/// PostgreSQL's programs refuse to be root: as nobody then, and ending with this process.
+[[nodiscard]] std::vector<std::string> AsOrdinaryUser(std::vector<std::string> command);
+
 /// Listens on a free port of 127.0.0.1 and accepts connections when the constructor returns; ends
 /// with this object. Its superuser is `postgres`, whom it trusts. Runs as an ordinary user, since
 /// it refuses to be root. Does not wait for the disk.
@@ -48,7 +51,6 @@ class Postgres {
 
  private:
   [[nodiscard]] bool TryStart();
-  [[nodiscard]] std::vector<std::string> AsOrdinaryUser(std::vector<std::string> command) const;
   /// A file that its user can read and nobody else.
   void WriteData(const std::string& name, const std::string& content) const;
 

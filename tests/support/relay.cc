@@ -2,6 +2,7 @@
 
 #include <arpa/inet.h>
 #include <netinet/in.h>
+#include <netinet/tcp.h>
 #include <poll.h>
 #include <sys/socket.h>
 
@@ -31,6 +32,13 @@ mqtt::Descriptor ConnectTo(std::uint16_t port) {
   return descriptor;
 }
 
+// A wire holds nothing back: no small packet waits for the acknowledgement of the one before.
+void PassAtOnce(int socket) {
+  const int on = 1;
+  setsockopt(socket, IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
+  setsockopt(socket, IPPROTO_TCP, TCP_QUICKACK, &on, sizeof on);
+}
+
 // What is under way in one direction. Its last piece is empty: the end.
 class Direction {
  public:
@@ -41,6 +49,7 @@ class Direction {
 
   void Take() {
     under_way_.push_back({steady_clock::now() + delay_, ReadSome(from_)});
+    PassAtOnce(from_);  // the kernel forgets it
     ended_ = under_way_.back().bytes.empty();
   }
 
@@ -80,6 +89,8 @@ void Relay::Pass(int socket) {
   const int generation = generation_;
   const mqtt::Descriptor broker = ConnectTo(port_);
   if (!broker.open()) return;
+  PassAtOnce(socket);
+  PassAtOnce(broker.get());
   std::array<Direction, 2> directions = {Direction(socket, broker.get(), one_way_),
                                          Direction(broker.get(), socket, one_way_)};
   while (true) {

@@ -1,0 +1,22 @@
+# One message, one process: what each program takes from start to end.
+heading "One shot, $runs pairs: build, durable stamp, record, validate, publish, record the outcome" fleetpub mosquitto_pub
+for preset in static release; do
+  for qos in 0 1; do
+    compare "$runs" "one shot, $preset, QoS $qos" \
+      fleetpub "build/$preset/src/fleetpub" pause KIT/0001 --quiet -q $qos -- \
+      mosquitto_pub mosquitto_pub -h 127.0.0.1 -p "$broker_port" -t "$topic" -m "$message" -q $qos
+  done
+done
+memory=$(mktemp -d -p /dev/shm)
+folders+=("$memory")
+compare "$runs" 'one shot, static, QoS 0, ledger in memory' \
+  fleetpub build/static/src/fleetpub pause KIT/0001 --quiet --ledger "$memory/ledger.db" -- \
+  mosquitto_pub mosquitto_pub -h 127.0.0.1 -p "$broker_port" -t "$topic" -m "$message"
+echo
+heading "The same beside what else people use, $runs turns at QoS 0"
+compare "$runs" 'one shot, distribution' \
+  'fleetpub (static)' build/static/src/fleetpub pause KIT/0001 --quiet -- \
+  'fleetpub (release)' build/release/src/fleetpub pause KIT/0001 --quiet -- \
+  'mosquitto_pub (ready text)' mosquitto_pub -h 127.0.0.1 -p "$broker_port" -t "$topic" -m "$message" -- \
+  'shell script' tests/bench/one_shot.sh "$broker_port" KIT 0001 "$home/header-id" -- \
+  'MQTT.js (ready text)' node tests/peers/node_modules/mqtt/build/bin/mqtt.js publish -h 127.0.0.1 -p "$broker_port" -t "$topic" -m "$message"
