@@ -35,7 +35,7 @@ constexpr double kHomeLongitude = -4.2;
 
 }  // namespace
 
-VirtualPlatform::VirtualPlatform(Shared shared, soar::Destination self, int number)
+VirtualPlatform::VirtualPlatform(const Shared& shared, soar::Destination self, int number)
     : shared_(shared),
       self_(std::move(self)),
       platform_id_(fmt::format("{}", number)),

@@ -42,7 +42,7 @@ class VirtualPlatform {
   };
 
   /// `number` is its platform_ID until a plan calls it otherwise.
-  VirtualPlatform(Shared shared, soar::Destination self, int number);
+  VirtualPlatform(const Shared& shared, soar::Destination self, int number);
 
   /// Connected, or connected again: its status.
   void Start(const Moment& now, std::vector<mqtt::Message>& out);

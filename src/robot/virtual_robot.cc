@@ -18,7 +18,7 @@ constexpr std::size_t kMostErrors = 10;
 
 }  // namespace
 
-VirtualRobot::VirtualRobot(Shared shared, Header header)
+VirtualRobot::VirtualRobot(const Shared& shared, Header header)
     : shared_(shared), header_(std::move(header)) {
   state_.operating_mode = shared_.settings.operating_mode;
   if (shared_.settings.with_order) state_.order = ExampleOrder();

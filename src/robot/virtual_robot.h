@@ -61,7 +61,7 @@ class VirtualRobot {
     const std::string& factsheet;  ///< FactsheetBody; "": the version has none
   };
 
-  VirtualRobot(Shared shared, Header header);
+  VirtualRobot(const Shared& shared, Header header);
 
   /// The last will, to be handed to the broker before Start.
   [[nodiscard]] Utterance Will(const Moment& now);

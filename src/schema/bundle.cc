@@ -25,8 +25,10 @@ constexpr std::array<std::string_view, 4> kData = {"const", "default", "enum", "
 class Bundler {
  public:
   Bundler(rapidjson::Document& root, std::string_view uri, const FindDocument& find)
-      : root_(root), allocator_(root.GetAllocator()), find_(find) {
-    root_uri_ = BaseOf(root, std::string(uri));
+      : root_(root),
+        allocator_(root.GetAllocator()),
+        find_(find),
+        root_uri_(BaseOf(root, std::string(uri))) {
     if (const Value* known = base::FindMember(root, "definitions"); known && known->IsObject()) {
       for (const auto& member : known->GetObject()) names_.emplace(ViewOf(member.name));
     }
@@ -109,7 +111,7 @@ class Bundler {
   std::string NameFor(const std::string& uri, const std::string& fragment) {
     const std::string& path = fragment.empty() ? uri : fragment;
     std::string stem = path.substr(path.rfind('/') + 1);
-    if (fragment.empty()) stem = stem.substr(0, stem.find('.'));
+    if (fragment.empty()) stem.resize(std::min(stem.size(), stem.find('.')));
     if (stem.empty()) stem = "schema";
     std::string name = stem;
     for (int i = 2; !names_.insert(name).second; ++i) name = fmt::format("{}{}", stem, i);

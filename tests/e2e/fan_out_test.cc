@@ -20,7 +20,6 @@ class FanOut : public EndToEnd {
  protected:
   // Robots that were there and are not any more, as their last will says it.
   void LeaveOffline(int count) const {
-    std::string lines;
     for (int i = 1; i <= count; ++i) {
       const std::string payload = fmt::format(
           R"({{"headerId":1,"timestamp":"2026-01-02T03:04:05.000Z","version":"2.1.0",)"

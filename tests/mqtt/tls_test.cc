@@ -38,6 +38,7 @@ void ExpectTraffic(const ConnectOptions& options, std::size_t large_size = 1 << 
     std::size_t acknowledged = 0;
     while (both->in_flight() > 0)
       acknowledged += both->AwaitAcknowledgements(Soon(), 0).value().size();
+    EXPECT_EQ(acknowledged, qos == Qos::kAtMostOnce ? 0U : 200U);
     for (int i = 0; i < 200; ++i) ASSERT_EQ(MustReceive(*both).topic, "t/" + std::to_string(i));
   }
   const std::string large(large_size, 'y');

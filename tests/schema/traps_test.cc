@@ -12,11 +12,12 @@
 
 #include "base/json.h"
 #include "schema/schema.h"
+#include "support/patience.h"
 
 namespace fleetpub::schema {
 namespace {
 
-constexpr std::chrono::seconds kSoon(60);  // also under sanitizers
+constexpr std::chrono::seconds kSoon(60 * testing::kSlowness);
 
 Schema Compiled(std::string_view text) {
   auto schema = Schema::Compile(text, "test");

@@ -11,6 +11,8 @@
 #include <utility>
 #include <vector>
 
+#include "support/patience.h"
+
 namespace fleetpub::testing {
 
 struct Command {
@@ -27,7 +29,7 @@ struct Command {
 /// running, and by the kernel when the test's thread dies.
 class Process {
  public:
-  static constexpr std::chrono::seconds kPatience{20};
+  static constexpr std::chrono::seconds kPatience{20 * kSlowness};
 
   /// Starts it. Throws std::runtime_error when there is no such program.
   explicit Process(Command command);

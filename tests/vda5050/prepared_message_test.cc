@@ -20,7 +20,7 @@ rapidjson::Document Parsed(std::string_view text) {
 }
 
 Result<dispatch::Command> Build(std::string_view topic, std::string_view message,
-                                Dialect dialect = {},
+                                const Dialect& dialect = {},
                                 ForeignHeader foreign = ForeignHeader::kRefuse) {
   return BuildPrepared(kRobot, dialect, topic, Parsed(message), foreign);
 }

@@ -1,0 +1,15 @@
+// How long tests wait for what should come at once.
+#pragma once
+
+#include <chrono>
+
+namespace fleetpub::testing {
+
+/// Under a sanitizer everything takes some times as long (tests/CMakeLists.txt).
+#ifdef FLEETPUB_SANITIZED
+inline constexpr int kSlowness = 4;
+#else
+inline constexpr int kSlowness = 1;
+#endif
+
+}  // namespace fleetpub::testing
