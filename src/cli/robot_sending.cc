@@ -145,6 +145,9 @@ class RobotSender {
     call.discover.subscribe = connect_.connect_timeout;
     auto called = CallRoll(*transport_, targets, call, roster_, context_.output);
     if (!called) return Fail(NothingSentToAny(Verdict::kError, called.error()));
+    if (auto ok = CheckExceptions(); !ok) {
+      return Fail(NothingSentToAny(Verdict::kError, std::move(ok.error())));
+    }
     Chosen chosen = Choose(targets, roster_, context_.output);
     robots_ = std::move(chosen.robots);
     unheard_ = std::move(chosen.unheard);
@@ -152,6 +155,17 @@ class RobotSender {
       return Fail(NobodyChosen(*transport_, targets, sending_.speaker, roster_, call.discover));
     }
     SuggestNames();
+    return {};
+  }
+
+  Status CheckExceptions() const {
+    const auto idle = IdleException(sending_.targets, roster_, context_.config);
+    if (!idle) return {};
+    std::string text =
+        fmt::format("--except {} spares nobody: no such robot is among those that were found",
+                    base::Printable(idle->ToString()));
+    if (sending_.harm != Harm::kNone) return Fail(ErrorKind::kPreflight, std::move(text));
+    context_.output.Warn(text);
     return {};
   }
 

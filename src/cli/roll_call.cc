@@ -292,6 +292,26 @@ Chosen Choose(const Targets& targets, const Roster& roster, Output& output) {
   return chosen;
 }
 
+std::optional<RobotAddress> IdleException(const Targets& targets, const Roster& roster,
+                                          const Config& config) {
+  if (targets.who.patterns.empty()) return std::nullopt;
+  for (const RobotAddress& robot : targets.except.robots) {
+    const bool is_configured =
+        config.robots.contains(robot) ||
+        std::any_of(config.group_robots.begin(), config.group_robots.end(), [&](const auto& group) {
+          return std::find(group.second.begin(), group.second.end(), robot) != group.second.end();
+        });
+    if (!is_configured && !roster.robots().contains(robot)) return robot;
+  }
+  for (const RobotPattern& pattern : targets.except.patterns) {
+    const bool spares =
+        std::any_of(roster.robots().begin(), roster.robots().end(),
+                    [&](const ListedRobot& listed) { return pattern.Matches(listed.first); });
+    if (!spares) return RobotAddress{pattern.manufacturer, pattern.serial_number};
+  }
+  return std::nullopt;
+}
+
 Error NobodyChosen(mqtt::Transport& transport, const Targets& targets, const Speaker& speaker,
                    const Roster& roster, const dispatch::CollectOptions& discover) {
   const auto meant =

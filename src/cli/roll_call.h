@@ -2,6 +2,7 @@
 // command is for.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -37,6 +38,12 @@ struct RollCall {
 /// (a topic template).
 [[nodiscard]] Status CallRoll(mqtt::Transport& transport, const Targets& targets,
                               const RollCall& call, vda5050::Roster& roster, Output& output);
+
+/// The first exception that spares nobody of those that the patterns have found: a misspelt one
+/// would command whom it should spare. One that the configuration names may just be away.
+[[nodiscard]] std::optional<vda5050::RobotAddress> IdleException(const Targets& targets,
+                                                                 const vda5050::Roster& roster,
+                                                                 const Config& config);
 
 /// Those that are meant, and satisfy the conditions. Robots without a connection message are meant
 /// only when they are named outright. Warns of robots that are offline and whose state is not

@@ -157,6 +157,7 @@ TEST_F(Looking, RemembersWhatWasSent) {
 }
 
 TEST_F(Looking, PingsTheBroker) {
+  const auto robot = Robot({"KIT/0001"});  // what it has left is not the broker's
   const Finished text = Fleetpub({"ping"});
   EXPECT_EQ(text.exit_code, 0) << text.errors;
   EXPECT_THAT(text.output, AllOf(HasSubstr("reachable"), HasSubstr("mosquitto version")));
@@ -169,9 +170,11 @@ TEST_F(Looking, PingsTheBroker) {
 }
 
 TEST(Ping, SaysWhichSubscriptionsTheBrokerRefuses) {
-  const std::string granted("\x90\x03\x00\x01\x00", 5);
-  const std::string refused("\x90\x03\x00\x02\x80", 5);
-  const BrokenBroker broker(BrokenBroker::Answers({BrokenBroker::Connack(0), granted, refused}));
+  const std::string software("\x90\x03\x00\x01\x00", 5);
+  const std::string granted("\x90\x03\x00\x02\x00", 5);
+  const std::string refused("\x90\x03\x00\x03\x80", 5);
+  const BrokenBroker broker(
+      BrokenBroker::Answers({BrokenBroker::Connack(0), software, granted, refused}));
   Operator someone;
   someone.UseBroker(broker.Url());
   const Finished run = someone.Fleetpub({"ping", "-o", "json", "--connect-timeout", "500ms"});

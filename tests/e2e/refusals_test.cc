@@ -12,6 +12,7 @@ using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::Not;
+using ::testing::StartsWith;
 
 struct Case {
   std::vector<std::string> arguments;
@@ -39,6 +40,7 @@ TEST_F(Refusals, NameWhatIsWrongAndSendNothing) {
       {{"pause", "KIT/0001", "-q"}, 2, "--qos needs a value"},
       {{"pause", "KIT/0001", "-b", "http://x"}, 2, "no scheme"},
       {{"pause", "KIT/0001", "-b", "mqtt://u:secret@x"}, 2, "password"},
+      {{"pause", "KIT/0001", "--cafile", "ca.pem"}, 2, "is not encrypted"},
       {{"pause", "KIT/0001", "-P", "secret"}, 2, "key=text"},
       {{"pause", "KIT/0001", "--topic-template", "{serial}/{topic}"}, 2, "{manufacturer}"},
       {{"pause", "KIT/1", "KIT/2", "--id", "a"}, 2, "one target"},
@@ -154,6 +156,28 @@ TEST_F(Refusals, CtrlCEndsWith130AndSaysWhatWasSent) {
   run.Signal(SIGINT);
   EXPECT_EQ(run.Wait(), 130);
   EXPECT_THAT(run.Errors(), HasSubstr("1 of 1 messages were sent"));
+}
+
+TEST_F(Refusals, AnObjectSaysThatNothingWasSent) {
+  operator_.UseBroker("mqtt://127.0.0.1:1");
+  for (const std::vector<std::string>& call :
+       {std::vector<std::string>{"pause", "KIT/0001"},
+        {"publish", "zoneSet", "KIT/0001", "-f", operator_.home().Write("zones", "{}")}}) {
+    std::vector<std::string> words = call;
+    words.insert(words.end(), {"-o", "json"});
+    const Finished run = Fleetpub(words);
+    EXPECT_THAT(Json(run.output)["message"].GetString(), StartsWith("not sent: ")) << run.errors;
+  }
+}
+
+TEST_F(Refusals, AReaderThatHasSeenEnoughIsNoTrouble) {
+  Command command = operator_.Prepare({"actions"});
+  const std::string actions = Binary() + " actions -o json";
+  command.arguments = {"bash", "-c",
+                       "set -o pipefail; " + actions + " | true; " + actions + " | head -1"};
+  const Finished run = testing::Run(command);
+  EXPECT_EQ(run.exit_code, 0);
+  EXPECT_THAT(run.errors, IsEmpty());
 }
 
 TEST_F(Refusals, ResultsThatCannotBeWrittenAreTold) {

@@ -73,6 +73,22 @@ TEST_F(Targets, PatternsExceptionsAndNamesMayStandBesideEachOther) {
   EXPECT_THAT(idle.errors, HasSubstr("--except KIT/1: it is not among the targets"));
 }
 
+TEST_F(Targets, AMisspeltExceptionCommandsNobody) {
+  StartFleet();
+  const Subscriber subscriber(broker_, "+/+/+/+/instantActions");
+  for (const char* misspelt : {"KIT/O002", "KTI/*"}) {
+    const Finished run = Fleetpub({"resume", "KIT/*", "--except", misspelt, "--yes"});
+    EXPECT_EQ(run.exit_code, 7);
+    EXPECT_THAT(run.errors, AllOf(HasSubstr("nothing was sent"), HasSubstr(misspelt),
+                                  HasSubstr("spares nobody")));
+  }
+  EXPECT_THAT(subscriber.SoFar(), IsEmpty());
+  // To stop one too many is no harm.
+  const Finished stop = Fleetpub({"pause", "KIT/*", "--except", "KIT/O002"});
+  EXPECT_EQ(stop.exit_code, 0);
+  EXPECT_THAT(stop.errors, HasSubstr("spares nobody"));
+}
+
 TEST_F(Targets, GroupsAndAliasesCanBeExceptions) {
   StartFleet();
   operator_.home().Write(".config/fleetpub/config.toml",
