@@ -53,6 +53,10 @@ class Follower {
 
   /// The topics and filters of the watched commands, each once.
   [[nodiscard]] std::vector<std::string> Topics() const;
+  [[nodiscard]] std::size_t topics() const { return by_topic_.size() + by_filter_.size(); }
+  [[nodiscard]] bool Follows(const std::string& topic) const {
+    return by_topic_.contains(topic) || by_filter_.contains(topic);
+  }
 
   /// The command left; `report` says how, and is completed when the end is known.
   void Published(Key key, Report report);

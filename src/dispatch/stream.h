@@ -72,6 +72,7 @@ class Stream {
 
  private:
   Status SubscribeNew(std::vector<std::string> topics);
+  void UnsubscribeIdle();
   Status SendOneByOne(std::span<const Command> commands);
   Status SendBracket(std::span<const Command> commands, More more);
   void Done(Follower::Key first_key, BatchResult result);

@@ -53,6 +53,14 @@ milliseconds SliceFor(std::chrono::seconds keep_alive) {
   return std::min<milliseconds>(kLongestSlice, milliseconds(keep_alive) / 10);
 }
 
+// As Paho takes them; it copies the texts.
+std::vector<char*> NamesOf(std::span<const std::string> filters) {
+  std::vector<char*> names;
+  names.reserve(filters.size());
+  for (const std::string& filter : filters) names.push_back(const_cast<char*>(filter.c_str()));
+  return names;
+}
+
 // Reads until the broker has closed.
 void Drain(int descriptor) {
   const Deadline deadline = steady_clock::now() + kWriteTime;
@@ -270,9 +278,7 @@ int PahoSession::PahoPublish(const Message& message, Retain retain, int& token) 
 
 Status PahoSession::Subscribe(std::span<const std::string> filters, Qos qos, Deadline deadline) {
   if (lost_) return Fail(*lost_);
-  std::vector<char*> names;
-  names.reserve(filters.size());
-  for (const std::string& filter : filters) names.push_back(const_cast<char*>(filter.c_str()));
+  const std::vector<char*> names = NamesOf(filters);
   std::vector<int> codes(filters.size(), static_cast<int>(qos));
   const std::lock_guard lock(PahoMutex());
   const PahoCall call(connection_.descriptor, deadline);
@@ -312,6 +318,32 @@ int PahoSession::PahoSubscribe(const std::vector<char*>& names, std::vector<int>
   }
   MQTTResponse_free(response);
   return result;
+}
+
+Status PahoSession::Unsubscribe(std::span<const std::string> filters, Deadline deadline) {
+  if (lost_) return Fail(*lost_);
+  const std::vector<char*> names = NamesOf(filters);
+  const std::lock_guard lock(PahoMutex());
+  const PahoCall call(connection_.descriptor, deadline);
+  const int result = PahoUnsubscribe(names);
+  if (!Connected()) return Lose(call, result, kClosed);
+  if (result == MQTTCLIENT_SUCCESS) return {};
+  return Fail(ErrorKind::kBroker,
+              fmt::format("{} did not answer the end of a subscription", Name()),
+              MQTTClient_strerror(result));
+}
+
+// On MQTT 5 the codes say no more than that there was no such subscription (§3.11.3).
+int PahoSession::PahoUnsubscribe(const std::vector<char*>& names) {
+  const int count = static_cast<int>(names.size());
+  if (connection_.server.version != ProtocolVersion::k5) {
+    return MQTTClient_unsubscribeMany(connection_.client, count, names.data());
+  }
+  const MQTTResponse response =
+      MQTTClient_unsubscribeMany5(connection_.client, count, names.data(), nullptr);
+  const int code = ReasonCode(response);
+  MQTTResponse_free(response);
+  return code < 0 ? code : MQTTCLIENT_SUCCESS;
 }
 
 }  // namespace fleetpub::mqtt

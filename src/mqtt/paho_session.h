@@ -62,6 +62,8 @@ class PahoSession {
   [[nodiscard]] std::size_t properties_size() const;
   /// One SUBSCRIBE packet and its SUBACK.
   [[nodiscard]] Status Subscribe(std::span<const std::string> filters, Qos qos, Deadline deadline);
+  /// One UNSUBSCRIBE packet and its UNSUBACK.
+  [[nodiscard]] Status Unsubscribe(std::span<const std::string> filters, Deadline deadline);
   void Disconnect();
 
  private:
@@ -73,6 +75,7 @@ class PahoSession {
   tl::unexpected<Error> Lose(const PahoCall& call, int code, std::string_view cause);
   int PahoPublish(const Message& message, Retain retain, int& token);
   int PahoSubscribe(const std::vector<char*>& names, std::vector<int>& codes);
+  int PahoUnsubscribe(const std::vector<char*>& names);
 
   PahoConnection connection_;
   std::unique_ptr<PahoProperties> properties_;  // null on 3.1.1

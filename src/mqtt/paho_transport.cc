@@ -56,6 +56,16 @@ class PahoTransport final : public RobotTransport {
     return {};
   }
 
+  [[nodiscard]] Status Unsubscribe(std::span<const std::string> filters,
+                                   Deadline deadline) override {
+    while (!filters.empty()) {
+      const auto some = filters.first(std::min(filters.size(), kFiltersPerPacket));
+      if (auto status = session_.Unsubscribe(some, deadline); !status) return status;
+      filters = filters.subspan(some.size());
+    }
+    return {};
+  }
+
   [[nodiscard]] Status Admits(const std::string& topic, std::size_t payload_size,
                               Qos qos) const override {
     if (!IsMqttString(topic) || topic.find_first_of("+#") != std::string::npos) {
@@ -94,7 +104,9 @@ class PahoTransport final : public RobotTransport {
       Deadline deadline, std::size_t left) override {
     while (true) {
       const bool gained = session_.Step();
-      if (session_.lost() || std::cmp_less_equal(in_flight(), left) || steady_clock::now() >= deadline) break;
+      if (session_.lost() || std::cmp_less_equal(in_flight(), left) ||
+          steady_clock::now() >= deadline)
+        break;
       if (!gained) static_cast<void>(session_.Sleep(deadline));
     }
     // What was acknowledged before the connection broke is told first; the next call tells that it

@@ -129,6 +129,10 @@ class Transport {
   [[nodiscard]] virtual Status Subscribe(std::span<const std::string> filters, Qos qos,
                                          Deadline deadline) = 0;
 
+  /// Ends subscriptions and waits for the UNSUBACK. What came before it is still to be received.
+  [[nodiscard]] virtual Status Unsubscribe(std::span<const std::string> filters,
+                                           Deadline deadline) = 0;
+
   /// Whether a message of this size can go through at all. Errors: kUsage for a topic that is none;
   /// kBroker when the broker has said on connecting (MQTT 5) that it takes no such thing.
   [[nodiscard]] virtual Status Admits(const std::string& topic, std::size_t payload_size,

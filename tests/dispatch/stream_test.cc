@@ -96,6 +96,41 @@ TEST_F(Streaming, ConnectsAgainAndSendsNothingTwice) {
   EXPECT_THAT(reports_, ElementsAre("#1 SENT "));
 }
 
+// Awaits its robot, or is at its end once it has left.
+class OfOneRobot final : public Confirmation {
+ public:
+  OfOneRobot(int robot, bool ends) : topic_("state/" + std::to_string(robot)), ends_(ends) {}
+  std::vector<std::string> Topics() const override { return {topic_}; }
+  void Published(std::uint32_t /*header_id*/) override {
+    if (ends_) progress_ = {.seen = true, .ended = true, .verdict = Verdict::kFinished};
+  }
+  void Receive(const Incoming& /*message*/) override {}
+  const Progress& progress() const override { return progress_; }
+
+ private:
+  std::string topic_;
+  bool ends_;
+  Progress progress_;
+};
+
+TEST_F(Streaming, EndsSubscriptionsThatNobodyAwaits) {
+  const auto stream = Open();
+  const auto send = [&](int robot, bool ends) {
+    std::vector<Command> commands = Commands(1);
+    commands.front().confirmation = std::make_shared<OfOneRobot>(robot, ends);
+    ASSERT_TRUE(stream->Send(commands));
+  };
+  send(-1, false);
+  for (int robot = 0; robot < 12'000; ++robot) {
+    send(robot, true);
+    ASSERT_TRUE(fake_->subscribed().contains("state/" + std::to_string(robot)));
+    ASSERT_LE(fake_->subscribed().size(), 5'003U);
+  }
+  EXPECT_TRUE(fake_->subscribed().contains("state/-1")) << "who is awaited is listened to";
+  send(0, true);
+  EXPECT_TRUE(fake_->subscribed().contains("state/0")) << "commanded again";
+}
+
 TEST_F(Streaming, LetsOneUnfitHeaderIdStopNobodyElse) {
   const auto stream = Open();
   ledger_.reserve_error = Error{ErrorKind::kUsage, "header id 3 is not above 7"};

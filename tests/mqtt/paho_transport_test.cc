@@ -165,6 +165,21 @@ TEST_P(PahoTransport, SubscribesToManyFilters) {
   EXPECT_EQ(MustReceive(*robot).topic, "t/249");
 }
 
+TEST_P(PahoTransport, EndsSubscriptionsAndKeepsWhatCameBefore) {
+  const Mosquitto broker;
+  const auto both = Connected(Options(broker));
+  std::vector<std::string> filters = {"last"};
+  for (int i = 0; i < 250; ++i) filters.push_back("t/" + std::to_string(i));
+  ASSERT_TRUE(both->Subscribe(filters, Qos::kAtMostOnce, Soon()));
+  ASSERT_TRUE(both->Publish({"t/249", "before"}, Soon()));
+  ASSERT_TRUE(both->Unsubscribe(std::span(filters).subspan(1), Soon()));
+  for (const char* topic : {"t/0", "t/249", "last"}) {
+    ASSERT_TRUE(both->Publish({topic, "after"}, Soon()));
+  }
+  EXPECT_EQ(MustReceive(*both).payload, "before");
+  EXPECT_EQ(MustReceive(*both).topic, "last");
+}
+
 TEST_P(PahoTransport, ReceivesNothingUntilTheDeadline) {
   const Mosquitto broker;
   const auto robot = Connected(Options(broker));

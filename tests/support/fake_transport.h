@@ -3,6 +3,9 @@
 
 #include <chrono>
 #include <functional>
+#include <set>
+#include <string>
+#include <vector>
 
 #include "mqtt/transport.h"
 #include "support/journal.h"
@@ -28,10 +31,16 @@ class FakeTransport : public mqtt::Transport {
   std::size_t largest = 1'000'000;  ///< payload that is admitted
 
   [[nodiscard]] const std::vector<mqtt::Message>& published() const { return published_; }
+  [[nodiscard]] const std::set<std::string>& subscribed() const { return subscribed_; }
 
   const mqtt::ServerInfo& server() const override { return server_; }
-  Status Subscribe(std::span<const std::string> /*filters*/, mqtt::Qos /*qos*/,
+  Status Subscribe(std::span<const std::string> filters, mqtt::Qos /*qos*/,
                    mqtt::Deadline /*deadline*/) override {
+    subscribed_.insert(filters.begin(), filters.end());
+    return {};
+  }
+  Status Unsubscribe(std::span<const std::string> filters, mqtt::Deadline /*deadline*/) override {
+    for (const std::string& filter : filters) subscribed_.erase(filter);
     return {};
   }
 
@@ -84,6 +93,7 @@ class FakeTransport : public mqtt::Transport {
  private:
   Journal& journal_;
   mqtt::ServerInfo server_;
+  std::set<std::string> subscribed_;
   std::vector<mqtt::Message> published_;
   std::vector<int> in_flight_;
 };
