@@ -61,10 +61,11 @@ class Warnings {
 class RobotSender {
  public:
   RobotSender(const RobotSending& sending, const Context& context, vda5050::Roster roster,
-              mqtt::Qos qos, dispatch::Pace pace)
+              const Spared& spared, mqtt::Qos qos, dispatch::Pace pace)
       : sending_(sending),
         context_(context),
         roster_(std::move(roster)),
+        spared_(spared),
         maker_(sending, context),
         reporter_(context.output),
         warnings_(context.output),
@@ -159,7 +160,7 @@ class RobotSender {
   }
 
   Status CheckExceptions() const {
-    const auto idle = IdleException(sending_.targets, roster_, context_.config);
+    const auto idle = IdleException(sending_.targets, spared_, context_.config);
     if (!idle) return {};
     std::string text =
         fmt::format("--except {} spares nobody: no such robot is among those that were found",
@@ -352,6 +353,7 @@ class RobotSender {
   const Context& context_;
   const InterruptGuard interrupt_{0};
   vda5050::Roster roster_;
+  const Spared& spared_;
   CommandMaker maker_;
   Reporter reporter_;
   Warnings warnings_;
@@ -374,9 +376,10 @@ Result<ExitCode> SendToRobots(const RobotSending& sending, const Context& contex
   if (!qos) return Fail(qos.error());
   const auto pace = PaceOf(sending.options.rate);
   if (!pace) return Fail(pace.error());
-  auto roster = RosterOf(sending.targets, sending.speaker);
+  Spared spared;
+  auto roster = RosterOf(sending.targets, sending.speaker, spared);
   if (!roster) return Fail(std::move(roster.error()));
-  return RobotSender(sending, context, *std::move(roster), *qos, *pace).Run();
+  return RobotSender(sending, context, *std::move(roster), spared, *qos, *pace).Run();
 }
 
 }  // namespace fleetpub::cli

@@ -222,7 +222,7 @@ std::string FirstReason(const Roster& roster) {
 
 }  // namespace
 
-Result<Roster> RosterOf(const Targets& targets, const Speaker& speaker) {
+Result<Roster> RosterOf(const Targets& targets, const Speaker& speaker, Spared& spared) {
   Roster::Admission admit;
   if (!targets.who.patterns.empty()) {
     admit = [&](const RobotAddress& robot)
@@ -230,7 +230,10 @@ Result<Roster> RosterOf(const Targets& targets, const Speaker& speaker) {
       const auto matches = [&](const RobotPattern& pattern) { return pattern.Matches(robot); };
       const auto& patterns = targets.who.patterns;
       if (std::none_of(patterns.begin(), patterns.end(), matches)) return std::nullopt;
-      if (targets.IsExcepted(robot)) return std::nullopt;
+      if (targets.IsExcepted(robot)) {
+        spared.insert(robot);
+        return std::nullopt;
+      }
       auto found = speaker.Found(robot);
       if (!found) return std::nullopt;  // no table is wrong: Schemes() has read them all
       return std::pair(std::move(found->dialect), found->automatic);
@@ -292,7 +295,7 @@ Chosen Choose(const Targets& targets, const Roster& roster, Output& output) {
   return chosen;
 }
 
-std::optional<RobotAddress> IdleException(const Targets& targets, const Roster& roster,
+std::optional<RobotAddress> IdleException(const Targets& targets, const Spared& spared,
                                           const Config& config) {
   if (targets.who.patterns.empty()) return std::nullopt;
   for (const RobotAddress& robot : targets.except.robots) {
@@ -301,12 +304,12 @@ std::optional<RobotAddress> IdleException(const Targets& targets, const Roster& 
         std::any_of(config.group_robots.begin(), config.group_robots.end(), [&](const auto& group) {
           return std::find(group.second.begin(), group.second.end(), robot) != group.second.end();
         });
-    if (!is_configured && !roster.robots().contains(robot)) return robot;
+    if (!is_configured && !spared.contains(robot)) return robot;
   }
   for (const RobotPattern& pattern : targets.except.patterns) {
-    const bool spares =
-        std::any_of(roster.robots().begin(), roster.robots().end(),
-                    [&](const ListedRobot& listed) { return pattern.Matches(listed.first); });
+    const bool spares = std::any_of(spared.begin(), spared.end(), [&](const RobotAddress& robot) {
+      return pattern.Matches(robot);
+    });
     if (!spares) return RobotAddress{pattern.manufacturer, pattern.serial_number};
   }
   return std::nullopt;

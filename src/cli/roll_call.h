@@ -3,6 +3,7 @@
 #pragma once
 
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -24,9 +25,14 @@ struct Chosen {
   std::vector<const ListedRobot*> unheard;  ///< whether --where is true of them is not known
 };
 
-/// A roster with the robots that are named outright, of which nothing is known yet. `targets` and
-/// `speaker` must outlive it. Errors: ErrorKind::kUsage.
-[[nodiscard]] Result<vda5050::Roster> RosterOf(const Targets& targets, const Speaker& speaker);
+/// Robots that the patterns have found and an exception spares.
+using Spared = std::set<vda5050::RobotAddress>;
+
+/// A roster with the robots that are named outright, of which nothing is known yet. `targets`,
+/// `speaker` and `spared`, which fills as robots are found, must outlive it. Errors:
+/// ErrorKind::kUsage.
+[[nodiscard]] Result<vda5050::Roster> RosterOf(const Targets& targets, const Speaker& speaker,
+                                               Spared& spared);
 
 struct RollCall {
   bool check = false;  ///< of all; else only of those whose dialect is wanted
@@ -42,7 +48,7 @@ struct RollCall {
 /// The first exception that spares nobody of those that the patterns have found: a misspelt one
 /// would command whom it should spare. One that the configuration names may just be away.
 [[nodiscard]] std::optional<vda5050::RobotAddress> IdleException(const Targets& targets,
-                                                                 const vda5050::Roster& roster,
+                                                                 const Spared& spared,
                                                                  const Config& config);
 
 /// Those that are meant, and satisfy the conditions. Robots without a connection message are meant

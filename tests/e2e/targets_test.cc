@@ -83,6 +83,11 @@ TEST_F(Targets, AMisspeltExceptionCommandsNobody) {
                                   HasSubstr("spares nobody")));
   }
   EXPECT_THAT(subscriber.SoFar(), IsEmpty());
+  for (const char* right : {"KIT/0002", "*/0002"}) {
+    const Finished run = Fleetpub({"resume", "KIT/*", "--except", right, "--yes"});
+    EXPECT_EQ(run.exit_code, 0) << run.errors;
+    EXPECT_THAT(run.output, AllOf(HasSubstr("KIT/0001"), ::testing::Not(HasSubstr("KIT/0002"))));
+  }
   // To stop one too many is no harm.
   const Finished stop = Fleetpub({"pause", "KIT/*", "--except", "KIT/O002"});
   EXPECT_EQ(stop.exit_code, 0);
