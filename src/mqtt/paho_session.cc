@@ -276,6 +276,11 @@ int PahoSession::PahoPublish(const Message& message, Retain retain, int& token) 
                             qos, static_cast<int>(retain), &token);
 }
 
+tl::unexpected<Error> PahoSession::NoAnswer(int result) const {
+  return Fail(ErrorKind::kBroker, fmt::format("{} did not answer the subscription", Name()),
+              MQTTClient_strerror(result));
+}
+
 Status PahoSession::Subscribe(std::span<const std::string> filters, Qos qos, Deadline deadline) {
   if (lost_) return Fail(*lost_);
   const std::vector<char*> names = NamesOf(filters);
@@ -286,8 +291,7 @@ Status PahoSession::Subscribe(std::span<const std::string> filters, Qos qos, Dea
   const int result = PahoSubscribe(names, codes);
   if (!Connected()) return Lose(call, result, kClosedBySubscribing);
   if (result != MQTTCLIENT_SUCCESS) {
-    return Fail(ErrorKind::kBroker, fmt::format("{} did not answer the subscription", Name()),
-                MQTTClient_strerror(result));
+    return NoAnswer(result);
   }
   const auto refused =
       std::find_if(codes.begin(), codes.end(), [](int code) { return code >= 0x80; });
@@ -328,9 +332,7 @@ Status PahoSession::Unsubscribe(std::span<const std::string> filters, Deadline d
   const int result = PahoUnsubscribe(names);
   if (!Connected()) return Lose(call, result, kClosed);
   if (result == MQTTCLIENT_SUCCESS) return {};
-  return Fail(ErrorKind::kBroker,
-              fmt::format("{} did not answer the end of a subscription", Name()),
-              MQTTClient_strerror(result));
+  return NoAnswer(result);
 }
 
 // On MQTT 5 the codes say no more than that there was no such subscription (§3.11.3).

@@ -74,6 +74,7 @@ class PahoSession {
   void Keep(char* topic, int topic_length, void* message);
   tl::unexpected<Error> Lose(const PahoCall& call, int code, std::string_view cause);
   int PahoPublish(const Message& message, Retain retain, int& token);
+  [[nodiscard]] tl::unexpected<Error> NoAnswer(int result) const;
   int PahoSubscribe(const std::vector<char*>& names, std::vector<int>& codes);
   int PahoUnsubscribe(const std::vector<char*>& names);
 
