@@ -16,10 +16,8 @@ constexpr std::size_t kBrokersQueue = 1'000;
 // What many have left takes its time, and it ends.
 constexpr std::chrono::seconds kLongestCollection{60};
 
-}  // namespace
-
-Status Collect(mqtt::Transport& transport, std::span<const std::string> filters,
-               const CollectOptions& options, const Taker& take) {
+Status Gather(mqtt::Transport& transport, std::span<const std::string> filters,
+              const CollectOptions& options, const Taker& take) {
   while (!filters.empty()) {
     const auto some = filters.first(std::min(kFiltersAtOnce, filters.size()));
     filters = filters.subspan(some.size());
@@ -43,6 +41,15 @@ Status Collect(mqtt::Transport& transport, std::span<const std::string> filters,
     if ((*message)->retained) quiet_at = steady_clock::now() + options.quiet;
     if (steady_clock::now() >= std::min(quiet_at, start + options.most)) return {};
   }
+}
+
+}  // namespace
+
+Status Collect(mqtt::Transport& transport, std::span<const std::string> filters,
+               const CollectOptions& options, const Taker& take) {
+  auto ok = Gather(transport, filters, options, take);
+  if (!ok || filters.size() <= kFiltersAtOnce) return ok;
+  return transport.Unsubscribe(filters, steady_clock::now() + options.subscribe);
 }
 
 Status CollectAll(mqtt::Transport& transport, std::span<const std::string> filters,

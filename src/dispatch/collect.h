@@ -21,10 +21,10 @@ struct CollectOptions {
 /// Takes a message, retained or not; true when it was the last that is wanted.
 using Taker = std::function<bool(const mqtt::Message&)>;
 
-/// Subscribes to the filters, many of them some at a time, which stay subscribed, and hands over
-/// what arrives until the silence or until enough is taken. A broker may drop messages of a filter
-/// with wildcards that finds thousands. Only what was retained puts the silence off: a busy fleet
-/// is never silent.
+/// Subscribes to the filters, many of them some at a time, and hands over what arrives until the
+/// silence or until enough is taken. A few stay subscribed; many are ended, as they would make each
+/// later subscription dearer. A broker may drop messages of a filter with wildcards that finds
+/// thousands. Only what was retained puts the silence off: a busy fleet is never silent.
 [[nodiscard]] Status Collect(mqtt::Transport& transport, std::span<const std::string> filters,
                              const CollectOptions& options, const Taker& take);
 

@@ -71,5 +71,17 @@ TEST(CollectAll, AsksAgainAsLongAsSomebodyNewTurnsUp) {
   EXPECT_EQ(broker.asked, 4);
 }
 
+TEST(Collect, EndsManySubscriptionsAndLeavesAFew) {
+  testing::Journal journal;
+  testing::FakeTransport broker(journal);
+  std::vector<std::string> filters;
+  for (int i = 0; i < 501; ++i) filters.push_back("robot/" + std::to_string(i));
+  const auto nothing = [](const mqtt::Message&) { return false; };
+  ASSERT_TRUE(Collect(broker, std::span(filters).first(500), {}, nothing));
+  EXPECT_THAT(broker.subscribed(), SizeIs(500));
+  ASSERT_TRUE(Collect(broker, filters, {}, nothing));
+  EXPECT_THAT(broker.subscribed(), SizeIs(0));
+}
+
 }  // namespace
 }  // namespace fleetpub::dispatch
