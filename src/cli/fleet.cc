@@ -21,6 +21,7 @@ void Show(const FleetView& view, Output& output) {
   }
   std::vector<Row> rows;
   const auto now = base::WallTime::clock::now();
+  rows.reserve(robots.size());
   for (const RobotView* robot : robots) rows.push_back(FleetRow(*robot, now));
   PrintTable(FleetColumns(), rows, output);
 }

@@ -122,8 +122,8 @@ class ScreenDisplay final : public Display {
     const std::size_t shown = robots.size() - std::min(hidden, robots.size());
     for (std::size_t i = 0; i < shown; ++i) table.push_back(FleetRow(*robots[i], now));
 
-    const auto line = [&](Tone tone, std::string_view text) {
-      return output_.Toned(tone, base::Shortened(columns, text));
+    const auto line = [&, width = columns](Tone tone, std::string_view text) {
+      return output_.Toned(tone, base::Shortened(width, text));
     };
     std::vector<std::string> lines = {line(Tone::kPlain, Title(robots, now)),
                                       line(Tone::kBad, trouble_)};

@@ -1,6 +1,7 @@
 load "tests/bench/plots/style.gp"
 set terminal svg size 860,120+24*rows dynamic noenhanced font "sans-serif,14" background "white" linewidth 1.2
-set title "fleetpub's time as a multiple of its peer's (median, quartiles)"
+set label "fleetpub's time as a multiple of its peer's (median, quartiles)" at screen 0.5, screen 0.96 center
+set tmargin 3
 set logscale x
 set xrange [0.1:25]
 set xtics (0.1, 0.2, 0.5, 1, 2, 5, 10)
