@@ -131,6 +131,20 @@ TEST_F(Streaming, EndsSubscriptionsThatNobodyAwaits) {
   EXPECT_TRUE(fake_->subscribed().contains("state/0")) << "commanded again";
 }
 
+TEST_F(Streaming, LetsOneForbiddenTopicStopNobodyElse) {
+  const auto stream = Open();
+  fake_->forbidden = "state/1";
+  std::vector<Command> commands = Commands(3);
+  for (int robot = 0; robot < 3; ++robot) {
+    commands[static_cast<std::size_t>(robot)].confirmation =
+        std::make_shared<OfOneRobot>(robot, true);
+  }
+  EXPECT_FALSE(stream->Send(commands));
+  EXPECT_THAT(reports_, ElementsAre("#0 FINISHED ", "#1 ERROR not sent: broker refuses state/1",
+                                    "#2 FINISHED "));
+  EXPECT_EQ(fake_->published().size(), 2U);
+}
+
 TEST_F(Streaming, LetsOneUnfitHeaderIdStopNobodyElse) {
   const auto stream = Open();
   ledger_.reserve_error = Error{ErrorKind::kUsage, "header id 3 is not above 7"};

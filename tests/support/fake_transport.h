@@ -29,6 +29,7 @@ class FakeTransport : public mqtt::Transport {
   std::optional<Error> await_error;
   std::optional<Error> ready_error;
   std::size_t largest = 1'000'000;  ///< payload that is admitted
+  std::string forbidden;            ///< the filter that may not be subscribed
 
   [[nodiscard]] const std::vector<mqtt::Message>& published() const { return published_; }
   [[nodiscard]] const std::set<std::string>& subscribed() const { return subscribed_; }
@@ -36,6 +37,9 @@ class FakeTransport : public mqtt::Transport {
   const mqtt::ServerInfo& server() const override { return server_; }
   Status Subscribe(std::span<const std::string> filters, mqtt::Qos /*qos*/,
                    mqtt::Deadline /*deadline*/) override {
+    for (const std::string& filter : filters) {
+      if (filter == forbidden) return Fail(ErrorKind::kBroker, "broker refuses " + filter);
+    }
     subscribed_.insert(filters.begin(), filters.end());
     return {};
   }
