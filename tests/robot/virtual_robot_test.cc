@@ -1,12 +1,15 @@
 // What each predefined action does to a virtual robot.
 #include "robot/virtual_robot.h"
 
+#include <fmt/format.h>
+
 #include "conversation.h"
 #include "vda5050/catalogue.h"
 
 namespace fleetpub::robot {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::StartsWith;
 using vda5050::Parameter;
@@ -233,21 +236,46 @@ TEST_P(VirtualRobots, CarryOutARepeatedActionOnce) {
   EXPECT_EQ(robot.Times("state"), states + 1) << "but it is answered";
 }
 
+std::string OrderOf(vda5050::Version version, const std::string& id, int update) {
+  return fmt::format(
+      R"({{"headerId":3,"timestamp":"2026-01-02T03:04:05.678Z","version":"{}","manufacturer":"KIT",
+      "serialNumber":"0001","orderId":"{}","orderUpdateId":{},
+      "nodes":[{{"nodeId":"n1","sequenceId":0,"released":true,"actions":[]}},
+      {{"nodeId":"n2","sequenceId":2,"released":true,"actions":[{{"actionId":"a1",
+        "actionType":"detectObject","blockingType":"HARD"}}]}}],
+      "edges":[{{"edgeId":"e1","sequenceId":1,"released":true,"startNodeId":"n1",
+        "endNodeId":"n2","actions":[]}}]}})",
+      vda5050::FactsOf(version).name, id, update);
+}
+
+TEST_P(VirtualRobots, RefuseAnOrderThatDoesNotFitAndKeepTheOneTheyHave) {
+  Conversation robot(Plain());
+  robot.Hear("order", OrderOf(GetParam(), "o1", 1));
+  const auto refused = [&](const std::string& payload, const std::string& why) {
+    robot.Hear("order", payload);
+    EXPECT_EQ(robot.remarks().back().kind, Remark::Kind::kFault);
+    EXPECT_THAT(robot.remarks().back().text, HasSubstr(why));
+    const auto state = robot.Last("state");
+    const auto& error = state["errors"][state["errors"].Size() - 1];
+    EXPECT_THAT(base::ToJson(error["errorReferences"]),
+                AllOf(HasSubstr(R"("order")"), HasSubstr(R"("3")")));
+    EXPECT_EQ(robot.At("/orderId"), R"("o1")");
+    EXPECT_EQ(robot.At("/orderUpdateId"), "1");
+  };
+  refused(OrderOf(GetParam(), "o2", 0), "order o1 is still active");
+  refused(OrderOf(GetParam(), "o1", 1), "orderUpdateId 1 is not above 1");
+  refused(OrderOf(GetParam(), "o1", -1), "/orderUpdateId");
+  robot.Hear("order", OrderOf(GetParam(), "o1", 2));
+  EXPECT_EQ(robot.At("/orderUpdateId"), "2");
+}
+
 TEST_P(VirtualRobots, TakeAnOrderAndFinishIt) {
   Settings settings = Plain();
   settings.order_time = std::chrono::seconds(3);
   Conversation robot(settings);
   const auto pause = robot.Do("startPause");
   robot.Do("stopPause");
-  const std::string version(vda5050::FactsOf(GetParam()).name);
-  robot.Hear("order", R"({"headerId":0,"timestamp":"2026-01-02T03:04:05.678Z","version":")" +
-                          version +
-                          R"(","manufacturer":"KIT","serialNumber":"0001","orderId":"o1",
-      "orderUpdateId":0,"nodes":[{"nodeId":"n1","sequenceId":0,"released":true,"actions":[]},
-      {"nodeId":"n2","sequenceId":2,"released":true,"actions":[{"actionId":"a1",
-        "actionType":"detectObject","blockingType":"HARD"}]}],
-      "edges":[{"edgeId":"e1","sequenceId":1,"released":true,"startNodeId":"n1",
-        "endNodeId":"n2","actions":[]}]})");
+  robot.Hear("order", OrderOf(GetParam(), "o1", 0));
   EXPECT_EQ(robot.At("/orderId"), R"("o1")");
   EXPECT_EQ(robot.At("/driving"), "true");
   EXPECT_EQ(robot.At("/nodeStates/0/nodeId"), R"("n2")");
