@@ -233,13 +233,13 @@ TEST(AnyName, IsFoundByItsPointerToken) {
   EXPECT_TRUE(rc::check([] {
     const std::string name =
         *rc::gen::container<std::string>(rc::gen::elementOf(std::string("ab~/01")));
-    rapidjson::Document document(rapidjson::kObjectType);
-    rapidjson::Value key(name, document.GetAllocator());
-    document.AddMember(key, rapidjson::Value(42), document.GetAllocator());
+    base::JsonDocument document(rapidjson::kObjectType);
+    base::JsonValue key(name, document.GetAllocator());
+    document.AddMember(key, base::JsonValue(42), document.GetAllocator());
     const std::string text = "/" + base::PointerToken(name);
-    const rapidjson::Pointer pointer(text.c_str(), text.size());
+    const base::JsonPointer pointer(text.c_str(), text.size());
     RC_ASSERT(pointer.IsValid());
-    const rapidjson::Value* found = pointer.Get(document);
+    const base::JsonValue* found = pointer.Get(document);
     RC_ASSERT(found != nullptr && found->GetInt() == 42);
   }));
 }

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 #include <rapidjson/error/error.h>
 #include <rapidjson/memorystream.h>
-#include <rapidjson/prettywriter.h>
 
 #include <algorithm>
 #include <charconv>
@@ -48,7 +47,7 @@ class Guard {
  public:
   using Ch = char;
 
-  Guard(rapidjson::Document& document, int limit) : document_(document), limit_(limit) {}
+  Guard(JsonDocument& document, int limit) : document_(document), limit_(limit) {}
 
   bool Null() { return document_.Null(); }
   bool Bool(bool value) { return document_.Bool(value); }
@@ -92,13 +91,13 @@ class Guard {
     return !HoldsSurrogate({text, length});
   }
 
-  rapidjson::Document& document_;
+  JsonDocument& document_;
   int limit_;
   int depth_ = 0;
   bool too_large_ = false;
 };
 
-// Feeds a Document from a text: rapidjson::Document::Populate calls it with the document as
+// Feeds a Document from a text: JsonDocument::Populate calls it with the document as
 // handler.
 struct Generator {
   rapidjson::MemoryStream stream;
@@ -107,8 +106,8 @@ struct Generator {
   bool too_deep = false;
   bool too_large = false;
 
-  bool operator()(rapidjson::Document& document) {
-    rapidjson::Reader reader;
+  bool operator()(JsonDocument& document) {
+    JsonReader reader;
     Guard guard(document, depth);
     result = reader.Parse<kParseFlags>(stream, guard);
     too_deep = guard.too_deep();
@@ -178,7 +177,7 @@ Error ParseError(std::string_view text, const Generator& generator) {
 }
 
 // The name that stands twice in this object, or null.
-const rapidjson::Value* RepeatedName(const rapidjson::Value& object) {
+const JsonValue* RepeatedName(const JsonValue& object) {
   const auto begin = object.MemberBegin();
   const auto end = object.MemberEnd();
   constexpr rapidjson::SizeType kFew = 16;
@@ -190,7 +189,7 @@ const rapidjson::Value* RepeatedName(const rapidjson::Value& object) {
     }
     return nullptr;
   }
-  std::vector<const rapidjson::Value*> names;
+  std::vector<const JsonValue*> names;
   names.reserve(object.MemberCount());
   for (auto it = begin; it != end; ++it) names.push_back(&it->name);
   std::sort(names.begin(), names.end(),
@@ -203,7 +202,7 @@ const rapidjson::Value* RepeatedName(const rapidjson::Value& object) {
 
 // The pointer to the first repeated name below `value`, or "". Recursion is bounded by
 // JsonLimits::depth.
-std::string FindRepeatedName(const rapidjson::Value& value) {
+std::string FindRepeatedName(const JsonValue& value) {
   if (value.IsObject()) {
     if (const auto* name = RepeatedName(value)) return "/" + PointerToken(ViewOf(*name));
     for (const auto& member : value.GetObject()) {
@@ -223,7 +222,7 @@ std::string FindRepeatedName(const rapidjson::Value& value) {
 
 }  // namespace
 
-Result<rapidjson::Document> ParseJson(std::string_view text, JsonLimits limits) {
+Result<JsonDocument> ParseJson(std::string_view text, JsonLimits limits) {
   if (text.size() > limits.bytes) {
     return Fail(ErrorKind::kInvalid,
                 fmt::format("too large: {} bytes, at most {} are read", text.size(), limits.bytes));
@@ -233,7 +232,7 @@ Result<rapidjson::Document> ParseJson(std::string_view text, JsonLimits limits) 
     return Fail(ErrorKind::kInvalid,
                 fmt::format("not valid JSON at {}: a NUL byte", Place(text, nul)));
   }
-  rapidjson::Document document;
+  JsonDocument document;
   Generator generator{rapidjson::MemoryStream(text.data(), text.size()), limits.depth, {}};
   document.Populate(generator);
   if (generator.result.IsError()) return Fail(ParseError(text, generator));
@@ -243,16 +242,16 @@ Result<rapidjson::Document> ParseJson(std::string_view text, JsonLimits limits) 
   return document;
 }
 
-std::string ToJson(const rapidjson::Value& value) {
-  rapidjson::StringBuffer buffer;
-  rapidjson::Writer<rapidjson::StringBuffer> writer(buffer);
+std::string ToJson(const JsonValue& value) {
+  JsonBuffer buffer;
+  JsonWriter writer(buffer);
   value.Accept(writer);
   return {buffer.GetString(), buffer.GetSize()};
 }
 
-std::string ToPrettyJson(const rapidjson::Value& value) {
-  rapidjson::StringBuffer buffer;
-  rapidjson::PrettyWriter<rapidjson::StringBuffer> writer(buffer);
+std::string ToPrettyJson(const JsonValue& value) {
+  JsonBuffer buffer;
+  JsonPrettyWriter writer(buffer);
   writer.SetIndent(' ', 2);
   value.Accept(writer);
   return {buffer.GetString(), buffer.GetSize()};
@@ -269,31 +268,31 @@ std::string JsonString(std::string_view text) {
     quoted += text;
     return quoted += '"';
   }
-  rapidjson::StringBuffer buffer;
-  rapidjson::Writer<rapidjson::StringBuffer> writer(buffer);
+  JsonBuffer buffer;
+  JsonWriter writer(buffer);
   writer.String(text.data(), static_cast<rapidjson::SizeType>(text.size()));
   return {buffer.GetString(), buffer.GetSize()};
 }
 
-std::string_view StringMember(const rapidjson::Value& object, std::string_view name) {
-  const rapidjson::Value* member = FindMember(object, name);
+std::string_view StringMember(const JsonValue& object, std::string_view name) {
+  const JsonValue* member = FindMember(object, name);
   return member != nullptr && member->IsString() ? ViewOf(*member) : std::string_view();
 }
 
-const rapidjson::Value* FindMember(const rapidjson::Value& value, std::string_view name) {
+const JsonValue* FindMember(const JsonValue& value, std::string_view name) {
   if (!value.IsObject()) return nullptr;
-  const rapidjson::Value key(
+  const JsonValue key(
       rapidjson::StringRef(name.data(), static_cast<rapidjson::SizeType>(name.size())));
   const auto it = value.FindMember(key);
   return it == value.MemberEnd() ? nullptr : &it->value;
 }
 
-const rapidjson::Value* FindArray(const rapidjson::Value& value, std::string_view name) {
-  const rapidjson::Value* member = FindMember(value, name);
+const JsonValue* FindArray(const JsonValue& value, std::string_view name) {
+  const JsonValue* member = FindMember(value, name);
   return member != nullptr && member->IsArray() ? member : nullptr;
 }
 
-void RenameMember(rapidjson::Document& document, std::string_view from, std::string_view to) {
+void RenameMember(JsonDocument& document, std::string_view from, std::string_view to) {
   if (!document.IsObject()) return;
   const auto end = document.MemberEnd();
   for (auto it = document.MemberBegin(); it < end; ++it) {

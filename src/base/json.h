@@ -20,32 +20,30 @@ struct JsonLimits {
 /// Parses one JSON text (RFC 8259) strictly: valid UTF-8 (a byte order mark is passed over), no
 /// NUL, no key twice in one object, nothing after the value, within the limits. Errors:
 /// ErrorKind::kInvalid with line and column, or with the JSON Pointer of a repeated key.
-[[nodiscard]] Result<rapidjson::Document> ParseJson(std::string_view text, JsonLimits limits = {});
+[[nodiscard]] Result<JsonDocument> ParseJson(std::string_view text, JsonLimits limits = {});
 
 /// The value as compact JSON.
-[[nodiscard]] std::string ToJson(const rapidjson::Value& value);
+[[nodiscard]] std::string ToJson(const JsonValue& value);
 
 /// The value as JSON with an indentation of two.
-[[nodiscard]] std::string ToPrettyJson(const rapidjson::Value& value);
+[[nodiscard]] std::string ToPrettyJson(const JsonValue& value);
 
 /// The text as a JSON string with its quotation marks.
 [[nodiscard]] std::string JsonString(std::string_view text);
 
 /// The member's text, or "" when it is not there or no string.
-[[nodiscard]] std::string_view StringMember(const rapidjson::Value& object, std::string_view name);
+[[nodiscard]] std::string_view StringMember(const JsonValue& object, std::string_view name);
 
 /// The member, or null when it is not there or `value` is no object.
-[[nodiscard]] const rapidjson::Value* FindMember(const rapidjson::Value& value,
-                                                 std::string_view name);
+[[nodiscard]] const JsonValue* FindMember(const JsonValue& value, std::string_view name);
 
 /// The member, or null when it is not there or no array.
-[[nodiscard]] const rapidjson::Value* FindArray(const rapidjson::Value& value,
-                                                std::string_view name);
+[[nodiscard]] const JsonValue* FindArray(const JsonValue& value, std::string_view name);
 
 /// Gives a top-level member another name; nothing happens when there is none of the first name.
-void RenameMember(rapidjson::Document& document, std::string_view from, std::string_view to);
+void RenameMember(JsonDocument& document, std::string_view from, std::string_view to);
 
-[[nodiscard]] inline std::string_view ViewOf(const rapidjson::Value& string) {
+[[nodiscard]] inline std::string_view ViewOf(const JsonValue& string) {
   return {string.GetString(), string.GetStringLength()};
 }
 

@@ -21,7 +21,7 @@ using base::FindMember;
 using base::Printable;
 using base::StringMember;
 using dispatch::Command;
-using rapidjson::Value;
+using Value = base::JsonValue;
 using vda5050::Dialect;
 using vda5050::RobotAddress;
 using vda5050::WaitFor;

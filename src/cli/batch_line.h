@@ -45,7 +45,7 @@ class LineParser {
 
  private:
   template <class Request>
-  Result<LineCommands> ForEach(const rapidjson::Value& line, const Request& request);
+  Result<LineCommands> ForEach(const base::JsonValue& line, const Request& request);
   Status Validate(const dispatch::Command& command, std::vector<std::string>& warnings);
 
   LineDefaults defaults_;

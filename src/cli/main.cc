@@ -7,6 +7,7 @@
 #include <csignal>
 #include <cstdio>
 #include <memory>
+#include <new>
 
 #include "base/text.h"
 #include "cli/call.h"
@@ -90,6 +91,11 @@ int Main(int argc, char** argv) {
   ExitCode code = ExitCode::kUnexpected;
   try {
     code = RunMain({argv + 1, argv + argc});
+  } catch (const std::bad_alloc&) {
+    std::fputs(
+        "fleetpub: error: memory ran out, and whether anything was sent is not known (fleetpub "
+        "history tells): allow it more (ulimit -v), or give it less at a time\n",
+        stderr);
   } catch (const std::exception& error) {
     fmt::print(stderr,
                "fleetpub: error: nobody foresaw this, and whether anything was sent is not known "

@@ -46,7 +46,7 @@ struct RespondOptions : PreparedOptions {
 
 class PreparedMessage final : public RobotMessage {
  public:
-  PreparedMessage(std::string_view topic, std::shared_ptr<const rapidjson::Document> message,
+  PreparedMessage(std::string_view topic, std::shared_ptr<const base::JsonDocument> message,
                   vda5050::ForeignHeader foreign)
       : topic_(topic), message_(std::move(message)), foreign_(foreign) {}
 
@@ -74,7 +74,7 @@ class PreparedMessage final : public RobotMessage {
 
  private:
   std::string_view topic_;
-  std::shared_ptr<const rapidjson::Document> message_;
+  std::shared_ptr<const base::JsonDocument> message_;
   vda5050::ForeignHeader foreign_;
 };
 
@@ -89,7 +89,7 @@ void DeclarePrepared(OptionSet& set, PreparedOptions& options) {
 }
 
 Result<ExitCode> Send(std::string_view topic, const TargetOptions& target_options,
-                      rapidjson::Document message, vda5050::ForeignHeader foreign,
+                      base::JsonDocument message, vda5050::ForeignHeader foreign,
                       const PreparedOptions& options, const Context& context) {
   WaitingOptions waiting_options = options.waiting;
   // An order may take hours: that the robot has it is what one usually waits for.
@@ -113,7 +113,7 @@ Result<ExitCode> Send(std::string_view topic, const TargetOptions& target_option
         vda5050::ConfirmPrepared(first, speaker->common(), topic, message, *waiting->wait_for);
     if (!possible) return Fail(possible.error());
   }
-  const auto shared = std::make_shared<const rapidjson::Document>(std::move(message));
+  const auto shared = std::make_shared<const base::JsonDocument>(std::move(message));
   return SendToRobots(
       {.targets = *std::move(targets),
        .speaker = *std::move(speaker),
@@ -125,7 +125,7 @@ Result<ExitCode> Send(std::string_view topic, const TargetOptions& target_option
       context);
 }
 
-Result<rapidjson::Document> ReadMessage(const std::string& file) {
+Result<base::JsonDocument> ReadMessage(const std::string& file) {
   const auto text = base::ReadFile(file);
   if (!text) return Fail(text.error());
   auto message = base::ParseJson(*text);

@@ -55,8 +55,8 @@ Result<ExitCode> RunShow(const std::string& name, const Context& context) {
                 fmt::format("schema {}: {}", registry.OriginOf(name), document.error().message));
   }
   const std::string pointer = name.substr(std::min(hash + 1, name.size()));
-  const rapidjson::Pointer way(pointer.data(), pointer.size());
-  const rapidjson::Value* part = way.IsValid() ? way.Get(*document) : nullptr;
+  const base::JsonPointer way(pointer.data(), pointer.size());
+  const base::JsonValue* part = way.IsValid() ? way.Get(*document) : nullptr;
   if (part == nullptr) {
     return Fail(ErrorKind::kUsage,
                 fmt::format("{} has no part {}", base::Printable(name.substr(0, hash)),

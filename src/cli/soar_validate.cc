@@ -19,7 +19,7 @@ Result<SoarValidator> SoarValidator::Make(const std::string& message_type,
                           base::Printable(message_type)));
 }
 
-dispatch::Findings SoarValidator::Check(const rapidjson::Value& message,
+dispatch::Findings SoarValidator::Check(const base::JsonValue& message,
                                         schema::Registry& registry) const {
   const bool whole = !type_ || FindMember(message, "payload") != nullptr;
   const auto schema =

@@ -21,7 +21,7 @@ class SoarValidator {
                                                   soar::Strictness strictness);
 
   /// A whole message; when a type was named, of that type, or a payload of it alone.
-  [[nodiscard]] dispatch::Findings Check(const rapidjson::Value& message,
+  [[nodiscard]] dispatch::Findings Check(const base::JsonValue& message,
                                          schema::Registry& registry) const;
 
  private:

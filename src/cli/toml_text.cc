@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstdint>
 #include <exception>
+#include <new>
 #include <sstream>
 #include <stdexcept>
 
@@ -170,6 +171,8 @@ Result<TomlValue> ParseToml(std::string_view text) {
         ErrorKind::kUsage,
         fmt::format("{}:{}: not valid TOML: {}", line, column, WordsFor(error.description())),
         MayBeQuoted(text, line) ? std::string(error.description()) : "");
+  } catch (const std::bad_alloc&) {
+    throw;
   } catch (const std::exception& error) {
     return Fail(ErrorKind::kUsage, "1:1: not valid TOML", error.what());
   }
@@ -186,6 +189,8 @@ Result<std::string> TomlToJson(std::string_view text) {
                 fmt::format("line {}: not valid TOML: {}", error.source().begin.line,
                             WordsFor(error.description())),
                 std::string(error.description()));
+  } catch (const std::bad_alloc&) {
+    throw;
   } catch (const std::exception& error) {
     return Fail(ErrorKind::kInvalid, "not valid TOML", error.what());
   }

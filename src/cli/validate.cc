@@ -145,14 +145,14 @@ class Validator {
     return {{}, std::move(findings.errors)};
   }
 
-  [[nodiscard]] Result<vda5050::Version> VersionOf(const rapidjson::Value& message) const {
+  [[nodiscard]] Result<vda5050::Version> VersionOf(const base::JsonValue& message) const {
     if (version_) return *version_;
     if (const auto said = vda5050::VersionSaidBy(message)) return *said;
     return Fail(ErrorKind::kInvalid,
                 "its header does not say which VDA 5050 version it is: name it with --vda");
   }
 
-  [[nodiscard]] Result<std::string> TopicOf(const rapidjson::Value& message) const {
+  [[nodiscard]] Result<std::string> TopicOf(const base::JsonValue& message) const {
     if (!options_.topic.empty()) return options_.topic;
     for (const auto& [member, topic] : kMarks) {
       if (base::FindMember(message, member) != nullptr) return std::string(topic);

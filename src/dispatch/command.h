@@ -38,7 +38,7 @@ struct TextFinding {
   bool is_error = true;  ///< false: a warning, and the message may go
 };
 
-using TextRules = std::function<std::vector<TextFinding>(const rapidjson::Value& message)>;
+using TextRules = std::function<std::vector<TextFinding>(const base::JsonValue& message)>;
 
 struct Command {
   std::string reference;  ///< the caller's own word for it, handed back with its report

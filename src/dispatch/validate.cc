@@ -5,7 +5,7 @@
 #include "base/json.h"
 
 namespace fleetpub::dispatch {
-Findings Check(const rapidjson::Value& message, const schema::Schema& schema,
+Findings Check(const base::JsonValue& message, const schema::Schema& schema,
                const TextRules& rules) {
   Findings findings;
   findings.errors = schema.Validate(message);

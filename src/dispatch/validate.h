@@ -22,7 +22,7 @@ struct Findings {
 
 /// Checks a message against a schema and then, when it satisfies that, against the rules of the
 /// text.
-[[nodiscard]] Findings Check(const rapidjson::Value& message, const schema::Schema& schema,
+[[nodiscard]] Findings Check(const base::JsonValue& message, const schema::Schema& schema,
                              const TextRules& rules);
 
 /// Renders the command with a placeholder header and checks it. An invalid one costs no header id.

@@ -15,7 +15,7 @@ std::string ActionsToJson(const std::vector<ActionRef>& actions) {
 }
 
 Result<std::vector<ActionRef>> ActionsFromJson(const std::string& text, std::int64_t row) {
-  const Result<rapidjson::Document> document = base::ParseJson(text);
+  const Result<base::JsonDocument> document = base::ParseJson(text);
   if (!document) {
     return Fail(ErrorKind::kLedger,
                 "the ledger's row " + std::to_string(row) + " is damaged: its actions",
@@ -23,7 +23,7 @@ Result<std::vector<ActionRef>> ActionsFromJson(const std::string& text, std::int
   }
   std::vector<ActionRef> actions;
   if (!document->IsArray()) return actions;
-  for (const rapidjson::Value& action : document->GetArray()) {
+  for (const base::JsonValue& action : document->GetArray()) {
     actions.push_back({std::string(base::StringMember(action, "type")),
                        std::string(base::StringMember(action, "id"))});
   }

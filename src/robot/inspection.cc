@@ -15,7 +15,7 @@ namespace {
 
 using base::FindMember;
 using base::StringMember;
-using rapidjson::Value;
+using Value = base::JsonValue;
 
 std::string HeaderIdOf(const Value& message) {
   const Value* id = FindMember(message, "headerId");

@@ -21,7 +21,7 @@ struct ReceivedAction {
 };
 
 struct Inspection {
-  rapidjson::Document message;
+  base::JsonDocument message;
   std::string header_id;  ///< as text; "" when it cannot be read
   /// Why the whole message is refused; "" when it is not.
   std::string fault;

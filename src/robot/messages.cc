@@ -7,7 +7,7 @@
 namespace fleetpub::robot {
 namespace {
 
-using Json = rapidjson::Writer<rapidjson::StringBuffer>;
+using Json = base::JsonWriter;
 
 void Put(Json& json, std::string_view text) {
   json.String(text.data(), static_cast<rapidjson::SizeType>(text.size()));
@@ -166,7 +166,7 @@ std::string ConnectionBody(std::string_view connection_state) {
 }
 
 std::string StateBody(const RobotState& state, const Words& words) {
-  rapidjson::StringBuffer buffer;
+  base::JsonBuffer buffer;
   Json json(buffer);
   json.StartObject();
   Put(json, "orderId", state.order.id);

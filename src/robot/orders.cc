@@ -10,7 +10,7 @@ namespace {
 
 using base::FindMember;
 using base::StringMember;
-using rapidjson::Value;
+using Value = base::JsonValue;
 
 std::uint32_t NumberOf(const Value& object, std::string_view name) {
   const Value* number = FindMember(object, name);

@@ -13,7 +13,7 @@ namespace fleetpub::robot {
 [[nodiscard]] Order ExampleOrder();
 
 /// Takes over a new order, or an update of the active one. Returns why it cannot, or "".
-[[nodiscard]] std::string AcceptOrder(const rapidjson::Value& message, RobotState& state,
+[[nodiscard]] std::string AcceptOrder(const base::JsonValue& message, RobotState& state,
                                       const Words& words);
 
 /// Everything is reached and done.

@@ -13,7 +13,7 @@ namespace {
 using base::FindArray;
 using base::FindMember;
 using base::StringMember;
-using rapidjson::Value;
+using Value = base::JsonValue;
 
 double NumberOf(const Value& object, std::string_view name) {
   const Value* number = FindMember(object, name);

@@ -14,13 +14,13 @@ namespace fleetpub::robot {
 
 /// Takes over the zone set of a message. It is to be enabled by an instant action. Returns why it
 /// cannot, or "".
-[[nodiscard]] std::string AcceptZoneSet(const rapidjson::Value& message, RobotState& state);
+[[nodiscard]] std::string AcceptZoneSet(const base::JsonValue& message, RobotState& state);
 
 /// Asks for what this order needs, after AcceptOrder.
-void AskForPermissions(const rapidjson::Value& order, RobotState& state);
+void AskForPermissions(const base::JsonValue& order, RobotState& state);
 
 /// Carries out the answers. Returns the requestIds that it does not have.
-[[nodiscard]] std::vector<std::string> TakeResponses(const rapidjson::Value& message,
+[[nodiscard]] std::vector<std::string> TakeResponses(const base::JsonValue& message,
                                                      RobotState& state);
 
 /// When a grant's time is up next.

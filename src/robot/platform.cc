@@ -15,7 +15,7 @@ namespace {
 
 using base::FindMember;
 using base::StringMember;
-using rapidjson::Value;
+using Value = base::JsonValue;
 using soar::Level;
 using soar::MessageType;
 using std::chrono::steady_clock;

@@ -70,7 +70,7 @@ class VirtualPlatform {
     std::optional<Place> last;
   };
 
-  [[nodiscard]] Result<Task> TaskOf(const rapidjson::Value& message) const;
+  [[nodiscard]] Result<Task> TaskOf(const base::JsonValue& message) const;
   [[nodiscard]] bool Remember(const std::string& message_id);
   /// False when the task has gone as far as it goes.
   bool Advance(Task& task, const Moment& now, std::vector<mqtt::Message>& out);

@@ -17,14 +17,14 @@ namespace fleetpub::schema {
 namespace {
 
 using base::ViewOf;
-using rapidjson::Value;
+using Value = base::JsonValue;
 
 // Keywords whose values are data, whatever they look like.
 constexpr std::array<std::string_view, 4> kData = {"const", "default", "enum", "examples"};
 
 class Bundler {
  public:
-  Bundler(rapidjson::Document& root, std::string_view uri, const FindDocument& find)
+  Bundler(base::JsonDocument& root, std::string_view uri, const FindDocument& find)
       : root_(root),
         allocator_(root.GetAllocator()),
         find_(find),
@@ -90,7 +90,7 @@ class Bundler {
     if (known != known_.end()) return known->second;
     const Value* document = find_(uri);
     if (document == nullptr) return {};
-    const Value* schema = rapidjson::Pointer(fragment.data(), fragment.size()).Get(*document);
+    const Value* schema = base::JsonPointer(fragment.data(), fragment.size()).Get(*document);
     if (schema == nullptr) {
       error_ = fmt::format("{} has no {}", base::Printable(uri), base::Printable(fragment));
       return {};
@@ -118,8 +118,8 @@ class Bundler {
     return name;
   }
 
-  rapidjson::Document& root_;
-  rapidjson::Document::AllocatorType& allocator_;
+  base::JsonDocument& root_;
+  base::JsonDocument::AllocatorType& allocator_;
   const FindDocument& find_;
   std::string root_uri_;
   std::set<std::string> names_;  // taken in the root's definitions
@@ -130,7 +130,7 @@ class Bundler {
 
 }  // namespace
 
-Result<bool> Bundle(rapidjson::Document& document, std::string_view uri, const FindDocument& find) {
+Result<bool> Bundle(base::JsonDocument& document, std::string_view uri, const FindDocument& find) {
   if (!document.IsObject()) return false;
   return Bundler(document, uri, find).Run();
 }

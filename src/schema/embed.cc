@@ -20,7 +20,7 @@ namespace fleetpub::schema {
 namespace {
 
 namespace fs = std::filesystem;
-using Documents = std::map<std::string, rapidjson::Document>;  // by path below the folder
+using Documents = std::map<std::string, base::JsonDocument>;  // by path below the folder
 
 constexpr std::string_view kSource = R"source(// Made from the schemas folder by schema/embed.cc.
 #include <array>
@@ -74,9 +74,9 @@ Result<std::string> Source(const fs::path& folder) {
   for (const auto& [path, original] : *documents) {
     const std::string name = NameOf(path);
     if (name.empty()) continue;
-    rapidjson::Document document;
+    base::JsonDocument document;
     document.CopyFrom(original, document.GetAllocator());
-    const auto done = Bundle(document, path, [&](std::string_view uri) -> const rapidjson::Value* {
+    const auto done = Bundle(document, path, [&](std::string_view uri) -> const base::JsonValue* {
       const auto found = documents->find(std::string(uri));
       return found == documents->end() ? nullptr : &found->second;
     });

@@ -22,7 +22,7 @@ namespace {
 using base::FindMember;
 using base::ViewOf;
 using rapidjson::SizeType;
-using rapidjson::Value;
+using Value = base::JsonValue;
 
 // Where in the message. A link of a chain on the stack.
 struct Where {

@@ -14,7 +14,7 @@ namespace fleetpub::schema {
 
 /// The causes, in the order of the message, each once; at most `most` and one line that says so.
 /// Empty when it finds none.
-[[nodiscard]] std::vector<Violation> Explain(const Vetted& vetted, const rapidjson::Value& message,
+[[nodiscard]] std::vector<Violation> Explain(const Vetted& vetted, const base::JsonValue& message,
                                              std::size_t most);
 
 }  // namespace fleetpub::schema

@@ -19,14 +19,14 @@ namespace {
 using base::FindMember;
 using base::ViewOf;
 using rapidjson::SizeType;
-using rapidjson::Value;
+using Value = base::JsonValue;
 
 constexpr std::string_view kComponents = "#/components/schemas/";
 
 // Every step says what is wrong by Refuse and returns false; the first one ends the walk.
 class Translator {
  public:
-  explicit Translator(rapidjson::Document& document)
+  explicit Translator(base::JsonDocument& document)
       : document_(document), allocator_(document.GetAllocator()) {}
 
   bool Run() {
@@ -217,8 +217,8 @@ class Translator {
     return object;
   }
 
-  rapidjson::Document& document_;
-  rapidjson::Document::AllocatorType& allocator_;
+  base::JsonDocument& document_;
+  base::JsonDocument::AllocatorType& allocator_;
   const Value* components_ = nullptr;
   std::string error_;
 };
@@ -227,7 +227,7 @@ class Translator {
 
 bool IsOpenApi(const Value& document) { return FindMember(document, "openapi") != nullptr; }
 
-tl::expected<void, std::string> TranslateOpenApi(rapidjson::Document& document) {
+tl::expected<void, std::string> TranslateOpenApi(base::JsonDocument& document) {
   Translator translator(document);
   if (!translator.Run()) return tl::unexpected(translator.TakeError());
   return {};

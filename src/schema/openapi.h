@@ -10,7 +10,7 @@
 namespace fleetpub::schema {
 
 /// Whether the document is an OpenAPI one.
-[[nodiscard]] bool IsOpenApi(const rapidjson::Value& document);
+[[nodiscard]] bool IsOpenApi(const base::JsonValue& document);
 
 /// Rewrites every schema under `components` (OpenAPI 3.0.3 "Schema Object"):
 ///
@@ -21,6 +21,6 @@ namespace fleetpub::schema {
 ///
 /// What constrains nothing (`example`, `format: float`, a `discriminator` without alternatives)
 /// stays and is passed over. Errors: the JSON Pointer of the place and what is wrong with it.
-[[nodiscard]] tl::expected<void, std::string> TranslateOpenApi(rapidjson::Document& document);
+[[nodiscard]] tl::expected<void, std::string> TranslateOpenApi(base::JsonDocument& document);
 
 }  // namespace fleetpub::schema

@@ -15,7 +15,7 @@ namespace fleetpub::schema {
 namespace {
 
 using base::ViewOf;
-using rapidjson::Value;
+using Value = base::JsonValue;
 
 // A validator's stack holds this many schemas for each level of the message
 // (base::JsonLimits::depth).

@@ -30,8 +30,8 @@ struct Place {
 
 /// The value that a JSON Pointer leads to (RFC 6901 §4), or null. `pointer` is empty or begins with
 /// `/`.
-[[nodiscard]] const rapidjson::Value* Follow(const rapidjson::Value& document,
-                                             std::string_view pointer);
+[[nodiscard]] const base::JsonValue* Follow(const base::JsonValue& document,
+                                            std::string_view pointer);
 
 class ReferenceTable {
  public:
@@ -39,7 +39,7 @@ class ReferenceTable {
   using Checked = tl::expected<T, std::string>;  // the error begins with the pointer of the place
 
   struct Found {
-    const rapidjson::Value* schema;
+    const base::JsonValue* schema;
     std::string_view pointer;  ///< the fragment, for messages
     std::string_view base;
   };
@@ -48,9 +48,9 @@ class ReferenceTable {
   explicit ReferenceTable(Vetted& vetted);
 
   /// `schema` at `here` is called `id`; `here.base` becomes its URI. False when the name is taken.
-  bool Identify(const rapidjson::Value& schema, std::string_view id, Place& here);
+  bool Identify(const base::JsonValue& schema, std::string_view id, Place& here);
 
-  void Add(const rapidjson::Value& schema, std::string_view reference, const Place& place);
+  void Add(const base::JsonValue& schema, std::string_view reference, const Place& place);
   [[nodiscard]] std::size_t size() const { return references_.size(); }
 
   /// The schema that the reference means, once every `$id` is known.
@@ -58,19 +58,19 @@ class ReferenceTable {
 
   /// That no schema asks for itself without a step into the message, and none asks so through too
   /// many others: a validator would exhaust the stack.
-  [[nodiscard]] Checked<void> CheckChains(std::span<const rapidjson::Value* const> schemas) const;
+  [[nodiscard]] Checked<void> CheckChains(std::span<const base::JsonValue* const> schemas) const;
 
  private:
   struct Reference {
-    const rapidjson::Value* schema;
+    const base::JsonValue* schema;
     std::string text;      // as it stands there, for messages
     std::string uri;       // resolved, without the fragment
     std::string fragment;  // decoded
     std::string place;
   };
-  using Named = std::unordered_map<std::string, const rapidjson::Value*>;
+  using Named = std::unordered_map<std::string, const base::JsonValue*>;
 
-  [[nodiscard]] const rapidjson::Value* Find(const Reference& reference) const;
+  [[nodiscard]] const base::JsonValue* Find(const Reference& reference) const;
 
   Vetted& vetted_;
   Named documents_;  // by URI without a fragment

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <exception>
+#include <new>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -58,12 +59,14 @@ Result<Schema> Schema::Compile(std::string_view text, std::string_view name,
   }
   try {
     return Schema(std::make_unique<const Compiled>(std::move(*vetted)));
+  } catch (const std::bad_alloc&) {
+    throw;
   } catch (const std::exception& e) {  // valijson's and rapidjson's
     return refuse("it asks for more than this validator can do", e.what());
   }
 }
 
-std::vector<Violation> Schema::Validate(const rapidjson::Value& message) const {
+std::vector<Violation> Schema::Validate(const base::JsonValue& message) const {
   try {
     if (compiled_->validator.IsValid(message)) return {};
     std::vector<Violation> violations = Explain(*compiled_->vetted, message, kMostViolations);
@@ -71,6 +74,8 @@ std::vector<Violation> Schema::Validate(const rapidjson::Value& message) const {
     return violations;
   } catch (const TooMuchWork&) {
     return {{"", "could not be checked: the schema's references make this message too much work"}};
+  } catch (const std::bad_alloc&) {
+    throw;
   } catch (const std::exception&) {
     return {{"", "could not be checked: the schema asks for more than this validator can do"}};
   }

@@ -52,7 +52,7 @@ class Schema {
   /// Every violation, in the order of the message; empty when valid. Only causes are listed, not
   /// the objects around them; after kMostViolations one line says that there are more. Never
   /// throws. `message` comes from base::ParseJson, which bounds its depth.
-  [[nodiscard]] std::vector<Violation> Validate(const rapidjson::Value& message) const;
+  [[nodiscard]] std::vector<Violation> Validate(const base::JsonValue& message) const;
 
   static constexpr std::size_t kMostViolations = 1000;
 

@@ -138,7 +138,7 @@ class Documents {
     for (const fs::path& file : files) files_.emplace(Canonical(file), file);
   }
 
-  const rapidjson::Value* Find(std::string_view uri) {
+  const base::JsonValue* Find(std::string_view uri) {
     if (const auto file = files_.find(uri); file != files_.end()) {
       const auto& document = Read(file->first);
       if (!document && error_.empty()) {
@@ -159,7 +159,7 @@ class Documents {
   [[nodiscard]] const std::string& error() const { return error_; }
 
  private:
-  const Result<rapidjson::Document>& Read(const std::string& path) {
+  const Result<base::JsonDocument>& Read(const std::string& path) {
     const auto known = read_.find(path);
     if (known != read_.end()) return known->second;
     const auto text = base::ReadFile(path);
@@ -167,7 +167,7 @@ class Documents {
   }
 
   std::map<std::string, fs::path, std::less<>> files_;
-  std::map<std::string, Result<rapidjson::Document>> read_;
+  std::map<std::string, Result<base::JsonDocument>> read_;
   std::string error_;
 };
 

@@ -2,7 +2,7 @@
 
 // valijson. We keep its rules and its walk, and give it three things of our own:
 //
-//  - Adapter: how it sees a rapidjson::Value. Its own one refuses 1.0 as an integer, takes 2^63 for
+//  - Adapter: how it sees a base::JsonValue. Its own one refuses 1.0 as an integer, takes 2^63 for
 //  a negative number and
 //    copies strings.
 //  - Rule: constraints in place of those that use std::regex (pattern, patternProperties, format),
@@ -35,7 +35,7 @@ namespace {
 
 using base::ViewOf;
 using rapidjson::SizeType;
-using rapidjson::Value;
+using Value = base::JsonValue;
 using valijson::Subschema;
 namespace constraints = valijson::constraints;
 

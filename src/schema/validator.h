@@ -22,7 +22,7 @@ class Validator {
   ~Validator();
 
   /// May be called by several threads at once. Throws TooMuchWork.
-  [[nodiscard]] bool IsValid(const rapidjson::Value& message) const;
+  [[nodiscard]] bool IsValid(const base::JsonValue& message) const;
 
  private:
   class Rules;

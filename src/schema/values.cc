@@ -15,7 +15,7 @@ namespace fleetpub::schema {
 namespace {
 
 using rapidjson::SizeType;
-using rapidjson::Value;
+using Value = base::JsonValue;
 
 // 2^63 and 2^64: the doubles from which on an integer no longer fits.
 constexpr double kInt64End = 9223372036854775808.0;

@@ -21,7 +21,7 @@ namespace {
 
 using base::ViewOf;
 using rapidjson::SizeType;
-using rapidjson::Value;
+using Value = base::JsonValue;
 
 // A schema is vetted in time quadratic in its size, and the largest published one has 60 KB.
 constexpr base::JsonLimits kLimits = {.bytes = std::size_t{1024} * 1024};

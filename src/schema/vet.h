@@ -17,23 +17,23 @@ namespace fleetpub::schema {
 /// A schema that passed. Subschemas are known by their address in `document`, which therefore stays
 /// where it is.
 struct Vetted {
-  rapidjson::Document document;
-  const rapidjson::Value* root = nullptr;  ///< the schema itself, in `document`
+  base::JsonDocument document;
+  const base::JsonValue* root = nullptr;  ///< the schema itself, in `document`
 
   /// From draft 2019-09 on, what stands beside a `$ref` counts; in draft-07 it does not (§8.3).
   bool reference_has_siblings = false;
 
   /// From a schema that has a `$ref` to the schema it means.
-  std::unordered_map<const rapidjson::Value*, const rapidjson::Value*> targets;
+  std::unordered_map<const base::JsonValue*, const base::JsonValue*> targets;
 
   /// From the value of `pattern`, or a name in `patternProperties`, to its expression.
-  std::unordered_map<const rapidjson::Value*, Pattern> patterns;
+  std::unordered_map<const base::JsonValue*, Pattern> patterns;
 
   /// The schema behind `$ref`, when the schema is nothing but a reference; else null.
-  [[nodiscard]] const rapidjson::Value* OnlyReference(const rapidjson::Value& schema) const;
+  [[nodiscard]] const base::JsonValue* OnlyReference(const base::JsonValue& schema) const;
 
   /// The schema behind `$ref` wherever one counts; else null.
-  [[nodiscard]] const rapidjson::Value* Reference(const rapidjson::Value& schema) const;
+  [[nodiscard]] const base::JsonValue* Reference(const base::JsonValue& schema) const;
 };
 
 /// `pointer` leads to the schema when it is only a part of the document. Errors:

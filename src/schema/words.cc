@@ -14,7 +14,7 @@ namespace fleetpub::schema {
 namespace {
 
 using base::ViewOf;
-using rapidjson::Value;
+using Value = base::JsonValue;
 
 std::string WithArticle(std::string_view type) {
   if (type == "null") return "null";

@@ -29,8 +29,7 @@ class MessageConfirmation : public dispatch::Confirmation {
 
   void Receive(const dispatch::Incoming& message) override {
     if (!published_ || progress_.ended || message.retained) return;
-    // A busy backbone brings the acknowledgements of everybody: most need no parsing.
-    if (message.payload.find(options_.message_id) == std::string_view::npos) return;
+    if (!CanName(message.payload)) return;
     const auto said = ReadAcknowledgement(message.topic, message.payload, options_.prefix);
     if (!said || said->message_id != options_.message_id) return;
     const auto [known, is_new] = levels_.emplace(said->from, said->level);
@@ -43,6 +42,13 @@ class MessageConfirmation : public dispatch::Confirmation {
   [[nodiscard]] const dispatch::Progress& progress() const override { return progress_; }
 
  private:
+  // A busy backbone brings the acknowledgements of everybody: most need no parsing. JSON may escape
+  // any character of an id.
+  [[nodiscard]] bool CanName(std::string_view payload) const {
+    return payload.find(options_.message_id) != std::string_view::npos ||
+           payload.find('\\') != std::string_view::npos;
+  }
+
   [[nodiscard]] std::size_t CountOf(Level level) const {
     return static_cast<std::size_t>(std::count_if(
         levels_.begin(), levels_.end(), [&](const auto& one) { return one.second >= level; }));

@@ -108,7 +108,7 @@ std::string_view Unquoted(FieldType type) {
   }
 }
 
-bool Holds(const Field& field, const rapidjson::Value& value) {
+bool Holds(const Field& field, const base::JsonValue& value) {
   switch (field.type) {
     case FieldType::kInteger:
       return value.IsNumber() && value.GetDouble() == std::floor(value.GetDouble());
@@ -154,7 +154,7 @@ Result<Member> ParseField(const Field& field, std::string_view text) {
   return Member{std::string(field.name), *std::move(json), std::string(field.parent)};
 }
 
-Result<Member> TakeField(const Field& field, const rapidjson::Value& value) {
+Result<Member> TakeField(const Field& field, const base::JsonValue& value) {
   if (!Holds(field, value)) return Wrong(field, Unquoted(field.type), base::ToJson(value));
   return Member{std::string(field.name), base::ToJson(value), std::string(field.parent)};
 }

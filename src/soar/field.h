@@ -50,7 +50,7 @@ struct Member {
 [[nodiscard]] Result<Member> ParseField(const Field& field, std::string_view text);
 
 /// The same for a value of a JSON file.
-[[nodiscard]] Result<Member> TakeField(const Field& field, const rapidjson::Value& value);
+[[nodiscard]] Result<Member> TakeField(const Field& field, const base::JsonValue& value);
 
 /// The members of one object, in the order of its table.
 using Item = std::vector<Member>;

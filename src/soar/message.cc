@@ -66,7 +66,7 @@ dispatch::Command BuildMessage(MessageType type, const Destination& destination,
   command.version = kFormatVersion;
   command.topic = destination.topic;
   command.schema = kMessageSchema;
-  command.text_rules = [strictness = sender.strictness](const rapidjson::Value& message) {
+  command.text_rules = [strictness = sender.strictness](const base::JsonValue& message) {
     return CheckMessage(message, strictness);
   };
   command.actions = {{std::string(NameOf(type)), id}};

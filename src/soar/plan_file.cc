@@ -15,7 +15,7 @@ using base::FindMember;
 using base::StringMember;
 using base::ViewOf;
 using rapidjson::SizeType;
-using rapidjson::Value;
+using Value = base::JsonValue;
 using Pair = std::pair<std::string_view, std::string_view>;
 
 tl::unexpected<Error> Refuse(std::string what) {

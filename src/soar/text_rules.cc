@@ -18,7 +18,7 @@ namespace {
 using base::FindMember;
 using base::StringMember;
 using rapidjson::SizeType;
-using rapidjson::Value;
+using Value = base::JsonValue;
 
 constexpr double kMostLatitude = 90;
 constexpr double kMostLongitude = 180;

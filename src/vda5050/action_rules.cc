@@ -14,7 +14,7 @@ namespace {
 
 using base::FindMember;
 using base::StringMember;
-using rapidjson::Value;
+using Value = base::JsonValue;
 
 // What is wrong with this value for a predefined parameter, or "".
 std::string FaultOfValue(const ParameterSpec& spec, const Value& value) {

@@ -21,7 +21,7 @@ void AddWarning(Findings& findings, std::string path, std::string message);
 /// The parameters of a predefined action: complete, of the table's types, none twice. Warned about:
 /// keys that nearly are predefined ones, parameters that another version predefines. `parameters`
 /// may be null; `path` is the action's.
-void CheckActionParameters(const ActionSpec& action, const rapidjson::Value* parameters,
+void CheckActionParameters(const ActionSpec& action, const base::JsonValue* parameters,
                            const std::string& path, Findings& findings);
 
 /// A type that no version predefines is a manufacturer's own, or a slip.

@@ -12,7 +12,7 @@
 namespace fleetpub::vda5050 {
 namespace {
 
-using rapidjson::Value;
+using Value = base::JsonValue;
 
 struct Operator {
   std::string_view text;
@@ -75,7 +75,7 @@ std::string FaultOfPath(const std::string& path) {
     return "it names no member: write paused=true or '/batteryState/batteryCharge>=80'";
   }
   if (path.front() == '/') {
-    return rapidjson::Pointer(path).IsValid()
+    return base::JsonPointer(path).IsValid()
                ? ""
                : "its path is no JSON Pointer: in names, ~0 stands for ~ and ~1 for /";
   }
@@ -87,11 +87,11 @@ std::string FaultOfPath(const std::string& path) {
 }
 
 const Value* Find(const std::string& path, const Value& message) {
-  if (path.starts_with('/')) return rapidjson::Pointer(path).Get(message);
+  if (path.starts_with('/')) return base::JsonPointer(path).Get(message);
   if (const Value* member = base::FindMember(message, path)) return member;
   for (const auto& [name, pointer] : kAliases) {
     if (name != path) continue;
-    const rapidjson::Pointer way(pointer.data(), pointer.size());
+    const base::JsonPointer way(pointer.data(), pointer.size());
     if (const Value* member = way.Get(message)) return member;
   }
   return nullptr;

@@ -22,7 +22,7 @@ struct Condition {
   /// itself.
   std::string wanted;
   /// `wanted` as JSON; nothing when it is none.
-  std::optional<rapidjson::Document> value;
+  std::optional<base::JsonDocument> value;
 };
 
 /// Parses `PATH=VALUE`, also with `!=`, `<`, `<=`, `>`, `>=`. Errors: ErrorKind::kUsage with the
@@ -35,6 +35,6 @@ struct Condition {
 /// What the message says instead (`paused is false`, `there is no /batteryState`); nothing when it
 /// satisfies the condition. A member that is not there satisfies none, not even `!=`.
 [[nodiscard]] std::optional<std::string> Unmet(const Condition& condition,
-                                               const rapidjson::Value& message);
+                                               const base::JsonValue& message);
 
 }  // namespace fleetpub::vda5050

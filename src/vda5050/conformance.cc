@@ -17,7 +17,7 @@ namespace fleetpub::vda5050 {
 namespace {
 
 using base::StringMember;
-using rapidjson::Value;
+using Value = base::JsonValue;
 using schema::Violation;
 
 constexpr std::array<std::string_view, 8> kTopics = {"state",         "connection",     "factsheet",

@@ -50,9 +50,9 @@ class Conformance {
   [[nodiscard]] std::optional<Judgement> Judge(std::string_view topic, std::string_view payload);
 
  private:
-  void JudgeMessage(const rapidjson::Value& message, const TopicLevels& levels,
+  void JudgeMessage(const base::JsonValue& message, const TopicLevels& levels,
                     Judgement& judgement);
-  [[nodiscard]] std::optional<Version> VersionOf(const rapidjson::Value& message,
+  [[nodiscard]] std::optional<Version> VersionOf(const base::JsonValue& message,
                                                  const TopicLevels& levels,
                                                  std::vector<schema::Violation>& errors) const;
 

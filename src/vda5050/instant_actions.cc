@@ -78,7 +78,7 @@ Result<dispatch::Command> BuildInstantActions(const RobotAddress& robot, const D
   command.version_assumed = dialect.assumed;
   command.topic = std::move(*topic);
   command.schema = fmt::format("vda5050/{}/instantActions", facts.name);
-  command.text_rules = [version = dialect.version](const rapidjson::Value& message) {
+  command.text_rules = [version = dialect.version](const base::JsonValue& message) {
     return CheckInstantActions(message, version);
   };
   command.header_id = header_id;

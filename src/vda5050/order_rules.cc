@@ -18,7 +18,7 @@ using base::FindArray;
 using base::FindMember;
 using base::Printable;
 using base::StringMember;
-using rapidjson::Value;
+using Value = base::JsonValue;
 
 std::optional<std::uint64_t> SequenceIdOf(const Value& leg) {
   const Value* id = FindMember(leg, "sequenceId");

@@ -23,7 +23,7 @@ using base::FindMember;
 using base::StringMember;
 using dispatch::Progress;
 using dispatch::Verdict;
-using rapidjson::Value;
+using Value = base::JsonValue;
 
 // What was sent, and how a state shows it.
 struct Item {

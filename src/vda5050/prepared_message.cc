@@ -18,7 +18,7 @@ using base::FindMember;
 using base::JsonString;
 using base::Printable;
 using base::StringMember;
-using rapidjson::Value;
+using Value = base::JsonValue;
 
 struct Topic {
   std::string_view name;
@@ -194,7 +194,7 @@ std::vector<InstantAction> ActionsIn(const Value& message, const Dialect& dialec
   return actions;
 }
 
-rapidjson::Document ResponsesMessage(const RequestResponse& response) {
+base::JsonDocument ResponsesMessage(const RequestResponse& response) {
   std::string json = fmt::format(R"({{"responses":[{{"requestId":{},"grantType":{})",
                                  JsonString(response.request_id), JsonString(response.grant_type));
   if (response.lease_expiry) {

@@ -26,7 +26,7 @@ enum class ForeignHeader {
 [[nodiscard]] Result<std::string_view> PublishedTopic(std::string_view text);
 
 /// The version that the message's header names, if it is one that we speak.
-[[nodiscard]] std::optional<Version> VersionSaidBy(const rapidjson::Value& message);
+[[nodiscard]] std::optional<Version> VersionSaidBy(const base::JsonValue& message);
 
 /// The message as a command for one robot. headerId and timestamp are stamped anew whatever the
 /// message says; of the other header fields those that are missing are filled in. Errors:
@@ -34,11 +34,11 @@ enum class ForeignHeader {
 /// has no such topic).
 [[nodiscard]] Result<dispatch::Command> BuildPrepared(
     const RobotAddress& robot, const Dialect& dialect, std::string_view topic,
-    const rapidjson::Value& message, ForeignHeader foreign,
+    const base::JsonValue& message, ForeignHeader foreign,
     std::optional<std::uint32_t> header_id = std::nullopt);
 
 /// The actions of an instantActions message, for CheckRobot: types, ids, parameters.
-[[nodiscard]] std::vector<InstantAction> ActionsIn(const rapidjson::Value& message,
+[[nodiscard]] std::vector<InstantAction> ActionsIn(const base::JsonValue& message,
                                                    const Dialect& dialect);
 
 /// One answer to a request of a robot's (3.0 §6.4.3).
@@ -49,7 +49,7 @@ struct RequestResponse {
 };
 
 /// The message, without header, for BuildPrepared.
-[[nodiscard]] rapidjson::Document ResponsesMessage(const RequestResponse& response);
+[[nodiscard]] base::JsonDocument ResponsesMessage(const RequestResponse& response);
 
 /// Follows a prepared message until the robot's state shows it (docs/manual.md, "Waiting"):
 ///
@@ -61,6 +61,6 @@ struct RequestResponse {
 /// Errors: ErrorKind::kUsage (topic; responses that no state shows).
 [[nodiscard]] Result<std::unique_ptr<dispatch::Confirmation>> ConfirmPrepared(
     const RobotAddress& robot, const Dialect& dialect, std::string_view topic,
-    const rapidjson::Value& message, WaitFor wait_for);
+    const base::JsonValue& message, WaitFor wait_for);
 
 }  // namespace fleetpub::vda5050

@@ -16,7 +16,7 @@
 namespace fleetpub::vda5050 {
 namespace {
 
-using rapidjson::Value;
+using Value = base::JsonValue;
 
 std::string ToUpper(std::string_view text) {
   std::string upper(text);

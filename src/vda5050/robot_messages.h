@@ -143,12 +143,12 @@ struct Factsheet {
 };
 
 [[nodiscard]] std::optional<RobotState> ReadState(std::string_view payload);
-[[nodiscard]] RobotState ReadState(const rapidjson::Value& message);
+[[nodiscard]] RobotState ReadState(const base::JsonValue& message);
 [[nodiscard]] std::optional<ConnectionMessage> ReadConnection(std::string_view payload);
-[[nodiscard]] ConnectionMessage ReadConnection(const rapidjson::Value& message);
+[[nodiscard]] ConnectionMessage ReadConnection(const base::JsonValue& message);
 [[nodiscard]] std::optional<Factsheet> ReadFactsheet(std::string_view payload);
-[[nodiscard]] Factsheet ReadFactsheet(const rapidjson::Value& message);
-[[nodiscard]] MessageHeader ReadHeader(const rapidjson::Value& message);
+[[nodiscard]] Factsheet ReadFactsheet(const base::JsonValue& message);
+[[nodiscard]] MessageHeader ReadHeader(const base::JsonValue& message);
 
 /// Whether one message of a topic was made before another. Only when both header id and timestamp
 /// say so: a falling id alone is a robot that was restarted, a falling time alone its clock.

@@ -125,7 +125,7 @@ bool Roster::Take(RosterEntry& entry, const TopicLevels& levels, std::string_vie
 }
 
 void Roster::Judge(RosterEntry& entry, std::string_view topic_name,
-                   const rapidjson::Value& message) {
+                   const base::JsonValue& message) {
   entry.unmet.resize(conditions_.size());
   for (std::size_t i = 0; i < conditions_.size(); ++i) {
     if (TopicOf(conditions_[i]) != topic_name) continue;

@@ -76,7 +76,7 @@ class Roster {
   RosterEntry* Find(const RobotAddress& robot, const TopicScheme& scheme);
   bool Take(RosterEntry& entry, const TopicLevels& levels, std::string_view topic,
             std::string_view payload, Origin origin);
-  void Judge(RosterEntry& entry, std::string_view topic_name, const rapidjson::Value& message);
+  void Judge(RosterEntry& entry, std::string_view topic_name, const base::JsonValue& message);
   std::shared_ptr<const Dialect> Share(Dialect dialect);
   std::shared_ptr<const Factsheet> Share(Factsheet factsheet);
 

@@ -14,7 +14,7 @@ namespace {
 
 using base::FindMember;
 using base::StringMember;
-using rapidjson::Value;
+using Value = base::JsonValue;
 
 std::string WhyNotInstant(const ActionSpec* action, std::string_view type, Version version) {
   const std::string_view name = FactsOf(version).name;

@@ -16,7 +16,7 @@ using base::FindArray;
 using base::FindMember;
 using base::Printable;
 using base::StringMember;
-using rapidjson::Value;
+using Value = base::JsonValue;
 
 constexpr std::size_t kCornersOfAPolygon = 3;
 

@@ -43,7 +43,7 @@ std::string Text(const Report& report, std::size_t width = 0) {
   return ReportText(report, width, Output({}));
 }
 
-std::vector<std::string> NamesIn(const rapidjson::Value& object) {
+std::vector<std::string> NamesIn(const base::JsonValue& object) {
   std::vector<std::string> names;
   for (const auto& member : object.GetObject()) names.emplace_back(member.name.GetString());
   return names;

@@ -27,7 +27,7 @@ Command CommandWith(const std::string& members) {
 Command ValidCommand() { return CommandWith(R"("actions":)" + std::string(kAction)); }
 
 TextRules Finding(bool is_error) {
-  return [is_error](const rapidjson::Value&) {
+  return [is_error](const base::JsonValue&) {
     return std::vector<TextFinding>{{{"/actions", "is odd"}, is_error}};
   };
 }
@@ -65,7 +65,7 @@ TEST(Validate, TellsErrorsOfTheTextFromWarnings) {
 TEST(Validate, AsksTheTextOnlyWhenTheSchemaIsSatisfied) {
   Command command = CommandWith(R"("actions":7)");
   bool asked = false;
-  command.text_rules = [&](const rapidjson::Value&) {
+  command.text_rules = [&](const base::JsonValue&) {
     asked = true;
     return std::vector<TextFinding>();
   };
@@ -77,7 +77,7 @@ TEST(Validate, ReadsARenamedMemberUnderItsOwnName) {
   Command command = CommandWith(R"("instantActions":)" + std::string(kAction));
   EXPECT_THAT(MustValidate(command).errors, SizeIs(1)) << "without the quirk it lacks actions";
   command.renamed_member = {"instantActions", "actions"};
-  command.text_rules = [](const rapidjson::Value& message) {
+  command.text_rules = [](const base::JsonValue& message) {
     EXPECT_NE(base::FindMember(message, "actions"), nullptr);
     return std::vector<TextFinding>();
   };

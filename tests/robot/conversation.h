@@ -66,7 +66,7 @@ class Conversation {
     return times;
   }
   /// The newest message of the topic; null when there is none.
-  [[nodiscard]] rapidjson::Document Last(std::string_view topic) const {
+  [[nodiscard]] base::JsonDocument Last(std::string_view topic) const {
     for (auto one = said_.rbegin(); one != said_.rend(); ++one) {
       if (one->topic == topic) return std::move(*base::ParseJson(one->payload));
     }
@@ -85,13 +85,13 @@ class Conversation {
   }
   /// What the newest state says at this JSON Pointer, as JSON; "" when there is nothing.
   [[nodiscard]] std::string At(const char* pointer) const {
-    const rapidjson::Document state = Last("state");
-    const rapidjson::Value* value = rapidjson::Pointer(pointer).Get(state);
+    const base::JsonDocument state = Last("state");
+    const base::JsonValue* value = base::JsonPointer(pointer).Get(state);
     return value == nullptr ? "" : base::ToJson(*value);
   }
   /// `FINISHED`, `FAILED: why`; "" when the newest state does not list the action.
   [[nodiscard]] std::string Of(const std::string& id) const {
-    const rapidjson::Document state = Last("state");
+    const base::JsonDocument state = Last("state");
     for (const char* list : {"actionStates", "instantActionStates"}) {
       if (!state.HasMember(list)) continue;
       for (const auto& action : state[list].GetArray()) {

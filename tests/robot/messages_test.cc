@@ -37,13 +37,13 @@ const std::map<Version, Names> kParts = {
      {"/powerSupply/stateOfCharge", "/powerSupply/charging", "/mobileRobotPosition/localized",
       "/safetyState/activeEmergencyStop", "/safetyState/fieldViolation"}}};
 
-void ExpectMembers(const rapidjson::Value& message, const Names& names) {
+void ExpectMembers(const base::JsonValue& message, const Names& names) {
   for (const std::string& name : names) EXPECT_TRUE(message.HasMember(name)) << name;
 }
 
 // What is wrong with a message by the schema of its topic.
 std::string Faults(schema::Registry& registry, Version version, std::string_view topic,
-                   const rapidjson::Value& message) {
+                   const base::JsonValue& message) {
   std::string name = "vda5050/";
   name.append(vda5050::FactsOf(version).name).append("/").append(topic);
   std::string faults;

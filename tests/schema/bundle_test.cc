@@ -15,12 +15,12 @@ using Texts = std::map<std::string, std::string, std::less<>>;
 /// What becomes of the first document beside the others, or why nothing.
 std::string Bundled(std::string_view text, const Texts& others,
                     std::string_view uri = "v/topic.json") {
-  std::map<std::string, rapidjson::Document, std::less<>> documents;
+  std::map<std::string, base::JsonDocument, std::less<>> documents;
   for (const auto& [name, other] : others) {
     documents.emplace(name, std::move(base::ParseJson(other).value()));
   }
   auto document = std::move(base::ParseJson(text).value());
-  const auto done = Bundle(document, uri, [&](std::string_view wanted) -> const rapidjson::Value* {
+  const auto done = Bundle(document, uri, [&](std::string_view wanted) -> const base::JsonValue* {
     const auto found = documents.find(wanted);
     return found == documents.end() ? nullptr : &found->second;
   });

@@ -17,8 +17,8 @@
 namespace fleetpub::schema {
 namespace {
 
-using rapidjson::Document;
-using rapidjson::Value;
+using Document = base::JsonDocument;
+using Value = base::JsonValue;
 
 constexpr std::array<std::string_view, 4> kVersions = {"1.1.0", "2.0.0", "2.1.0", "3.0.0"};
 
@@ -41,12 +41,12 @@ Document MakeMessage(const Value& base, const Value& change, std::string_view ve
   message.CopyFrom(base, message.GetAllocator());
   if (const Value* set = base::FindMember(change, "set")) {
     for (const auto& [pointer, value] : set->GetObject()) {
-      rapidjson::Pointer(pointer.GetString()).Set(message, value);
+      base::JsonPointer(pointer.GetString()).Set(message, value);
     }
   }
   if (const Value* remove = base::FindMember(change, "remove")) {
     for (const Value& pointer : remove->GetArray()) {
-      rapidjson::Pointer(pointer.GetString()).Erase(message);
+      base::JsonPointer(pointer.GetString()).Erase(message);
     }
   }
   const auto array = message.FindMember("actions");

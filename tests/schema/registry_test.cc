@@ -71,7 +71,7 @@ TEST(Registry, PutsAFolderBeforeTheBuiltInOnes) {
   EXPECT_EQ(registry.Text("vda5050/3.0.0/instantActions").value(), R"({"required":["mine"]})");
   const auto schema = registry.Find("vda5050/3.0.0/instantActions");
   ASSERT_TRUE(schema) << schema.error().message;
-  rapidjson::Document message(rapidjson::kObjectType);
+  base::JsonDocument message(rapidjson::kObjectType);
   EXPECT_EQ((*schema)->Validate(message).at(0).message, "mine is required but missing");
 }
 

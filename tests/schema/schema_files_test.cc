@@ -84,7 +84,7 @@ TEST(SchemaFiles, ReferToEachOtherByPathAndById) {
   Registry registry(folder.path());
   const auto schema = registry.Find("vda5050/1.1.0/order");
   ASSERT_TRUE(schema) << schema.error().message;
-  const rapidjson::Document empty(rapidjson::kObjectType);
+  const base::JsonDocument empty(rapidjson::kObjectType);
   EXPECT_EQ((*schema)->Validate(empty).size(), 2U);
   EXPECT_THAT(registry.Text("vda5050/1.1.0/order").value(),
               HasSubstr(R"("definitions":{"a":{"required":["a"]},"b":{"required":["b"]}})"));

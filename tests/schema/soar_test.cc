@@ -15,9 +15,9 @@
 namespace fleetpub::schema {
 namespace {
 
-using rapidjson::Document;
-using rapidjson::Pointer;
-using rapidjson::Value;
+using Document = base::JsonDocument;
+using Pointer = base::JsonPointer;
+using Value = base::JsonValue;
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 

@@ -18,7 +18,7 @@
 namespace fleetpub::schema {
 namespace {
 
-using rapidjson::Value;
+using Value = base::JsonValue;
 
 constexpr std::string_view kSuite = "/usr/share/json-schema-test-suite/tests/draft7";
 

@@ -7,9 +7,7 @@
 namespace fleetpub::schema {
 namespace {
 
-rapidjson::Document Parse(std::string_view text) {
-  return std::move(base::ParseJson(text).value());
-}
+base::JsonDocument Parse(std::string_view text) { return std::move(base::ParseJson(text).value()); }
 
 TEST(Values, AreEqualByMeaning) {
   struct Pair {

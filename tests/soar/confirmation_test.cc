@@ -104,6 +104,12 @@ TEST_F(SoarConfirmation, IsNotConfusedByWhatIsNotMeant) {
   EXPECT_TRUE(Now().ended) << "without a header it still counts";
 }
 
+TEST_F(SoarConfirmation, ReadsAnIdWhoseCharactersAreEscaped) {
+  Follow(Level::kExecuted);
+  Hear(Said(R"(id\u002d1)", "executed"));
+  EXPECT_TRUE(Now().ended);
+}
+
 TEST_F(SoarConfirmation, HearsNothingBeforeItIsPublished) {
   confirmation_ = ConfirmMessage({.message_id = "id-1", .topics = {}, .prefix = {}});
   Hear(Said("id-1", "executed"));

@@ -14,7 +14,7 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
-rapidjson::Document Messages() {
+base::JsonDocument Messages() {
   const auto text = base::ReadFile(FLEETPUB_SOURCE_DIR "/tests/data/soar/messages.json");
   return std::move(base::ParseJson(text.value()).value());
 }
@@ -27,7 +27,7 @@ std::vector<std::string> Findings(const char* type, const std::string& pointer =
   auto& message = messages[type];
   if (!pointer.empty()) {
     const auto value = base::ParseJson(json);
-    rapidjson::Pointer(pointer).Set(message, *value, messages.GetAllocator());
+    base::JsonPointer(pointer).Set(message, *value, messages.GetAllocator());
   }
   std::vector<std::string> found;
   for (const auto& finding : CheckMessage(message, Strictness::kWarn)) {
@@ -106,7 +106,7 @@ TEST(SoarTextRules, TakeTheLimitsAndAClosedRing) {
 TEST(SoarTextRules, KnowAPlatformOnlyOnce) {
   auto messages = Messages();
   auto& payload = messages["planning_configuration"]["payload"];
-  rapidjson::Value twin(payload["squads"][0], messages.GetAllocator());
+  base::JsonValue twin(payload["squads"][0], messages.GetAllocator());
   payload["squads"].PushBack(twin, messages.GetAllocator());
   std::vector<std::string> found;
   for (const auto& finding : CheckMessage(payload, Strictness::kRefuse)) {

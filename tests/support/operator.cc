@@ -70,10 +70,10 @@ std::vector<Subscriber::Received> Subscriber::Await(std::size_t count) const {
   return messages;
 }
 
-rapidjson::Document Json(std::string_view text) {
+base::JsonDocument Json(std::string_view text) {
   auto document = base::ParseJson(text);
   EXPECT_TRUE(document.has_value()) << text;
-  return document ? std::move(*document) : rapidjson::Document();
+  return document ? std::move(*document) : base::JsonDocument();
 }
 
 std::vector<std::string> Lines(std::string_view text) {

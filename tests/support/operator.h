@@ -79,7 +79,7 @@ class EndToEnd : public ::testing::Test {
 };
 
 /// The text as JSON; the test fails when it is none.
-[[nodiscard]] rapidjson::Document Json(std::string_view text);
+[[nodiscard]] base::JsonDocument Json(std::string_view text);
 [[nodiscard]] std::vector<std::string> Lines(std::string_view text);
 
 }  // namespace fleetpub::testing

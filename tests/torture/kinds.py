@@ -171,7 +171,8 @@ ERRORS = {
     "poll": ("ENOMEM", "EINTR"), "ftruncate": ("EIO", "EFBIG"), "rename": ("EROFS",), "getrandom": ("EINTR",),
 }
 INTERRUPTIBLE = ("openat", "read", "write", "pread64", "pwrite64", "fdatasync", "connect", "sendto", "writev", "fcntl")
-# The last two: glibc ends a program whose futex() fails, RapidJSON one whose heap cannot grow (docs/reliability.md).
+# The last two: glibc ends a program whose futex() fails, and takes what brk() gives back for the end of the heap, also when
+# strace gave it; memory_limit() is the true test of a heap that cannot grow.
 NOT_TO_FAIL = ("execve", "exit_group", "exit", "rt_sigreturn", "arch_prctl", "set_tid_address", "set_robust_list", "rseq", "futex", "brk")
 
 
@@ -251,6 +252,29 @@ def file_size_limit(world, rounds):
             resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit))
         run = world.call(ledger.folder, VARIANTS[turn % 3][1], VARIANTS[turn % 3][2], preexec_fn=preexec)
         judge(world, ledger, run, tally, f"limit {limit}")
+        recovers(world, ledger, tally, "without the limit")
+    return tally
+
+
+def memory_limit(world, rounds):
+    """From what the program needs to come up (less is the loader's end, not ours) to more than it needs."""
+    tally = Tally("limit of memory")
+
+    def limited(pages):
+        return lambda: resource.setrlimit(resource.RLIMIT_AS, (pages * 4096, pages * 4096))
+
+    low, high = 0, 1 << 16
+    while high - low > 1:
+        middle = (low + high) // 2
+        version = subprocess.run([world.binary, "--version"], check=False, capture_output=True, preexec_fn=limited(middle))
+        low, high = (low, middle) if version.returncode == 0 else (middle, high)
+    for turn in range(rounds):
+        if turn % 20 == 0:
+            ledger = new_ledger(world, "memory", 0 if turn % 40 == 0 else 2)
+        pages = high + random.randrange(0, 160)
+        variant = VARIANTS[turn % len(VARIANTS)]
+        run = world.call(ledger.folder, variant[1], variant[2], preexec_fn=limited(pages))
+        judge(world, ledger, run, tally, f"{variant[0]}, {pages - high} pages more than it needs to come up")
         recovers(world, ledger, tally, "without the limit")
     return tally
 

@@ -26,7 +26,7 @@ std::vector<std::string> LinesOf(const Findings& findings) {
   return lines;
 }
 
-rapidjson::Document Parsed(const std::string& text) {
+base::JsonDocument Parsed(const std::string& text) {
   auto document = base::ParseJson(text);
   if (!document) throw std::runtime_error(document.error().message);
   return std::move(*document);

@@ -13,7 +13,7 @@ using ::testing::IsEmpty;
 
 const RobotAddress kRobot{"KIT", "0001"};
 
-rapidjson::Document Parsed(std::string_view text) {
+base::JsonDocument Parsed(std::string_view text) {
   auto document = base::ParseJson(text);
   if (!document) throw std::runtime_error(document.error().message);
   return std::move(*document);
