@@ -173,6 +173,12 @@ Error ParseError(std::string_view text, const Generator& generator) {
   const auto refused = generator.too_large ? rapidjson::kParseErrorNumberTooBig
                                            : rapidjson::kParseErrorStringUnicodeSurrogateInvalid;
   const auto code = by_guard ? refused : generator.result.Code();
+  const std::string_view rest = text.substr(std::min(generator.result.Offset(), text.size()));
+  if (!by_guard && code != rapidjson::kParseErrorDocumentEmpty &&
+      rest.find_first_not_of(" \t\r\n") == std::string_view::npos) {
+    return {ErrorKind::kInvalid,
+            fmt::format("not valid JSON at {}: the text ends before it is complete", place)};
+  }
   return {ErrorKind::kInvalid, fmt::format("not valid JSON at {}: {}", place, WordsFor(code))};
 }
 

@@ -56,6 +56,10 @@ bool IsFirstWord(std::string_view word) {
 }
 
 Error Unknown(std::string_view word) {
+  if (word.find('/') != std::string_view::npos) {
+    return {ErrorKind::kUsage, fmt::format("the command comes before its target: fleetpub pause {}",
+                                           base::Printable(word))};
+  }
   std::vector<std::string_view> names;
   for (const Subcommand& subcommand : Subcommands()) names.push_back(subcommand.name);
   for (const std::string_view action : vda5050::AllActionNames()) {

@@ -222,7 +222,9 @@ class Awaiter {
     const std::string others =
         left_.size() == 1 ? "" : fmt::format("; nor {} others", left_.size() - 1);
     if (!heard.came) {
-      return fmt::format("{}: no {} message came within {}{}{}", name, topic, time, others, away);
+      const bool too_soon = wish_.topic == "state" && wish_.timeout < std::chrono::seconds(30);
+      return fmt::format("{}: no {} message came within {}{}{}{}", name, topic, time,
+                         too_soon ? " (robots send one at least every 30 s)" : "", others, away);
     }
     return fmt::format("{}: not so within {}: in its last {} message {}{}{}", name, time, topic,
                        base::Join(heard.unmet, ", "), others, away);

@@ -18,6 +18,7 @@
 #include "cli/soar_options.h"
 #include "cli/stop_signal.h"
 #include "cli/subcommand.h"
+#include "cli/targets.h"
 #include "cli/vda_options.h"
 #include "cli/wait_options.h"
 #include "dispatch/pace.h"
@@ -236,16 +237,21 @@ Result<ExitCode> ShowOnly(base::LineReader reader, const Plan& plan, const Conte
   return results.worst();
 }
 
-Result<Plan> PlanOf(const Options& options) {
+Result<Plan> PlanOf(const Options& options, const Config& config) {
   Plan plan;
   if (options.vda.IsAutomatic()) {
     return Fail(ErrorKind::kUsage,
                 "batch does not ask robots for their version: name it with --vda, or with vda in "
                 "each line");
   }
-  auto dialect = DialectOf(options.vda);
-  if (!dialect) return Fail(std::move(dialect.error()));
-  plan.defaults.dialect = std::move(*dialect);
+  auto speaker = Speaker::For(options.vda, config);
+  if (!speaker) return Fail(std::move(speaker.error()));
+  plan.defaults.address =
+      [&config, speaker = *std::move(speaker)](std::string_view word) -> Result<AddressedRobot> {
+    auto robot = RobotOf(std::string(word), config);
+    if (!robot) return Fail(std::move(robot.error()));
+    return speaker.Named(*std::move(robot));
+  };
   WaitingOptions waiting_options = options.waiting;
   waiting_options.timeout.clear();  // it also holds for lines that wait on their own account
   const auto waiting = WaitingOf(waiting_options);
@@ -281,7 +287,7 @@ Result<Plan> PlanOf(const Options& options) {
 }
 
 Result<ExitCode> RunBatch(const Options& options, const Context& context) {
-  auto plan = PlanOf(options);
+  auto plan = PlanOf(options, context.config);
   if (!plan) return Fail(std::move(plan.error()));
   auto reader = base::LineReader::Open(options.file);
   if (!reader) return Fail(std::move(reader.error()));

@@ -168,16 +168,10 @@ Status CheckMembers(const Value& line, const Shape& shape) {
   return {};
 }
 
-Result<std::vector<std::string_view>> TargetsOf(const Value& target) {
+std::vector<std::string_view> TargetsOf(const Value& target) {
+  if (target.IsString()) return {base::ViewOf(target)};
   std::vector<std::string_view> targets;
-  if (target.IsString()) return targets = {base::ViewOf(target)}, targets;
-  for (const Value& text : target.GetArray()) {
-    const std::string_view name = base::ViewOf(text);
-    if (std::find(targets.begin(), targets.end(), name) != targets.end()) {
-      return Wrong(fmt::format("target names {} twice", Printable(name)));
-    }
-    targets.push_back(name);
-  }
+  for (const Value& text : target.GetArray()) targets.push_back(base::ViewOf(text));
   return targets;
 }
 
@@ -197,21 +191,22 @@ Result<std::optional<WaitFor>> WaitOf(const Value& line, const LineDefaults& def
   return Wrong("wait must be true, false, \"accepted\" or \"finished\"");
 }
 
-Result<Dialect> DialectOf(const Value& line, const Dialect& base) {
-  Dialect dialect = base;
-  if (const Value* text = FindMember(line, "vda")) {
-    if (*text == "auto") {
-      return Wrong("vda auto needs the robot to be asked first: name its version");
-    }
+Result<Dialect> DialectOf(const Value& line, const AddressedRobot& robot) {
+  Dialect dialect = *robot.dialect;
+  if (const Value* text = FindMember(line, "vda"); text != nullptr && *text != "auto") {
     const auto version = vda5050::ParseVersion(base::ViewOf(*text));
     if (!version) return Fail(version.error());
     dialect.version = *version;
     dialect.assumed = false;
-  } else if (const Value* payload = FindMember(line, "payload"); payload && dialect.assumed) {
-    if (const auto said = vda5050::VersionSaidBy(*payload)) {
-      dialect.version = *said;
-      dialect.assumed = false;
-    }
+    return dialect;
+  } else if (text != nullptr || robot.automatic) {
+    return Wrong("vda auto needs the robot to be asked first: name its version");
+  }
+  const Value* payload = FindMember(line, "payload");
+  if (payload == nullptr || !dialect.assumed) return dialect;
+  if (const auto said = vda5050::VersionSaidBy(*payload)) {
+    dialect.version = *said;
+    dialect.assumed = false;
   }
   return dialect;
 }
@@ -224,12 +219,10 @@ std::optional<std::uint32_t> HeaderIdOf(const Value& line) {
 // What one line asks for, for one robot after the other.
 struct Request {
   const Value& line;
-  Dialect dialect;
+  const LineDefaults& defaults;
   std::optional<WaitFor> wait_for;
 
   [[nodiscard]] Result<Command> For(std::string_view target) const {
-    const auto robot = vda5050::ParseRobotAddress(target);
-    if (!robot) return Fail(robot.error());
     if (target.find_first_of("*?") != std::string_view::npos) {
       return Fail(
           ErrorKind::kUsage,
@@ -237,10 +230,15 @@ struct Request {
                       "lists them",
                       Printable(target)));
     }
-    return FindMember(line, "action") != nullptr ? ActionFor(*robot) : MessageFor(*robot);
+    const auto addressed = defaults.address(target);
+    if (!addressed) return Fail(addressed.error());
+    const auto dialect = DialectOf(line, *addressed);
+    if (!dialect) return Fail(dialect.error());
+    return FindMember(line, "action") != nullptr ? ActionFor(addressed->robot, *dialect)
+                                                 : MessageFor(addressed->robot, *dialect);
   }
 
-  [[nodiscard]] Result<Command> ActionFor(const RobotAddress& robot) const {
+  [[nodiscard]] Result<Command> ActionFor(const RobotAddress& robot, const Dialect& dialect) const {
     vda5050::InstantAction action{.type = std::string(StringMember(line, "action")),
                                   .id = std::string(StringMember(line, "actionId")),
                                   .descriptor = std::string(StringMember(line, "descriptor")),
@@ -263,7 +261,8 @@ struct Request {
     return command;
   }
 
-  [[nodiscard]] Result<Command> MessageFor(const RobotAddress& robot) const {
+  [[nodiscard]] Result<Command> MessageFor(const RobotAddress& robot,
+                                           const Dialect& dialect) const {
     const auto topic = vda5050::PublishedTopic(StringMember(line, "topic"));
     if (!topic) return Fail(topic.error());
     const Value& payload = *FindMember(line, "payload");
@@ -341,6 +340,13 @@ struct SoarRequest {
 
 }  // namespace
 
+Result<AddressedRobot> AsWritten(std::string_view word) {
+  static const auto dialect = std::make_shared<const Dialect>();
+  auto robot = vda5050::ParseRobotAddress(word);
+  if (!robot) return Fail(std::move(robot.error()));
+  return AddressedRobot{*std::move(robot), dialect};
+}
+
 LineParser::LineParser(LineDefaults defaults, const std::string& schema_directory)
     : defaults_(std::move(defaults)), registry_(schema_directory) {}
 
@@ -360,24 +366,25 @@ Result<LineCommands> LineParser::Parse(std::string_view text, LineOrigin& origin
     if (auto ok = request.Read(); !ok) return Fail(std::move(ok.error()));
     return ForEach(*line, request);
   }
-  auto dialect = DialectOf(*line, defaults_.dialect);
-  if (!dialect) return Fail(std::move(dialect.error()));
   const auto wait_for = WaitOf(*line, defaults_);
   if (!wait_for) return Fail(wait_for.error());
-  return ForEach(*line, Request{*line, std::move(*dialect), *wait_for});
+  return ForEach(*line, Request{*line, defaults_, *wait_for});
 }
 
 template <class Request>
 Result<LineCommands> LineParser::ForEach(const Value& line, const Request& request) {
   const auto targets = TargetsOf(*FindMember(line, "target"));
-  if (!targets) return Fail(targets.error());
-  if (targets->size() > 1 && FindMember(line, "actionId") != nullptr) {
+  if (targets.size() > 1 && FindMember(line, "actionId") != nullptr) {
     return Wrong("actionId names one action: give one target with it");
   }
   LineCommands result;
-  for (const std::string_view target : *targets) {
+  for (const std::string_view target : targets) {
     auto command = request.For(target);
     if (!command) return Fail(std::move(command.error()));
+    const bool twice =
+        std::any_of(result.commands.begin(), result.commands.end(),
+                    [&](const Command& other) { return other.target == command->target; });
+    if (twice) return Wrong(fmt::format("target names {} twice", Printable(command->target)));
     if (auto ok = Validate(*command, result.warnings); !ok) return Fail(std::move(ok.error()));
     result.commands.push_back(std::move(*command));
   }

@@ -1,12 +1,14 @@
 // One line of `fleetpub batch`: a command as JSON, made into messages.
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "base/result.h"
+#include "cli/targets.h"
 #include "dispatch/command.h"
 #include "schema/schema.h"
 #include "soar/message.h"
@@ -15,9 +17,13 @@
 
 namespace fleetpub::cli {
 
+/// The robot of this address, in the newest version. Errors: ErrorKind::kUsage.
+[[nodiscard]] Result<AddressedRobot> AsWritten(std::string_view word);
+
 /// What holds for a line that does not say otherwise.
 struct LineDefaults {
-  vda5050::Dialect dialect;
+  /// Which robot a target's word means, and how it is spoken to. Errors: ErrorKind::kUsage.
+  std::function<Result<AddressedRobot>(std::string_view word)> address = AsWritten;
   std::optional<vda5050::WaitFor> wait_for;  ///< nothing: do not wait
   /// Somebody has named the end to wait for; else an order is done when the robot has it.
   bool names_end = false;

@@ -57,8 +57,10 @@ std::vector<ConfigBindings::Effective> ConfigBindings::All(const CLI::App& app,
                                                            const Config& config) const {
   std::vector<Effective> all;
   for (const auto& [key, option, target] : bindings_) {
-    if (IsGiven(option)) {
-      all.push_back({key, TextsOf(target), OriginOf(app, *option)});
+    const std::vector<std::string> texts = TextsOf(target);
+    const auto is_empty = [](const std::string& text) { return text.empty(); };
+    if (IsGiven(option) && !std::all_of(texts.begin(), texts.end(), is_empty)) {
+      all.push_back({key, texts, OriginOf(app, *option)});
     } else if (IsExcepted(key)) {
       continue;
     } else if (const ConfigValue* value = config.Find(key)) {

@@ -111,10 +111,10 @@ Result<FleetView> GatherFleet(const GatheringOptions& o, const Context& context)
   if (view->size() == 0) return Fail(NoRobot(broker, o.fleet));
   if (const std::size_t silent = Silent(*view).size();
       silent > 0 && patience->state_wait.count() > 0) {
-    context.output.Warn(
-        fmt::format("{} of {} robots sent no state within {}; they repeat it at least every 30 s: "
-                    "--state-wait 35s waits for it",
-                    silent, view->size(), base::FormatElapsed(patience->state_wait)));
+    context.output.Warn(fmt::format(
+        "{} of {} robots sent no state within {}; they repeat it at least every 30 s{}", silent,
+        view->size(), base::FormatElapsed(patience->state_wait),
+        patience->state_wait < std::chrono::seconds(35) ? ": --state-wait 35s waits for it" : ""));
   }
   return view;
 }

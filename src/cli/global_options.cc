@@ -176,6 +176,35 @@ void DeclareConfig(OptionSet& set, GlobalOptions& o) {
       ->group(kConfig);
 }
 
+// What a flag says of the broker goes before what the environment says of it in the other form.
+void PreferFlags(const OptionSet& set, GlobalOptions& o) {
+  const bool by_url = set.IsByFlag("--broker");
+  if (set.IsByFlag("--host") && !by_url) o.brokers.clear();
+  if (by_url && !set.IsByFlag("--host") && !set.IsByFlag("--port")) {
+    o.host.clear();
+    o.port.clear();
+  }
+}
+
+// Who names a site means its broker, and not the one that the environment has had for long.
+Status CheckProfile(const Config& config, const OptionSet& set, const GlobalOptions& o) {
+  if (!set.IsByFlag("--profile") || config.profile.empty()) return {};
+  if (set.IsByFlag("--broker") || set.IsByFlag("--host") || set.IsByFlag("--port")) return {};
+  const ConfigSection& site = config.profiles.find(config.profile)->second;
+  const auto configured = site.find("broker");
+  if (configured == site.end()) return {};
+  const bool is_same = o.host.empty() && o.port.empty() &&
+                       (o.brokers.empty() || o.brokers == configured->second.texts);
+  if (is_same) return {};
+  return Fail(
+      ErrorKind::kUsage,
+      fmt::format("profile {} has the broker {}, and {} names another: unset that, or say "
+                  "which with --broker",
+                  base::Printable(config.profile),
+                  base::Printable(base::Join(configured->second.texts, ", ")),
+                  o.brokers.empty() ? "FLEETPUB_HOST or FLEETPUB_PORT" : "FLEETPUB_BROKER"));
+}
+
 Result<int> ParseWhole(std::string_view text, int least, int most, std::string_view option) {
   int value = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
@@ -191,8 +220,8 @@ Result<std::vector<mqtt::BrokerUrl>> BrokersOf(const GlobalOptions& o) {
   const bool by_host = !o.host.empty() || !o.port.empty();
   if (by_host && !o.brokers.empty()) {
     return Fail(ErrorKind::kUsage,
-                "say where the broker is with --broker or with --host and "
-                "--port, not with both");
+                "say where the broker is with --broker (FLEETPUB_BROKER) or with --host and --port "
+                "(FLEETPUB_HOST, FLEETPUB_PORT), not with both");
   }
   if (by_host) {
     mqtt::BrokerUrl broker;
@@ -324,11 +353,15 @@ void DeclareGlobalOptions(OptionSet& set, GlobalOptions& options) {
   DeclareConfig(set, options);
 }
 
-void ApplyConfig(const Config& config, OptionSet& set, const GlobalOptions& options) {
+Status ApplyConfig(const Config& config, OptionSet& set, GlobalOptions& options) {
+  if (auto ok = CheckProfile(config, set, options); !ok) return ok;
+  PreferFlags(set, options);
   std::vector<std::string_view> except;
   if (!options.host.empty() || !options.port.empty()) except.emplace_back("broker");
+  if (!options.brokers.empty()) except.insert(except.end(), {"host", "port"});
   if (options.ask_password || HasPasswordInEnvironment()) except.emplace_back("password_file");
   set.bindings().Apply(config, std::move(except));
+  return {};
 }
 
 Result<mqtt::ConnectOptions> ConnectOptionsOf(const Context& context) {

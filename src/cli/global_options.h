@@ -63,8 +63,9 @@ struct GlobalOptions {
 /// Adds them to an App; `options` must outlive its parsing.
 void DeclareGlobalOptions(OptionSet& set, GlobalOptions& options);
 
-/// Once they are parsed: sets what neither flag nor environment gave.
-void ApplyConfig(const Config& config, OptionSet& set, const GlobalOptions& options);
+/// Once they are parsed: sets what neither flag nor environment gave. Errors: ErrorKind::kUsage:
+/// the profile that a flag names has another broker than the environment.
+[[nodiscard]] Status ApplyConfig(const Config& config, OptionSet& set, GlobalOptions& options);
 
 /// What a running command needs of the outer world.
 struct Context {

@@ -1,9 +1,13 @@
 // `fleetpub history`, `history show ID`, `history prune --older-than 90d`.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <array>
 #include <charconv>
+#include <filesystem>
+#include <limits>
 #include <memory>
 
 #include "base/json.h"
@@ -12,12 +16,17 @@
 #include "cli/option_set.h"
 #include "cli/subcommand.h"
 #include "cli/table.h"
+#include "dispatch/verdict.h"
+#include "ledger/postgres_url.h"
+#include "vda5050/catalogue.h"
 
 namespace fleetpub::cli {
 namespace {
 
 using base::JsonString;
+using dispatch::kRecordedOutcomes;
 using ledger::Record;
+using vda5050::Version;
 
 struct Options {
   ledger::HistoryFilter filter;
@@ -94,7 +103,44 @@ void ShowTable(const std::vector<Record>& records, Output& output) {
   PrintTable(kColumns, rows, output);
 }
 
+// What a person may write; the ledger knows the specification's names only.
+Status Normalize(ledger::HistoryFilter& filter, const Config& config) {
+  if (const auto alias = config.aliases.find(filter.target); alias != config.aliases.end()) {
+    filter.target = alias->second.ToString();
+  }
+  const bool is_pattern = filter.target.find_first_of("*?@") != std::string::npos;
+  if (is_pattern) {
+    return Fail(ErrorKind::kUsage, fmt::format("--target takes one robot or its alias, not '{}'",
+                                               base::Printable(filter.target)));
+  }
+  // A name that some version has is meant as it stands there.
+  const auto has = [&](Version version) { return FindAction(version, filter.action) != nullptr; };
+  if (std::none_of(vda5050::kVersions.begin(), vda5050::kVersions.end(), has)) {
+    filter.action = vda5050::ActionCalled(filter.action).value_or(filter.action);
+  }
+  if (filter.status.empty()) return {};
+  const auto is_meant = [&](std::string_view outcome) {
+    return base::EqualsIgnoringCase(outcome, filter.status);
+  };
+  const auto* const known =
+      std::find_if(kRecordedOutcomes.begin(), kRecordedOutcomes.end(), is_meant);
+  if (known == kRecordedOutcomes.end()) {
+    return Fail(ErrorKind::kUsage,
+                fmt::format("--status takes one of {}, not '{}'",
+                            fmt::join(kRecordedOutcomes, ", "), base::Printable(filter.status)));
+  }
+  filter.status = *known;
+  return {};
+}
+
+// To see whether there is another.
+ledger::HistoryFilter WithOneMore(ledger::HistoryFilter filter) {
+  if (filter.limit > 0 && filter.limit < std::numeric_limits<int>::max()) ++filter.limit;
+  return filter;
+}
+
 Result<ExitCode> RunHistory(Options options, const Context& context) {
+  if (auto ok = Normalize(options.filter, context.config); !ok) return Fail(std::move(ok.error()));
   if (!options.since.empty()) {
     const auto since = TimeOf(options.since, "--since");
     if (!since) return Fail(since.error());
@@ -105,14 +151,20 @@ Result<ExitCode> RunHistory(Options options, const Context& context) {
     if (!until) return Fail(until.error());
     options.filter.until = *until;
   }
-  const auto& aliases = context.config.aliases;
-  if (const auto alias = aliases.find(options.filter.target); alias != aliases.end()) {
-    options.filter.target = alias->second.ToString();
-  }
   const auto ledger = OpenLedger(context, ledger::OpenMode::kReadOnly);
   if (!ledger) return Fail(ledger.error());
-  const auto records = (*ledger)->History(options.filter);
+  auto records = (*ledger)->History(WithOneMore(options.filter));
   if (!records) return Fail(records.error());
+  const bool has_more =
+      options.filter.limit > 0 && records->size() > static_cast<std::size_t>(options.filter.limit);
+  if (has_more) {
+    records->erase(records->begin());
+    context.output.Tell("older ones are not shown: --limit 0 shows all");
+  }
+  if (const std::string& path = context.options.ledger;
+      records->empty() && !path.empty() && !ledger::IsUrl(path) && !std::filesystem::exists(path)) {
+    context.output.Warn(fmt::format("there is no ledger at {}", base::Printable(path)));
+  }
   if (context.output.json()) {
     for (const Record& record : *records) context.output.Line(RecordJson(record));
   } else if (records->empty()) {
@@ -194,9 +246,10 @@ Run DeclareHistory(OptionSet& set) {
     set.AddOption(names, value, help)->type_name(type)->group(kFilter);
   };
   add("--target", options->filter.target, "TARGET", "Only what was sent to this robot");
-  add("--action", options->filter.action, "TYPE", "Only this actionType");
+  add("--action", options->filter.action, "TYPE",
+      "Only this actionType, or what it is called here");
   add("--status", options->filter.status, "STATUS",
-      "Only this outcome: SENT, PUBLISHED, ERROR ...");
+      "Only this outcome: SENT, FINISHED, FAILED, ERROR ...");
   add("--user", options->filter.user, "USER", "Only what this user sent");
   add("--since", options->since, "TIME", "Not older: 24h, or 2026-01-02T03:04:05Z");
   add("--until", options->until, "TIME", "Not newer");

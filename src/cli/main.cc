@@ -1,9 +1,12 @@
 #include "cli/main.h"
 
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
+#include <array>
 #include <csignal>
 #include <cstdio>
 #include <memory>
@@ -45,14 +48,33 @@ ExitCode Finish(const Result<ExitCode>& result, Output& output) {
   return code == ExitCode::kDone ? ExitCode::kLedger : code;
 }
 
-ExitCode PrintHelp(const CLI::App& app, const Invocation& invocation) {
-  const bool general = invocation.name.empty();
-  fmt::print("{}", general ? GeneralHelp(app) : CommandHelp(app, invocation));
-  return ExitCode::kDone;
+ExitCode PrintText(const std::string& text) {
+  Output output({});
+  output.Line(text);
+  return Finish(ExitCode::kDone, output);
+}
+
+// `-h localhost` is what MQTT's own tools take: a script that means it must not take help for done.
+bool IsMeantAsHost(const std::vector<std::string>& arguments) {
+  const auto help = std::find(arguments.begin(), arguments.end(), "-h");
+  return help != arguments.begin() && std::distance(help, arguments.end()) > 1 &&
+         !(help + 1)->starts_with('-');
+}
+
+ExitCode PrintHelp(const CLI::App& app, const Invocation& invocation,
+                   const std::vector<std::string>& arguments) {
+  if (IsMeantAsHost(arguments)) {
+    return Complain({ErrorKind::kUsage,
+                     "-h asks for help and takes no word behind it: the broker's host is --host"},
+                    false);
+  }
+  std::string text = invocation.name.empty() ? GeneralHelp(app) : CommandHelp(app, invocation);
+  text.pop_back();  // its own end of line
+  return PrintText(text);
 }
 
 ExitCode NoCommand() {
-  fmt::print(stderr, "{}", ShortHelp());
+  std::fputs(ShortHelp().c_str(), stderr);
   return ExitCode::kUsage;
 }
 
@@ -66,10 +88,9 @@ ExitCode RunMain(const std::vector<std::string>& arguments) {
         return Complain(read.error(), call->options.verbose);
       }
     } catch (const CLI::CallForVersion& version) {
-      fmt::print("{}\n", version.what());
-      return ExitCode::kDone;
+      return PrintText(version.what());
     } catch (const CLI::CallForHelp&) {
-      return PrintHelp(call->app(), call->invocation);
+      return PrintHelp(call->app(), call->invocation, arguments);
     }
     if (!call->run) return NoCommand();
   }
@@ -82,9 +103,21 @@ ExitCode RunMain(const std::vector<std::string>& arguments) {
   return Finish(call->run(Context{call->options, output, call->config}), output);
 }
 
+// One that is closed would be the number of the next file that is opened: a result would be written
+// into the connection. In its place comes what cannot be read or written, and for errors nothing.
+void FillStandardDescriptors() {
+  constexpr std::array kModes = {O_WRONLY, O_RDONLY, O_WRONLY};
+  for (int descriptor = 0; descriptor < static_cast<int>(kModes.size()); ++descriptor) {
+    if (fcntl(descriptor, F_GETFD) != -1) continue;
+    // The lowest free number is this one.
+    static_cast<void>(open("/dev/null", kModes[static_cast<std::size_t>(descriptor)]));
+  }
+}
+
 }  // namespace
 
 int Main(int argc, char** argv) {
+  FillStandardDescriptors();
   // A closed pipe and a file that may not grow are errors that we report, not our end.
   std::signal(SIGPIPE, SIG_IGN);
   std::signal(SIGXFSZ, SIG_IGN);
@@ -97,10 +130,11 @@ int Main(int argc, char** argv) {
         "history tells): allow it more (ulimit -v), or give it less at a time\n",
         stderr);
   } catch (const std::exception& error) {
-    fmt::print(stderr,
-               "fleetpub: error: nobody foresaw this, and whether anything was sent is not known "
-               "(fleetpub history tells): please report it\nfleetpub: detail: {}\n",
-               base::Printable(error.what()));
+    const std::string text = fmt::format(
+        "fleetpub: error: nobody foresaw this, and whether anything was sent is not known "
+        "(fleetpub history tells): please report it\nfleetpub: detail: {}\n",
+        base::Printable(error.what()));
+    std::fputs(text.c_str(), stderr);
   }
   std::fflush(stdout);
   // Nothing is left to do, and the libraries' own clean-up costs more than the command did.

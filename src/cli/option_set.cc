@@ -71,6 +71,12 @@ void OptionSet::Mention(std::string_view argument) {
   }
 }
 
+bool OptionSet::IsByFlag(const std::string& name) const {
+  const CLI::Option* option = app_.get_option_no_throw(name);
+  const auto& parsed = app_.parse_order();  // holds nothing of the environment
+  return std::find(parsed.begin(), parsed.end(), option) != parsed.end();
+}
+
 bool OptionSet::IsMentioned(std::string_view names) const {
   if (all_ || !names.starts_with('-')) return true;
   while (!names.empty()) {

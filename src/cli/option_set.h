@@ -41,6 +41,10 @@ class OptionSet {
   CLI::Option* AddOption(const std::string& names, T& value, const std::string& help);
   CLI::Option* AddFlag(const std::string& names, bool& value, const std::string& help);
 
+  /// Once the arguments are parsed: whether they have the option, of this name with its dashes; not
+  /// only the environment.
+  [[nodiscard]] bool IsByFlag(const std::string& name) const;
+
   /// The options that the configuration may set too.
   [[nodiscard]] ConfigBindings& bindings() { return bindings_; }
   [[nodiscard]] const CLI::App& app() const { return app_; }

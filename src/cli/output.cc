@@ -25,6 +25,11 @@ using dispatch::Report;
 using dispatch::Verdict;
 
 std::atomic<bool> g_has_passing = false;
+int g_why_unwritten = 0;  // what first kept standard output from being written
+
+void Remember(bool is_written) {
+  if (!is_written && g_why_unwritten == 0) g_why_unwritten = errno;
+}
 
 void ClearPassingLine() {
   if (g_has_passing.exchange(false)) std::fputs("\r\x1b[K", stderr);
@@ -32,7 +37,8 @@ void ClearPassingLine() {
 
 void Print(std::FILE* stream, std::string_view text) {
   ClearPassingLine();
-  std::fwrite(text.data(), 1, text.size(), stream);
+  const bool is_written = std::fwrite(text.data(), 1, text.size(), stream) == text.size();
+  if (stream == stdout) Remember(is_written);
 }
 
 bool WantsColour(int descriptor) {
@@ -106,7 +112,7 @@ bool Output::CanPass() const {
 void Output::Pass(std::string_view text) {
   // The last column stays empty: some terminals go to the next line at once.
   const std::size_t width = TerminalWidth(STDERR_FILENO) - 1;
-  fmt::print(stderr, "\r\x1b[K{}", base::CutTo(width, text));
+  std::fputs(fmt::format("\r\x1b[K{}", base::CutTo(width, text)).c_str(), stderr);
   std::fflush(stderr);
   g_has_passing = true;
 }
@@ -121,18 +127,18 @@ std::string Output::Toned(Tone tone, std::string_view text) const {
   return fmt::format("\x1b[{}m{}\x1b[0m", code, text);
 }
 
-void Output::FlushNow() { std::fflush(stdout); }
+void Output::FlushNow() { Remember(std::fflush(stdout) == 0); }
 
 Status Output::Flush() {
-  if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return {};
-  const int why = errno;
+  FlushNow();
+  if (g_why_unwritten == 0 && std::ferror(stdout) == 0) return {};
   // Who reads has seen enough (`| head`); what was sent is another matter.
   pollfd reader{.fd = STDOUT_FILENO, .events = POLLOUT, .revents = 0};
   const bool is_gone = poll(&reader, 1, 0) == 1 && (reader.revents & POLLERR) != 0;
   if (is_gone && !something_was_sent()) return {};
   return Fail(ErrorKind::kLedger, fmt::format("the results could not be written to standard "
                                               "output: {}",
-                                              std::strerror(why)));
+                                              std::strerror(g_why_unwritten)));
 }
 
 std::string ReportText(const Report& report, std::size_t target_width, const Output& output) {

@@ -5,6 +5,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
+#include <cstdio>
 #include <optional>
 #include <set>
 #include <span>
@@ -13,6 +14,7 @@
 #include "cli/call.h"
 #include "cli/commanded.h"
 #include "cli/output.h"
+#include "dispatch/verdict.h"
 #include "schema/schema.h"
 #include "vda5050/catalogue.h"
 
@@ -132,6 +134,10 @@ constexpr auto kOptionValues = std::to_array<Slot>({
     {"", "output", Fixed<kFormats>},
     {"", "mqtt-version", Fixed<kMqttVersions>},
     {"soar acknowledge", "status", Fixed<kSoarEnds>},
+    {"history", "status", Fixed<dispatch::kRecordedOutcomes>},
+    {"simulate", "reject", ActionTypes},
+    {"simulate", "fail", ActionTypes},
+    {"simulate", "retriable", ActionTypes},
     {"soar", "wait-for", Fixed<kSoarEnds>},
     {"", "wait-for", Fixed<kEnds>},
     {"", "blocking-type", Fixed<kBlocking>},
@@ -290,9 +296,9 @@ Candidates CandidatesFor(std::vector<std::string> words) {
 ExitCode PrintCandidates(const std::vector<std::string>& arguments) {
   const Candidates found = CandidatesFor({arguments.begin() + 1, arguments.end()});
   for (const Candidate& word : found.words) {
-    fmt::print("{}\t{}\n", word.text, base::Printable(word.meaning));
+    std::fputs(fmt::format("{}\t{}\n", word.text, base::Printable(word.meaning)).c_str(), stdout);
   }
-  if (found.files) fmt::print(":files\n");
+  if (found.files) std::fputs(":files\n", stdout);
   return ExitCode::kDone;
 }
 

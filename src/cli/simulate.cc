@@ -245,6 +245,23 @@ Result<ExitCode> RunPlatforms(const Options& o, const Context& context) {
                            context);
 }
 
+// A fault of an action that nobody will send shows nothing.
+void WarnOfMisspelt(const Options& o, Output& output) {
+  std::vector<std::string_view> names;
+  for (const std::string_view action : vda5050::AllActionNames()) {
+    names.push_back(action);
+    for (const std::string_view name : vda5050::ShortNamesOf(action)) names.push_back(name);
+  }
+  for (const auto* words : {&o.fail, &o.reject, &o.retriable}) {
+    for (const std::string& word : *words) {
+      const auto nearest = vda5050::ActionCalled(word) ? std::nullopt : base::Nearest(word, names);
+      if (!nearest) continue;
+      output.Warn(fmt::format("no predefined action is called '{}': did you mean {}?",
+                              base::Printable(word), *nearest));
+    }
+  }
+}
+
 Result<ExitCode> RunSimulate(const Options& o, const Context& context) {
   const auto is_soar = IsSoar(o.protocol);
   if (!is_soar) return Fail(is_soar.error());
@@ -257,6 +274,7 @@ Result<ExitCode> RunSimulate(const Options& o, const Context& context) {
   if (!settings) return Fail(std::move(settings.error()));
   const std::string_view version = vda5050::FactsOf(settings->version).name;
   schema::Registry registry(context.options.schema_directory);
+  WarnOfMisspelt(o, output);
   const auto fleet = robot::Fleet::Make(
       *std::move(settings), *robots, registry,
       [&](std::string_view robot, const robot::Remark& remark) { Show(robot, remark, output); });
@@ -278,8 +296,10 @@ Result<ExitCode> RunSimulate(const Options& o, const Context& context) {
   run.on_lost = [&](const Error& error) { output.Warn(error.message + ": connecting again"); };
   run.on_ready = [&] {
     StopOnSignals();
-    fmt::print(stderr, "fleetpub: {} robot{} online at {}, version {}\n", robots->size(),
-               robots->size() == 1 ? "" : "s", run.connect.brokers.front().ToString(), version);
+    const std::string ready = fmt::format("fleetpub: {} robot{} online at {}, version {}\n",
+                                          robots->size(), robots->size() == 1 ? "" : "s",
+                                          run.connect.brokers.front().ToString(), version);
+    std::fputs(ready.c_str(), stderr);
   };
   if (auto ended = robot::Run(**fleet, run); !ended) return Fail(std::move(ended.error()));
   return ExitCode::kDone;

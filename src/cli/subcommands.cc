@@ -26,8 +26,8 @@ constexpr auto kSubcommands = std::to_array<Subcommand>({
      DeclareRespond},
     {"batch", kRobots, "[FILE]", "many commands, one JSON object per line; so the results",
      "batch commands.jsonl --wait\n"
-     "make-commands | fleetpub batch --rate 50 --stop-on-error\n"
-     "echo '{\"target\":\"KIT/0001\",\"action\":\"startPause\"}' | fleetpub batch",
+     "batch --rate 50 --stop-on-error < commands.jsonl\n"
+     "batch <<< '{\"target\":\"KIT/0001\",\"action\":\"startPause\"}'",
      DeclareBatch},
     {"requests", kLooking, "[TARGET...]", "what robots ask for: zones and corridors, from 3.0",
      "requests\n"

@@ -51,6 +51,9 @@ Result<std::vector<RobotAddress>> Resolve(const std::string& word, const Config&
   }
   auto robot = vda5050::ParseRobotAddress(word);
   if (robot) return std::vector{*std::move(robot)};
+  if (word == "all") {
+    return Fail(ErrorKind::kUsage, "'all' is no target: --all means every robot of the broker");
+  }
   if (word.find('/') == std::string::npos && !config.aliases.empty()) {
     const std::string hint = Nearby(word, NamesIn(config.aliases), "");
     return Fail(
@@ -77,7 +80,9 @@ VdaOptions Completed(VdaOptions given, const auto& find) {
 }
 
 bool Agrees(std::span<const RobotAddress> robots) {
-  fmt::print(stderr, "{}\nSend to these {} robots? [y/N] ", ListOf(robots), robots.size());
+  const std::string question =
+      fmt::format("{}\nSend to these {} robots? [y/N] ", ListOf(robots), robots.size());
+  std::fputs(question.c_str(), stderr);
   std::fflush(stderr);
   std::string answer;
   char c = 0;

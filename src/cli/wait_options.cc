@@ -28,10 +28,11 @@ Result<std::optional<vda5050::WaitFor>> WaitForOf(const WaitingOptions& options)
 }  // namespace
 
 void DeclareWaitOptions(OptionSet& set, WaitingOptions& options) {
-  set.AddFlag("-w,--wait", options.wait, "Wait until the robot says that it is done")
+  set.AddFlag("-w,--wait", options.wait, "Wait until the robot says so (--wait-for)")
       ->group(kWaiting);
-  set.AddOption("--wait-for", options.wait_for,
-                "accepted: the robot lists the action; finished: it is done")
+  set.AddOption(
+         "--wait-for", options.wait_for,
+         "accepted: the robot lists it; finished: it is done [orders: accepted, else finished]")
       ->type_name("END")
       ->group(kWaiting);
   set.AddOption("-W,--timeout", options.timeout,

@@ -137,8 +137,8 @@ bool Bracket::Take(const mqtt::Acknowledgement& acknowledgement) {
   if (acknowledgement.Refused()) {
     SetError(*found->second,
              {ErrorKind::kBroker,
-              fmt::format("{} refused the message: {}", transport_.server().broker.ToString(),
-                          acknowledgement.reason)},
+              fmt::format("{} refused the message, nobody got it: {}",
+                          transport_.server().broker.ToString(), acknowledgement.reason)},
              "");
   } else {
     SetVerdict(*found->second, Verdict::kPublished);

@@ -2,6 +2,7 @@
 // the manual.
 #pragma once
 
+#include <array>
 #include <optional>
 #include <string_view>
 
@@ -25,6 +26,11 @@ enum class Verdict {
   kInvalid,    ///< breaks the specification; nothing was sent
   kError,      ///< broker, ledger or file trouble; the message says whether anything was sent
 };
+
+/// What the ledger may say of a message; RECORDED while no outcome is known.
+inline constexpr auto kRecordedOutcomes = std::to_array<std::string_view>(
+    {"RECORDED", "SENT", "PUBLISHED", "ACCEPTED", "FINISHED", "FAILED", "REJECTED", "RETRIABLE",
+     "VANISHED", "OFFLINE", "TIMEOUT", "ERROR"});
 
 /// `SENT`
 [[nodiscard]] std::string_view NameOf(Verdict verdict);

@@ -140,8 +140,9 @@ Result<fs::path> DefaultLedgerPath(const fs::path& shared_folder) {
   if (state.is_absolute()) return state / "fleetpub" / "ledger.db";
   const fs::path home = HomeFolder();
   if (home.is_absolute()) return home / ".local" / "state" / "fleetpub" / "ledger.db";
-  return Fail(ErrorKind::kLedger,
-              "no place for the ledger: this user has no home folder; set HOME or name a ledger");
+  return Fail(
+      ErrorKind::kLedger,
+      "no place for the ledger: this user has no home folder; set HOME or name one with --ledger");
 }
 
 }  // namespace fleetpub::ledger

@@ -36,7 +36,7 @@ std::string Message(const SqliteFailure& failure) {
     case SQLITE_AUTH:
       return fmt::format(
           "the ledger {} cannot be written: give yourself write permission for the file and its "
-          "folder, or use another ledger",
+          "folder, or name another with --ledger",
           path);
     case SQLITE_IOERR:
       return fmt::format(
@@ -62,7 +62,7 @@ Error DamagedLedger(const std::filesystem::path& path, std::string detail) {
 Error CannotOpen(const std::filesystem::path& path, int system_error, std::string detail) {
   return {ErrorKind::kLedger,
           fmt::format("cannot open the ledger {} ({}): check its permissions and those of its "
-                      "folder, or use another ledger",
+                      "folder, or name another with --ledger",
                       path.string(), Reason(system_error)),
           std::move(detail)};
 }

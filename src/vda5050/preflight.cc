@@ -120,8 +120,7 @@ bool CheckVersion(Check& check, const std::string& spoken) {
     return false;
   }
   if (Fits(spoken, *theirs, check.dialect.version)) return true;
-  const std::string_view name = IsFoundAt(check, *theirs) ? FactsOf(*theirs).name : "auto";
-  check.RefuseUnless(sentence, fmt::format("use --vda {}", name));
+  check.RefuseUnless(sentence, "use --vda auto");  // others of the command may speak another
   return false;
 }
 

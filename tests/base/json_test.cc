@@ -103,6 +103,12 @@ TEST(ParseJson, RefusesInvalidUtf8) {
   }
 }
 
+TEST(ParseJson, SaysThatATextIsCutOff) {
+  for (const char* text : {R"({"a":)", R"({"a":1)", "[1, \n", "{"}) {
+    EXPECT_THAT(Refusal(text), HasSubstr("the text ends before it is complete")) << text;
+  }
+}
+
 TEST(ParseJson, RefusesALoneSurrogate) {
   for (const std::string_view text :
        {R"("\ud800")", R"("\udc00")", R"("a\udfffb")", R"("\ud800x")", R"("\ud800\ud800")",

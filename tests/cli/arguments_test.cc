@@ -119,11 +119,16 @@ TEST(FindSubcommand, SuggestsTheNearestCommand) {
 }
 
 TEST(FindSubcommand, TellsHowToSendAnActionThatItDoesNotKnow) {
-  for (const std::string word : {"makeCoffee", "-", "1.5", "KIT/0001"}) {
+  for (const std::string word : {"makeCoffee", "-", "1.5"}) {
     EXPECT_EQ(Found(word + " x"), "there is no command '" + word +
                                       "': fleetpub --help lists them; a manufacturer's own action "
                                       "is sent with `fleetpub action TYPE TARGET`");
   }
+}
+
+TEST(FindSubcommand, SaysThatTheCommandComesFirst) {
+  EXPECT_EQ(Found("KIT/0001 pause"),
+            "the command comes before its target: fleetpub pause KIT/0001");
 }
 
 TEST(FindSubcommand, ShowsNoControlCharacter) {

@@ -27,6 +27,28 @@ TEST(BatchLine, MakesAnActionForEachTarget) {
   EXPECT_THAT(line->commands[0].confirmation, IsNull());
 }
 
+TEST(BatchLine, SpeaksToEachRobotInItsOwnWay) {
+  LineDefaults defaults;
+  defaults.address = [](std::string_view word) -> Result<AddressedRobot> {
+    vda5050::Dialect dialect;
+    dialect.version = vda5050::Version::k210;
+    const bool is_automatic = word == "asks";
+    return AddressedRobot{
+        {"K", "1"}, std::make_shared<const vda5050::Dialect>(dialect), is_automatic};
+  };
+  const auto line = Parsed(R"({"target":"agv1","action":"startPause"})", defaults);
+  ASSERT_TRUE(line) << line.error().message;
+  EXPECT_EQ(line->commands[0].topic, "uagv/v2/K/1/instantActions");
+  const auto asks = R"({"target":"asks","action":"startPause")" + std::string();
+  EXPECT_THAT(Parsed(asks + "}", defaults).error().message, HasSubstr("name its version"));
+  const auto named = Parsed(asks + R"(,"vda":"3.0.0"})", defaults);
+  ASSERT_TRUE(named) << named.error().message;
+  EXPECT_EQ(named->commands[0].topic, "vda5050/v3/K/1/instantActions");
+  EXPECT_THAT(
+      Parsed(R"({"target":["agv1","K/1"],"action":"startPause"})", defaults).error().message,
+      HasSubstr("names K/1 twice"));
+}
+
 TEST(BatchLine, TakesPreparedMessagesAndSoar) {
   const auto message = Parsed(R"({"target":"K/1","topic":"responses","payload":)"
                               R"({"responses":[{"requestId":"r","grantType":"GRANTED"}]}})");

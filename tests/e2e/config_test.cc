@@ -222,6 +222,51 @@ TEST_F(Configuration, EachRobotIsSpokenToInItsOwnWay) {
   EXPECT_STREQ(Json(flags.output)["version"].GetString(), "2.1.0");
 }
 
+TEST_F(Configuration, ABatchSpeaksToEachRobotInItsOwnWayToo) {
+  Write("interface = \"plant\"\n" + std::string(kMixedFleet));
+  Command batch = operator_.Prepare({"batch", "--dry-run"});
+  batch.input =
+      "{\"target\":[\"old\",\"KIT/0003\"],\"action\":\"startPause\"}\n"
+      "{\"target\":\"old\",\"action\":\"startPause\",\"vda\":\"2.1\"}\n";
+  const auto lines = Lines(testing::Run(std::move(batch)).output);
+  ASSERT_THAT(lines, SizeIs(3));
+  const auto first = Json(lines[0]);
+  EXPECT_STREQ(first["version"].GetString(), "2.0.0");
+  EXPECT_TRUE(first["payload"].HasMember("instantActions"));
+  EXPECT_STREQ(Json(lines[1])["topic"].GetString(), "plant/v3/KIT/0003/instantActions");
+  EXPECT_STREQ(Json(lines[2])["version"].GetString(), "2.1.0");
+}
+
+TEST_F(Configuration, AProfileAndAVariableThatNameDifferentBrokersAreRefused) {
+  const Mosquitto broker;
+  const Mosquitto other;
+  Write("[profile.north]\nbroker = \"" + broker.Url() + "\"\n");
+  const Subscriber subscriber(other);
+  const std::vector<std::string> pause = {"pause", "KIT/0001", "--profile", "north"};
+  const Finished refused = FleetpubWith("FLEETPUB_BROKER", other.Url(), pause);
+  EXPECT_EQ(refused.exit_code, 2);
+  EXPECT_THAT(refused.errors, AllOf(HasSubstr("profile north has the broker " + broker.Url()),
+                                    HasSubstr("FLEETPUB_BROKER names another")));
+  EXPECT_EQ(FleetpubWith("FLEETPUB_BROKER", broker.Url(), pause).exit_code, 0);
+  EXPECT_EQ(FleetpubWith("FLEETPUB_HOST", "127.0.0.1", pause).exit_code, 2);
+  EXPECT_THAT(subscriber.SoFar(), IsEmpty());
+}
+
+TEST_F(Configuration, AFlagForTheBrokerGoesBeforeTheVariableOfTheOtherForm) {
+  const Mosquitto broker;
+  const std::string port = std::to_string(broker.port());
+  const Finished by_host = FleetpubWith("FLEETPUB_BROKER", "mqtt://127.0.0.1:1",
+                                        {"pause", "KIT/0001", "--host", "127.0.0.1", "-p", port});
+  EXPECT_EQ(by_host.exit_code, 0) << by_host.errors;
+  const Finished by_url =
+      FleetpubWith("FLEETPUB_HOST", "nobody.invalid", {"pause", "KIT/0001", "-b", broker.Url()});
+  EXPECT_EQ(by_url.exit_code, 0) << by_url.errors;
+  const Finished unclear =
+      FleetpubWith("FLEETPUB_BROKER", broker.Url(), {"pause", "KIT/0001", "-p", port});
+  EXPECT_EQ(unclear.exit_code, 2);
+  EXPECT_THAT(unclear.errors, HasSubstr("FLEETPUB_BROKER"));
+}
+
 TEST_F(Configuration, AGroupIsCommandedOnlyWithAWord) {
   const Mosquitto broker;
   Write("broker = \"" + broker.Url() + "\"\nqos = 1\n" + std::string(kMixedFleet));

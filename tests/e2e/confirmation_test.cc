@@ -70,7 +70,7 @@ TEST_F(Confirmation, RefusesWhatCannotBeObeyed) {
   EXPECT_THAT(other.output, AllOf(HasSubstr("factsheet"), HasSubstr("--no-check")));
   const Finished version = Fleetpub({"pause", "KIT/0001", "--check", "--vda", "2.1"});
   EXPECT_EQ(version.exit_code, 7);
-  EXPECT_THAT(version.output, HasSubstr("--vda 3.0.0"));
+  EXPECT_THAT(version.output, HasSubstr("speaks 3.0.0: use --vda auto"));
 }
 
 TEST_F(Confirmation, SpeaksToEachRobotInItsOwnVersion) {

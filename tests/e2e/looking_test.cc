@@ -9,6 +9,7 @@ namespace {
 
 using ::testing::AllOf;
 using ::testing::HasSubstr;
+using ::testing::IsEmpty;
 using ::testing::Not;
 using ::testing::SizeIs;
 
@@ -152,6 +153,14 @@ TEST_F(Looking, RemembersWhatWasSent) {
   EXPECT_THAT(Fleetpub({"history", "show", "2"}).output,
               AllOf(HasSubstr("KIT/0002"), HasSubstr("\"actionType\": \"stopPause\"")));
   EXPECT_EQ(Fleetpub({"history", "show", "3"}).exit_code, 2);
+  const Finished newest = Fleetpub({"history", "--limit", "1", "-o", "json"});
+  EXPECT_THAT(Lines(newest.output), SizeIs(1));
+  EXPECT_THAT(newest.errors, HasSubstr("older ones are not shown"));
+  EXPECT_THAT(Fleetpub({"history", "--limit", "2"}).errors, IsEmpty());
+  EXPECT_EQ(Fleetpub({"history", "--status", "lost"}).exit_code, 2);
+  EXPECT_EQ(Fleetpub({"history", "--target", "KIT/*"}).exit_code, 2);
+  EXPECT_THAT(Fleetpub({"history", "--ledger", "no-such.db"}).errors,
+              HasSubstr("there is no ledger at no-such.db"));
   EXPECT_THAT(Fleetpub({"history", "prune", "--older-than", "0s"}).output, HasSubstr("2 rows"));
   EXPECT_THAT(Fleetpub({"pause", "KIT/0001"}).output, HasSubstr("headerId 1"));
 }

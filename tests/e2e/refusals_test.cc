@@ -9,9 +9,11 @@ namespace fleetpub::testing {
 namespace {
 
 using ::testing::AllOf;
+using ::testing::AnyOf;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::Not;
+using ::testing::SizeIs;
 using ::testing::StartsWith;
 
 struct Case {
@@ -190,6 +192,48 @@ TEST_F(Refusals, ResultsThatCannotBeWrittenAreTold) {
   const Finished sending = testing::Run(command);
   EXPECT_EQ(sending.exit_code, 0) << "the command was sent, whoever reads the result";
   EXPECT_THAT(sending.errors, HasSubstr("could not be written"));
+}
+
+TEST_F(Refusals, HelpThatCannotBeWrittenIsTold) {
+  Command command = operator_.Prepare({"actions"});
+  command.arguments = {"sh", "-c", Binary() + " --help > /dev/full"};
+  const Finished help = testing::Run(command);
+  EXPECT_EQ(help.exit_code, 8);
+  EXPECT_THAT(help.errors, HasSubstr("could not be written"));
+}
+
+// Their numbers would be those of the connection and of the pipe that a batch listens on.
+TEST_F(Refusals, ClosedStandardDescriptorsDoNoHarm) {
+  const auto robot = Robot({"KIT/0001"});
+  const Subscriber subscriber(broker_, "+/+/+/+/instantActions");
+  const auto run = [&](const std::string& rest) {
+    Command command = operator_.Prepare({"actions"});
+    command.arguments = {"sh", "-c", Binary() + " " + rest};
+    return testing::Run(command);
+  };
+  const Finished closed = run("pause KIT/0001 --wait <&- >&-");
+  EXPECT_EQ(closed.exit_code, 0) << closed.errors;
+  EXPECT_THAT(closed.errors, HasSubstr("standard output: Bad file descriptor"));
+  EXPECT_THAT(subscriber.Await(1), SizeIs(1));
+  EXPECT_THAT(broker_.Log(), Not(AnyOf(HasSubstr("malformed"), HasSubstr("protocol error"))));
+  const Finished batch = run("batch <&-");
+  EXPECT_EQ(batch.exit_code, 8);
+  EXPECT_THAT(batch.output, HasSubstr("cannot read standard input"));
+  EXPECT_EQ(run("simulate KIT/0002 --for 100ms 2>&-").exit_code, 0);
+}
+
+TEST_F(Refusals, AHostBehindTheLetterOfHelpIsNoHelp) {
+  const Finished meant = Fleetpub({"pause", "KIT/0001", "-h", "localhost"});
+  EXPECT_EQ(meant.exit_code, 2);
+  EXPECT_THAT(meant.errors, HasSubstr("the broker's host is --host"));
+  EXPECT_EQ(Fleetpub({"pause", "KIT/0001", "-h"}).exit_code, 0);
+  EXPECT_EQ(Fleetpub({"-h", "pause"}).exit_code, 0);
+}
+
+TEST_F(Refusals, WordsInTheWrongPlaceAreTold) {
+  EXPECT_THAT(Fleetpub({"KIT/0001", "pause"}).errors,
+              HasSubstr("the command comes before its target: fleetpub pause KIT/0001"));
+  EXPECT_THAT(Fleetpub({"pause", "all"}).errors, HasSubstr("--all means every robot"));
 }
 
 }  // namespace

@@ -134,12 +134,12 @@ TEST(Preflight, MakesNoExceptionForAMessageOfSeveralActions) {
 TEST(Preflight, NamesTheVersionThatTheRobotSpeaks) {
   for (const bool assumed : {true, false}) {
     EXPECT_THAT(Findings(Online("2.1.0"), Action("startPause"), {.assumed = assumed}),
-                ElementsAre("refused: KIT/0001 speaks 2.1.0: use --vda 2.1.0, or --no-check"));
+                ElementsAre("refused: KIT/0001 speaks 2.1.0: use --vda auto, or --no-check"));
   }
   EXPECT_THAT(Findings(Online("2.0.0"), Action("startPause"), {.version = Version::k210}),
-              ElementsAre("refused: KIT/0001 speaks 2.0.0: use --vda 2.0.0, or --no-check"));
+              ElementsAre("refused: KIT/0001 speaks 2.0.0: use --vda auto, or --no-check"));
   EXPECT_THAT(Findings(Online("v2"), Action("startPause")),
-              ElementsAre("refused: KIT/0001 speaks v2: use --vda 2.1.0, or --no-check"));
+              ElementsAre("refused: KIT/0001 speaks v2: use --vda auto, or --no-check"));
   EXPECT_THAT(Findings(Online("4.0.0"), Action("startPause")),
               ElementsAre("refused: KIT/0001 speaks 4.0.0, which fleetpub does not; --no-check "
                           "sends it all the same"));
@@ -182,7 +182,7 @@ TEST(Preflight, RefusesARobotThatWouldNotHearUs) {
 
 TEST(Preflight, AdvisesAutoWhenTheVersionAloneDoesNotHelp) {
   EXPECT_THAT(Findings(At("uagv/v2/KIT/0001/connection", "2.1.0"), Action("startPause")),
-              ElementsAre(HasSubstr("use --vda 2.1.0,")));
+              ElementsAre(HasSubstr("use --vda auto,")));
   EXPECT_THAT(Findings(At("fts/v2/KIT/0001/connection", "2.1.0"), Action("startPause")),
               ElementsAre(HasSubstr("use --vda auto,")));
 }
