@@ -7,6 +7,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
+#include <cassert>
 #include <csignal>
 #include <cstdio>
 #include <memory>
@@ -109,8 +110,9 @@ void FillStandardDescriptors() {
   constexpr std::array kModes = {O_WRONLY, O_RDONLY, O_WRONLY};
   for (int descriptor = 0; descriptor < static_cast<int>(kModes.size()); ++descriptor) {
     if (fcntl(descriptor, F_GETFD) != -1) continue;
-    // The lowest free number is this one.
-    static_cast<void>(open("/dev/null", kModes[static_cast<std::size_t>(descriptor)]));
+    const int opened = open("/dev/null", kModes[static_cast<std::size_t>(descriptor)]);
+    if (opened == -1) return;
+    assert(opened == descriptor);  // the lowest that is free
   }
 }
 
