@@ -108,7 +108,8 @@ Status Call::Configure() {
   auto loaded = LoadConfig(options.config_file, options.profile);
   if (!loaded) return Fail(std::move(loaded.error()));
   config = *std::move(loaded);
-  return ApplyConfig(config, *set_, options);
+  ApplyConfig(config, *set_, options);
+  return {};
 }
 
 }  // namespace fleetpub::cli

@@ -180,27 +180,26 @@ void DeclareConfig(OptionSet& set, GlobalOptions& o) {
 void PreferFlags(const OptionSet& set, GlobalOptions& o) {
   const bool by_url = set.IsByFlag("--broker");
   if (set.IsByFlag("--host") && !by_url) o.brokers.clear();
-  if (by_url && !set.IsByFlag("--host") && !set.IsByFlag("--port")) {
+  const bool by_host = set.IsByFlag("--host") || set.IsByFlag("--port");
+  if (by_url && !by_host) {
     o.host.clear();
     o.port.clear();
   }
+  o.is_site_by_flag = set.IsByFlag("--profile") && !by_url && !by_host;
 }
 
 // Who names a site means its broker, and not the one that the environment has had for long.
-Status CheckProfile(const Config& config, const OptionSet& set, const GlobalOptions& o) {
-  if (!set.IsByFlag("--profile") || config.profile.empty()) return {};
-  if (set.IsByFlag("--broker") || set.IsByFlag("--host") || set.IsByFlag("--port")) return {};
-  const ConfigSection& site = config.profiles.find(config.profile)->second;
+Status CheckSite(const Context& context) {
+  const GlobalOptions& o = context.options;
+  if (!o.is_site_by_flag || context.config.profile.empty()) return {};
+  const ConfigSection& site = context.config.profiles.find(context.config.profile)->second;
   const auto configured = site.find("broker");
-  if (configured == site.end()) return {};
-  const bool is_same = o.host.empty() && o.port.empty() &&
-                       (o.brokers.empty() || o.brokers == configured->second.texts);
-  if (is_same) return {};
+  if (configured == site.end() || o.brokers == configured->second.texts) return {};
   return Fail(
       ErrorKind::kUsage,
       fmt::format("profile {} has the broker {}, and {} names another: unset that, or say "
                   "which with --broker",
-                  base::Printable(config.profile),
+                  base::Printable(context.config.profile),
                   base::Printable(base::Join(configured->second.texts, ", ")),
                   o.brokers.empty() ? "FLEETPUB_HOST or FLEETPUB_PORT" : "FLEETPUB_BROKER"));
 }
@@ -353,19 +352,18 @@ void DeclareGlobalOptions(OptionSet& set, GlobalOptions& options) {
   DeclareConfig(set, options);
 }
 
-Status ApplyConfig(const Config& config, OptionSet& set, GlobalOptions& options) {
-  if (auto ok = CheckProfile(config, set, options); !ok) return ok;
+void ApplyConfig(const Config& config, OptionSet& set, GlobalOptions& options) {
   PreferFlags(set, options);
   std::vector<std::string_view> except;
   if (!options.host.empty() || !options.port.empty()) except.emplace_back("broker");
   if (!options.brokers.empty()) except.insert(except.end(), {"host", "port"});
   if (options.ask_password || HasPasswordInEnvironment()) except.emplace_back("password_file");
   set.bindings().Apply(config, std::move(except));
-  return {};
 }
 
 Result<mqtt::ConnectOptions> ConnectOptionsOf(const Context& context) {
   const GlobalOptions& o = context.options;
+  if (auto ok = CheckSite(context); !ok) return Fail(std::move(ok.error()));
   auto brokers = BrokersOf(o);
   if (!brokers) return Fail(std::move(brokers.error()));
   if (auto ok = CheckEncryption(context, *brokers); !ok) return Fail(std::move(ok.error()));

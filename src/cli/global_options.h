@@ -55,6 +55,7 @@ struct GlobalOptions {
 
   std::optional<std::string> config_file;
   std::optional<std::string> profile;  ///< empty text: none
+  bool is_site_by_flag = false;        ///< a flag names the profile, and none the broker
 };
 
 /// The help groups of global options; a command's own help leaves them out.
@@ -63,9 +64,8 @@ struct GlobalOptions {
 /// Adds them to an App; `options` must outlive its parsing.
 void DeclareGlobalOptions(OptionSet& set, GlobalOptions& options);
 
-/// Once they are parsed: sets what neither flag nor environment gave. Errors: ErrorKind::kUsage:
-/// the profile that a flag names has another broker than the environment.
-[[nodiscard]] Status ApplyConfig(const Config& config, OptionSet& set, GlobalOptions& options);
+/// Once they are parsed: sets what neither flag nor environment gave.
+void ApplyConfig(const Config& config, OptionSet& set, GlobalOptions& options);
 
 /// What a running command needs of the outer world.
 struct Context {
@@ -75,7 +75,8 @@ struct Context {
 };
 
 /// Brokers, credentials and TLS as the options, the environment and files say. May prompt for a
-/// password. Errors: ErrorKind::kUsage, kLedger (a password file that cannot be read).
+/// password. Errors: ErrorKind::kUsage (also a profile named by a flag whose broker the environment
+/// contradicts), kLedger (a password file that cannot be read).
 [[nodiscard]] Result<mqtt::ConnectOptions> ConnectOptionsOf(const Context& context);
 
 /// The file or the database that the options name. Errors: ErrorKind::kUsage (a URL that is none of

@@ -249,6 +249,9 @@ TEST_F(Configuration, AProfileAndAVariableThatNameDifferentBrokersAreRefused) {
                                     HasSubstr("FLEETPUB_BROKER names another")));
   EXPECT_EQ(FleetpubWith("FLEETPUB_BROKER", broker.Url(), pause).exit_code, 0);
   EXPECT_EQ(FleetpubWith("FLEETPUB_HOST", "127.0.0.1", pause).exit_code, 2);
+  const Finished shown = FleetpubWith("FLEETPUB_BROKER", other.Url(),
+                                      {"config", "show", "--profile", "north", "-o", "json"});
+  EXPECT_EQ(Shown(shown, "broker"), other.Url() + " | environment variable FLEETPUB_BROKER");
   EXPECT_THAT(subscriber.SoFar(), IsEmpty());
 }
 
