@@ -269,7 +269,8 @@ TEST_F(SendAtQos1, NamesTheMessageThatTheBrokerRefused) {
   EXPECT_TRUE(SendAll(CommandsFor(2), mqtt::Qos::kAtLeastOnce));
   EXPECT_EQ(reports_[0].verdict, Verdict::kError);
   EXPECT_EQ(reports_[0].error, ErrorKind::kBroker);
-  EXPECT_EQ(reports_[0].message, "mqtt://broker:1883 refused the message, nobody got it: not authorized (0x87)");
+  EXPECT_EQ(reports_[0].message,
+            "mqtt://broker:1883 refused the message, nobody got it: not authorized (0x87)");
   EXPECT_EQ(reports_[1].verdict, Verdict::kPublished) << "nobody subscribed (0x10) is a success";
 }
 
