@@ -137,7 +137,7 @@ class Awaiter {
   Result<ExitCode> Run() {
     auto connect = ConnectOptionsOf(context_);
     if (!connect) return Fail(std::move(connect.error()));
-    const InterruptGuard interrupt(0);
+    const InterruptGuard interrupt;
     start_ = steady_clock::now();
     const auto end = start_ + wish_.timeout;
     Output& output = context_.output;

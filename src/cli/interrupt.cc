@@ -13,7 +13,7 @@
 namespace fleetpub::cli {
 namespace {
 
-std::atomic<std::size_t> g_total = 0;
+std::atomic<std::size_t> g_total = 0;  // 0: sending has not begun
 std::atomic<std::size_t> g_sent = 0;
 
 // Collects a line without allocating: everything here runs inside a signal handler.
@@ -42,8 +42,10 @@ void End(int signal) {
   SignalSafeLine line;
   if (Output::HasPassing()) line.Add("\r\x1b[K");
   line.Add(signal == SIGINT ? "fleetpub: interrupted: " : "fleetpub: terminated: ");
-  if (g_sent == 0) {
+  if (g_total == 0) {
     line.Add("nothing was sent\n");
+  } else if (g_sent == 0) {
+    line.Add("perhaps a message was sent; fleetpub history tells\n");
   } else {
     line.Add(g_sent);
     line.Add(" of ");
@@ -56,8 +58,8 @@ void End(int signal) {
 
 }  // namespace
 
-InterruptGuard::InterruptGuard(std::size_t total) {
-  g_total = total;
+InterruptGuard::InterruptGuard() {
+  g_total = 0;
   g_sent = 0;
   struct sigaction action {};
   action.sa_handler = End;
@@ -70,7 +72,7 @@ InterruptGuard::~InterruptGuard() {
   sigaction(SIGTERM, &old_terminate_, nullptr);
 }
 
-void InterruptGuard::Expect(std::size_t total) { g_total = total; }
+void InterruptGuard::Begin(std::size_t total) { g_total = total; }
 
 void InterruptGuard::CountSent() { ++g_sent; }
 

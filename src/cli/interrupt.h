@@ -12,14 +12,14 @@ namespace fleetpub::cli {
 /// half-written MQTT packet is no message. One at a time.
 class InterruptGuard {
  public:
-  /// `total`: how many messages are to be sent.
-  explicit InterruptGuard(std::size_t total);
+  InterruptGuard();
   InterruptGuard(const InterruptGuard&) = delete;
   InterruptGuard& operator=(const InterruptGuard&) = delete;
   ~InterruptGuard();
 
-  /// How many it is that are to be sent, when that becomes known later.
-  static void Expect(std::size_t total);
+  /// From now on messages leave, so many in all: that none was counted no longer means that none
+  /// was sent.
+  static void Begin(std::size_t total);
   /// One more message was handed to the network.
   static void CountSent();
 

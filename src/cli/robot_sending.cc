@@ -251,7 +251,7 @@ class RobotSender {
     options_.acknowledge_timeout = connect_.connect_timeout;
     if (!sending_.waiting.wait_for)
       WarnOfSilentRefusals(connect_.version, options_.qos, context_.output);
-    InterruptGuard::Expect(robots_.size());
+    InterruptGuard::Begin(robots_.size());
     ProgressBar bar(sending_.targets.IsSet() ? robots_.size() : 0, context_.output);
     bar_ = sending_.targets.IsSet() && bar.IsPossible() ? &bar : nullptr;
     dispatch::Stream stream(transport_, **ledger, options_, sending_.waiting.wait, HooksFor());
@@ -351,7 +351,7 @@ class RobotSender {
 
   const RobotSending& sending_;
   const Context& context_;
-  const InterruptGuard interrupt_{0};
+  const InterruptGuard interrupt_;
   vda5050::Roster roster_;
   const Spared& spared_;
   CommandMaker maker_;

@@ -68,11 +68,7 @@ class Sender {
  public:
   Sender(Outgoing& outgoing, const mqtt::ConnectOptions& connect, mqtt::Qos qos,
          const Context& context)
-      : outgoing_(outgoing),
-        connect_(connect),
-        context_(context),
-        reporter_(context.output),
-        interrupt_(outgoing.commands.size()) {
+      : outgoing_(outgoing), connect_(connect), context_(context), reporter_(context.output) {
     for (const Command& command : outgoing.commands) reporter_.Fit(command.target);
     options_.qos = qos;
     options_.acknowledge_timeout = connect.connect_timeout;
@@ -84,6 +80,7 @@ class Sender {
     if (!ledger) return Fail(ledger.error());
     if (auto ok = Connect(); !ok) return Fail(ok.error());
     if (!outgoing_.wait) WarnOfSilentRefusals(connect_.version, options_.qos, context_.output);
+    InterruptGuard::Begin(outgoing_.commands.size());
     Status trouble;
     const auto ran = outgoing_.wait ? Converse(**ledger, trouble) : Send(**ledger, trouble);
     if (transport_ != nullptr) transport_->Disconnect();

@@ -157,7 +157,9 @@ TEST_F(Refusals, CtrlCEndsWith130AndSaysWhatWasSent) {
   ASSERT_TRUE(run.AwaitErrors("-> PUBLISH"));
   run.Signal(SIGINT);
   EXPECT_EQ(run.Wait(), 130);
-  EXPECT_THAT(run.Errors(), HasSubstr("1 of 1 messages were sent"));
+  // It may be interrupted before the message is counted.
+  EXPECT_THAT(run.Errors(), AnyOf(HasSubstr("1 of 1 messages were sent"),
+                                  HasSubstr("perhaps a message was sent")));
 }
 
 TEST_F(Refusals, AnObjectSaysThatNothingWasSent) {
