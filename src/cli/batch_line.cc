@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <set>
 #include <utility>
 
 #include "base/json.h"
@@ -378,13 +379,12 @@ Result<LineCommands> LineParser::ForEach(const Value& line, const Request& reque
     return Wrong("actionId names one action: give one target with it");
   }
   LineCommands result;
+  std::set<std::string> named;
   for (const std::string_view target : targets) {
     auto command = request.For(target);
     if (!command) return Fail(std::move(command.error()));
-    const bool twice =
-        std::any_of(result.commands.begin(), result.commands.end(),
-                    [&](const Command& other) { return other.target == command->target; });
-    if (twice) return Wrong(fmt::format("target names {} twice", Printable(command->target)));
+    if (targets.size() > 1 && !named.insert(command->target).second)
+      return Wrong(fmt::format("target names {} twice", Printable(command->target)));
     if (auto ok = Validate(*command, result.warnings); !ok) return Fail(std::move(ok.error()));
     result.commands.push_back(std::move(*command));
   }

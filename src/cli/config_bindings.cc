@@ -29,9 +29,13 @@ std::vector<std::string> TextsOf(const ConfigBindings::Target& target) {
 }  // namespace
 
 // What the environment sets, CLI11 does not count as parsed.
-std::string OriginOf(const CLI::App& app, const CLI::Option& option) {
+bool IsByFlag(const CLI::App& app, const CLI::Option& option) {
   const auto& parsed = app.parse_order();
-  if (std::find(parsed.begin(), parsed.end(), &option) == parsed.end()) {
+  return std::find(parsed.begin(), parsed.end(), &option) != parsed.end();
+}
+
+std::string OriginOf(const CLI::App& app, const CLI::Option& option) {
+  if (!IsByFlag(app, option)) {
     return fmt::format("environment variable {}", option.get_envname());
   }
   return fmt::format("flag --{}", option.get_lnames().front());

@@ -19,6 +19,9 @@ class Option;
 
 namespace fleetpub::cli {
 
+/// Whether the arguments have the option; not only the environment.
+[[nodiscard]] bool IsByFlag(const CLI::App& app, const CLI::Option& option);
+
 /// Who gave an option that is not empty: `flag --qos`, `environment variable FLEETPUB_QOS`.
 [[nodiscard]] std::string OriginOf(const CLI::App& app, const CLI::Option& option);
 

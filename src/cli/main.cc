@@ -51,7 +51,7 @@ ExitCode Finish(const Result<ExitCode>& result, Output& output) {
 
 ExitCode PrintText(const std::string& text) {
   Output output({});
-  output.Line(text);
+  Print(stdout, text);
   return Finish(ExitCode::kDone, output);
 }
 
@@ -69,13 +69,11 @@ ExitCode PrintHelp(const CLI::App& app, const Invocation& invocation,
                      "-h asks for help and takes no word behind it: the broker's host is --host"},
                     false);
   }
-  std::string text = invocation.name.empty() ? GeneralHelp(app) : CommandHelp(app, invocation);
-  text.pop_back();  // its own end of line
-  return PrintText(text);
+  return PrintText(invocation.name.empty() ? GeneralHelp(app) : CommandHelp(app, invocation));
 }
 
 ExitCode NoCommand() {
-  std::fputs(ShortHelp().c_str(), stderr);
+  Print(stderr, ShortHelp());
   return ExitCode::kUsage;
 }
 
@@ -89,7 +87,7 @@ ExitCode RunMain(const std::vector<std::string>& arguments) {
         return Complain(read.error(), call->options.verbose);
       }
     } catch (const CLI::CallForVersion& version) {
-      return PrintText(version.what());
+      return PrintText(version.what() + std::string("\n"));
     } catch (const CLI::CallForHelp&) {
       return PrintHelp(call->app(), call->invocation, arguments);
     }
@@ -132,11 +130,11 @@ int Main(int argc, char** argv) {
         "history tells): allow it more (ulimit -v), or give it less at a time\n",
         stderr);
   } catch (const std::exception& error) {
-    const std::string text = fmt::format(
-        "fleetpub: error: nobody foresaw this, and whether anything was sent is not known "
-        "(fleetpub history tells): please report it\nfleetpub: detail: {}\n",
-        base::Printable(error.what()));
-    std::fputs(text.c_str(), stderr);
+    Print(stderr,
+          fmt::format(
+              "fleetpub: error: nobody foresaw this, and whether anything was sent is not known "
+              "(fleetpub history tells): please report it\nfleetpub: detail: {}\n",
+              base::Printable(error.what())));
   }
   std::fflush(stdout);
   // Nothing is left to do, and the libraries' own clean-up costs more than the command did.

@@ -73,8 +73,7 @@ void OptionSet::Mention(std::string_view argument) {
 
 bool OptionSet::IsByFlag(const std::string& name) const {
   const CLI::Option* option = app_.get_option_no_throw(name);
-  const auto& parsed = app_.parse_order();  // holds nothing of the environment
-  return std::find(parsed.begin(), parsed.end(), option) != parsed.end();
+  return option != nullptr && cli::IsByFlag(app_, *option);
 }
 
 bool OptionSet::IsMentioned(std::string_view names) const {

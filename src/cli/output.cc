@@ -35,12 +35,6 @@ void ClearPassingLine() {
   if (g_has_passing.exchange(false)) std::fputs("\r\x1b[K", stderr);
 }
 
-void Print(std::FILE* stream, std::string_view text) {
-  ClearPassingLine();
-  const bool is_written = std::fwrite(text.data(), 1, text.size(), stream) == text.size();
-  if (stream == stdout) Remember(is_written);
-}
-
 bool WantsColour(int descriptor) {
   const char* no_colour = std::getenv("NO_COLOR");
   const char* terminal = std::getenv("TERM");
@@ -61,6 +55,12 @@ Tone ToneOf(const Report& report) {
 }
 
 }  // namespace
+
+void Print(std::FILE* stream, std::string_view text) {
+  ClearPassingLine();
+  const bool is_written = std::fwrite(text.data(), 1, text.size(), stream) == text.size();
+  if (stream == stdout) Remember(is_written);
+}
 
 std::size_t TerminalWidth(int descriptor) {
   winsize size{};

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdio>
 #include <string>
 #include <string_view>
 
@@ -15,6 +16,10 @@ enum class Format { kText, kJson };
 
 /// What a word means, as its colour tells on a terminal.
 enum class Tone { kPlain, kGood, kBad, kDim };
+
+/// Unlike fmt::print() it does not throw when nothing can be written; of standard output
+/// Output::Flush() tells.
+void Print(std::FILE* stream, std::string_view text);
 
 /// The columns of the terminal behind a descriptor; without limit when it is none.
 [[nodiscard]] std::size_t TerminalWidth(int descriptor);

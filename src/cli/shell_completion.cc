@@ -296,9 +296,9 @@ Candidates CandidatesFor(std::vector<std::string> words) {
 ExitCode PrintCandidates(const std::vector<std::string>& arguments) {
   const Candidates found = CandidatesFor({arguments.begin() + 1, arguments.end()});
   for (const Candidate& word : found.words) {
-    std::fputs(fmt::format("{}\t{}\n", word.text, base::Printable(word.meaning)).c_str(), stdout);
+    Print(stdout, fmt::format("{}\t{}\n", word.text, base::Printable(word.meaning)));
   }
-  if (found.files) std::fputs(":files\n", stdout);
+  if (found.files) Print(stdout, ":files\n");
   return ExitCode::kDone;
 }
 

@@ -247,11 +247,7 @@ Result<ExitCode> RunPlatforms(const Options& o, const Context& context) {
 
 // A fault of an action that nobody will send shows nothing.
 void WarnOfMisspelt(const Options& o, Output& output) {
-  std::vector<std::string_view> names;
-  for (const std::string_view action : vda5050::AllActionNames()) {
-    names.push_back(action);
-    for (const std::string_view name : vda5050::ShortNamesOf(action)) names.push_back(name);
-  }
+  const auto names = vda5050::AllActionWords();
   for (const auto* words : {&o.fail, &o.reject, &o.retriable}) {
     for (const std::string& word : *words) {
       const auto nearest = vda5050::ActionCalled(word) ? std::nullopt : base::Nearest(word, names);
@@ -296,10 +292,9 @@ Result<ExitCode> RunSimulate(const Options& o, const Context& context) {
   run.on_lost = [&](const Error& error) { output.Warn(error.message + ": connecting again"); };
   run.on_ready = [&] {
     StopOnSignals();
-    const std::string ready = fmt::format("fleetpub: {} robot{} online at {}, version {}\n",
-                                          robots->size(), robots->size() == 1 ? "" : "s",
-                                          run.connect.brokers.front().ToString(), version);
-    std::fputs(ready.c_str(), stderr);
+    Print(stderr, fmt::format("fleetpub: {} robot{} online at {}, version {}\n", robots->size(),
+                              robots->size() == 1 ? "" : "s",
+                              run.connect.brokers.front().ToString(), version));
   };
   if (auto ended = robot::Run(**fleet, run); !ended) return Fail(std::move(ended.error()));
   return ExitCode::kDone;

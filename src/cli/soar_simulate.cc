@@ -74,10 +74,9 @@ Result<ExitCode> RunSoarSimulation(const SoarSimulation& simulation, const Conte
   run.on_ready = [&] {
     simulation.on_ready();
     const std::size_t count = (*fleet)->size();
-    const std::string ready =
-        fmt::format("fleetpub: {} platform{} online at {}, SoAR {}\n", count, count == 1 ? "" : "s",
-                    run.connect.brokers.front().ToString(), soar::kFormatVersion);
-    std::fputs(ready.c_str(), stderr);
+    Print(stderr, fmt::format("fleetpub: {} platform{} online at {}, SoAR {}\n", count,
+                              count == 1 ? "" : "s", run.connect.brokers.front().ToString(),
+                              soar::kFormatVersion));
   };
   if (auto ended = robot::RunPlatforms(**fleet, run); !ended) return Fail(ended.error());
   return ExitCode::kDone;

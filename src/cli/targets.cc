@@ -80,9 +80,7 @@ VdaOptions Completed(VdaOptions given, const auto& find) {
 }
 
 bool Agrees(std::span<const RobotAddress> robots) {
-  const std::string question =
-      fmt::format("{}\nSend to these {} robots? [y/N] ", ListOf(robots), robots.size());
-  std::fputs(question.c_str(), stderr);
+  Print(stderr, fmt::format("{}\nSend to these {} robots? [y/N] ", ListOf(robots), robots.size()));
   std::fflush(stderr);
   std::string answer;
   char c = 0;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <optional>
 #include <string_view>
 
@@ -27,13 +28,24 @@ enum class Verdict {
   kError,      ///< broker, ledger or file trouble; the message says whether anything was sent
 };
 
-/// What the ledger may say of a message; RECORDED while no outcome is known.
-inline constexpr auto kRecordedOutcomes = std::to_array<std::string_view>(
-    {"RECORDED", "SENT", "PUBLISHED", "ACCEPTED", "FINISHED", "FAILED", "REJECTED", "RETRIABLE",
-     "VANISHED", "OFFLINE", "TIMEOUT", "ERROR"});
+/// In the order of the enumeration.
+inline constexpr std::array<std::string_view, 14> kVerdictNames = {
+    "DRY_RUN",   "SENT",     "PUBLISHED", "ACCEPTED", "FINISHED", "FAILED",  "REJECTED",
+    "RETRIABLE", "VANISHED", "OFFLINE",   "TIMEOUT",  "REFUSED",  "INVALID", "ERROR",
+};
+static_assert(kVerdictNames.size() == static_cast<std::size_t>(Verdict::kError) + 1);
 
 /// `SENT`
-[[nodiscard]] std::string_view NameOf(Verdict verdict);
+[[nodiscard]] constexpr std::string_view NameOf(Verdict verdict) {
+  return kVerdictNames[static_cast<std::size_t>(verdict)];
+}
+
+/// What the ledger may say of a message; RECORDED while no outcome is known.
+inline constexpr auto kRecordedOutcomes = std::to_array<std::string_view>(
+    {"RECORDED", NameOf(Verdict::kSent), NameOf(Verdict::kPublished), NameOf(Verdict::kAccepted),
+     NameOf(Verdict::kFinished), NameOf(Verdict::kFailed), NameOf(Verdict::kRejected),
+     NameOf(Verdict::kRetriable), NameOf(Verdict::kVanished), NameOf(Verdict::kOffline),
+     NameOf(Verdict::kTimeout), NameOf(Verdict::kError)});
 
 /// The kind of trouble that a target's word means; nothing when it is none. (kInvalid, kRefused and
 /// kError are ours: they carry the kind of their cause.)

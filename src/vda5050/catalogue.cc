@@ -97,6 +97,15 @@ std::vector<std::string_view> AllActionNames() {
   return names;
 }
 
+std::vector<std::string_view> AllActionWords() {
+  std::vector<std::string_view> words;
+  for (const std::string_view action : AllActionNames()) {
+    words.push_back(action);
+    for (const std::string_view name : ShortNamesOf(action)) words.push_back(name);
+  }
+  return words;
+}
+
 bool IsEverInstant(std::string_view type) {
   const auto actions = AllActions();
   return std::any_of(actions.begin(), actions.end(), [&](const ActionSpec& action) {

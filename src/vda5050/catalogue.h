@@ -72,6 +72,9 @@ struct ActionSpec {
 /// a short name. Returns the newest version's name (`initializePosition`), or nothing.
 [[nodiscard]] std::optional<std::string_view> ActionCalled(std::string_view word);
 
+/// All that ActionCalled() understands: predefined names and short names.
+[[nodiscard]] std::vector<std::string_view> AllActionWords();
+
 /// The short names of a predefined action: `pause` of `startPause`.
 [[nodiscard]] std::vector<std::string_view> ShortNamesOf(std::string_view type);
 

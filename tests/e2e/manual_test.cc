@@ -7,6 +7,7 @@
 #include <regex>
 #include <set>
 
+#include "dispatch/verdict.h"
 #include "support/document.h"
 #include "support/operator.h"
 
@@ -145,8 +146,8 @@ TEST(TheManual, DocumentsEveryExitCodeAndNoOther) {
 }
 
 TEST(TheManual, DocumentsEveryStatusAndNoOther) {
-  const auto statuses =
-      Matches(SourceText("src/dispatch/verdict.cc"), std::regex("\"([A-Z_]+)\","));
+  const std::set<std::string> statuses(dispatch::kVerdictNames.begin(),
+                                       dispatch::kVerdictNames.end());
   EXPECT_EQ(statuses.size(), 14U);
   EXPECT_EQ(Matches(Chapter("JSON"), std::regex("\n\\| `([A-Z_]+)` \\|")), statuses);
 }

@@ -22,7 +22,15 @@ struct Case {
   std::string sentence;  ///< a part of what standard error says
 };
 
-class Refusals : public EndToEnd {};
+class Refusals : public EndToEnd {
+ protected:
+  // `fleetpub REST`, as a shell reads it.
+  [[nodiscard]] Finished InShell(const std::string& rest) const {
+    Command command = operator_.Prepare({"actions"});
+    command.arguments = {"sh", "-c", Binary() + " " + rest};
+    return testing::Run(command);
+  }
+};
 
 TEST_F(Refusals, NameWhatIsWrongAndSendNothing) {
   const Subscriber subscriber(broker_);
@@ -185,21 +193,16 @@ TEST_F(Refusals, AReaderThatHasSeenEnoughIsNoTrouble) {
 }
 
 TEST_F(Refusals, ResultsThatCannotBeWrittenAreTold) {
-  Command command = operator_.Prepare({"actions"});
-  command.arguments = {"sh", "-c", Binary() + " actions > /dev/full"};
-  const Finished looking = testing::Run(command);
+  const Finished looking = InShell("actions > /dev/full");
   EXPECT_EQ(looking.exit_code, 8);
   EXPECT_THAT(looking.errors, HasSubstr("could not be written"));
-  command.arguments = {"sh", "-c", Binary() + " pause KIT/0001 > /dev/full"};
-  const Finished sending = testing::Run(command);
+  const Finished sending = InShell("pause KIT/0001 > /dev/full");
   EXPECT_EQ(sending.exit_code, 0) << "the command was sent, whoever reads the result";
   EXPECT_THAT(sending.errors, HasSubstr("could not be written"));
 }
 
 TEST_F(Refusals, HelpThatCannotBeWrittenIsTold) {
-  Command command = operator_.Prepare({"actions"});
-  command.arguments = {"sh", "-c", Binary() + " --help > /dev/full"};
-  const Finished help = testing::Run(command);
+  const Finished help = InShell("--help > /dev/full");
   EXPECT_EQ(help.exit_code, 8);
   EXPECT_THAT(help.errors, HasSubstr("could not be written"));
 }
@@ -208,20 +211,15 @@ TEST_F(Refusals, HelpThatCannotBeWrittenIsTold) {
 TEST_F(Refusals, ClosedStandardDescriptorsDoNoHarm) {
   const auto robot = Robot({"KIT/0001"});
   const Subscriber subscriber(broker_, "+/+/+/+/instantActions");
-  const auto run = [&](const std::string& rest) {
-    Command command = operator_.Prepare({"actions"});
-    command.arguments = {"sh", "-c", Binary() + " " + rest};
-    return testing::Run(command);
-  };
-  const Finished closed = run("pause KIT/0001 --wait <&- >&-");
+  const Finished closed = InShell("pause KIT/0001 --wait <&- >&-");
   EXPECT_EQ(closed.exit_code, 0) << closed.errors;
   EXPECT_THAT(closed.errors, HasSubstr("standard output: Bad file descriptor"));
   EXPECT_THAT(subscriber.Await(1), SizeIs(1));
   EXPECT_THAT(broker_.Log(), Not(AnyOf(HasSubstr("malformed"), HasSubstr("protocol error"))));
-  const Finished batch = run("batch <&-");
+  const Finished batch = InShell("batch <&-");
   EXPECT_EQ(batch.exit_code, 8);
   EXPECT_THAT(batch.output, HasSubstr("cannot read standard input"));
-  EXPECT_EQ(run("simulate KIT/0002 --for 100ms 2>&-").exit_code, 0);
+  EXPECT_EQ(InShell("simulate KIT/0002 --for 100ms 2>&-").exit_code, 0);
 }
 
 TEST_F(Refusals, AHostBehindTheLetterOfHelpIsNoHelp) {
