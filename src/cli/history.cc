@@ -246,8 +246,7 @@ Run DeclareHistory(OptionSet& set) {
     set.AddOption(names, value, help)->type_name(type)->group(kFilter);
   };
   add("--target", options->filter.target, "TARGET", "Only what was sent to this robot");
-  add("--action", options->filter.action, "TYPE",
-      "Only this actionType, or what it is called here");
+  add("--action", options->filter.action, "TYPE", "Only this actionType, or its short name");
   add("--status", options->filter.status, "STATUS",
       "Only this outcome: SENT, FINISHED, FAILED, ERROR ...");
   add("--user", options->filter.user, "USER", "Only what this user sent");
