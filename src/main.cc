@@ -1,3 +1,5 @@
 #include "cli/main.h"
 
-int main(int argc, char** argv) { return fleetpub::cli::Main(argc, argv); }
+int main(int argc, char** argv) {
+  return fleetpub::cli::Main(argc, argv, {FLEETPUB_VERSION, FLEETPUB_BUILD});
+}

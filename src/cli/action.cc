@@ -1,5 +1,4 @@
 // `fleetpub action TYPE TARGET…`: any instant action, such as a manufacturer's own.
-#include <CLI/CLI.hpp>
 #include <memory>
 
 #include "cli/instant_sending.h"
@@ -26,7 +25,7 @@ Result<ExitCode> RunAction(const Options& options, const Context& context) {
 Run DeclareAction(OptionSet& set) {
   const auto options = std::make_shared<Options>();
   set.AddOption("type", options->type, "The actionType, exactly as the robot knows it")
-      ->type_name("TYPE");
+      .Type("TYPE");
   DeclareInstantSendingOptions(set, options->sending);
   return [options](const Context& context) { return RunAction(*options, context); };
 }

@@ -1,7 +1,6 @@
 // `fleetpub actions`: the catalogue.
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <memory>
 
 #include "base/json.h"
@@ -74,9 +73,9 @@ Result<ExitCode> RunActions(const std::string& version_text, const Context& cont
 Run DeclareActions(OptionSet& set) {
   const auto version = std::make_shared<std::string>("3.0.0");
   set.AddOption("--vda", *version, "Version: 1.1.0, 2.0.0, 2.1.0, 3.0.0 [3.0.0]")
-      ->type_name("V")
-      ->envname("FLEETPUB_VDA")
-      ->group("VDA 5050");
+      .Type("V")
+      .Variable("FLEETPUB_VDA")
+      .Group("VDA 5050");
   return [version](const Context& context) { return RunActions(*version, context); };
 }
 

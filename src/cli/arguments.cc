@@ -2,38 +2,37 @@
 
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 
 #include "base/text.h"
+#include "cli/option_set.h"
 #include "vda5050/catalogue.h"
 
 namespace fleetpub::cli {
 namespace {
 
-bool TakesValue(const CLI::App& app, const std::string& name) {
-  const CLI::Option* option = app.get_option_no_throw(name);
-  return option != nullptr && option->get_items_expected_max() > 0;
+bool TakesValue(const OptionSet& set, const std::string& name) {
+  return set.IsDeclared(name) && set.Find(name).TakesValue();
 }
 
 }  // namespace
 
-bool TakesNext(const CLI::App& app, const std::string& argument) {
-  if (argument.starts_with("--")) return TakesValue(app, argument);
+bool TakesNext(const OptionSet& set, const std::string& argument) {
+  if (argument.starts_with("--")) return TakesValue(set, argument);
   for (std::size_t i = 1; i < argument.size(); ++i) {
-    if (TakesValue(app, std::string("-") + argument[i])) return i + 1 == argument.size();
+    if (TakesValue(set, std::string("-") + argument[i])) return i + 1 == argument.size();
   }
   return false;
 }
 
-std::vector<std::size_t> WordPositions(const CLI::App& app,
+std::vector<std::size_t> WordPositions(const OptionSet& set,
                                        const std::vector<std::string>& arguments) {
   std::vector<std::size_t> positions;
   for (std::size_t i = 0; i < arguments.size() && arguments[i] != "--"; ++i) {
     const bool is_option = arguments[i].size() > 1 && arguments[i].front() == '-';
     if (!is_option) {
       positions.push_back(i);
-    } else if (TakesNext(app, arguments[i])) {
+    } else if (TakesNext(set, arguments[i])) {
       ++i;
     }
   }
@@ -84,9 +83,9 @@ Error NeedsSecondWord(std::string_view word) {
 
 }  // namespace
 
-Result<Invocation> FindSubcommand(const CLI::App& app, std::vector<std::string> arguments) {
+Result<Invocation> FindSubcommand(const OptionSet& set, std::vector<std::string> arguments) {
   Invocation invocation;
-  const std::vector<std::size_t> positions = WordPositions(app, arguments);
+  const std::vector<std::size_t> positions = WordPositions(set, arguments);
   const auto take = [&](std::size_t words) {
     for (std::size_t i = words; i-- > 0;) {
       arguments.erase(arguments.begin() + static_cast<std::ptrdiff_t>(positions[i]));
@@ -100,7 +99,7 @@ Result<Invocation> FindSubcommand(const CLI::App& app, std::vector<std::string> 
   if (base::EqualsIgnoringCase(first, "help")) {
     arguments.erase(arguments.begin() + static_cast<std::ptrdiff_t>(positions[0]));
     arguments.emplace_back("--help");
-    return FindSubcommand(app, std::move(arguments));
+    return FindSubcommand(set, std::move(arguments));
   }
   if (positions.size() > 1) {
     const std::string two = first + " " + arguments[positions[1]];

@@ -1,6 +1,6 @@
 // Finds the subcommand among the arguments.
 //
-// Each subcommand is a CLI::App of its own that holds the global options too, so that they may
+// Each subcommand has an OptionSet of its own that holds the global options too, so that they may
 // stand before or behind it, and so that a call declares the options of one subcommand only:
 // declaring them all would cost a one-shot command a third of its time.
 #pragma once
@@ -13,10 +13,6 @@
 #include "base/result.h"
 #include "cli/subcommand.h"
 
-namespace CLI {
-class App;
-}
-
 namespace fleetpub::cli {
 
 struct Invocation {
@@ -26,16 +22,16 @@ struct Invocation {
 };
 
 /// The positions of the arguments before `--` that are neither options nor their values.
-[[nodiscard]] std::vector<std::size_t> WordPositions(const CLI::App& app,
+[[nodiscard]] std::vector<std::size_t> WordPositions(const OptionSet& set,
                                                      const std::vector<std::string>& arguments);
 
 /// Whether this argument is an option whose value is the next argument: `--broker`, `-b`, `-vb`,
 /// but not `-bURL`.
-[[nodiscard]] bool TakesNext(const CLI::App& app, const std::string& argument);
+[[nodiscard]] bool TakesNext(const OptionSet& set, const std::string& argument);
 
-/// `app` has the global options declared, which tells which of them take a value. A word that is no
+/// `set` has the global options declared, which tells which of them take a value. A word that is no
 /// subcommand is refused with the nearest one: ErrorKind::kUsage.
-[[nodiscard]] Result<Invocation> FindSubcommand(const CLI::App& app,
+[[nodiscard]] Result<Invocation> FindSubcommand(const OptionSet& set,
                                                 std::vector<std::string> arguments);
 
 }  // namespace fleetpub::cli

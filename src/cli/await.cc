@@ -1,7 +1,6 @@
 // `fleetpub await TARGET TOPIC CONDITION…`: waits until a message of each robot says so.
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
 #include <map>
@@ -249,18 +248,17 @@ Run DeclareAwait(OptionSet& set) {
   const auto options = std::make_shared<Options>();
   set.AddOption("target", options->target,
                 "A robot: manufacturer/serialNumber, or its alias; all of @group, of 'KIT/*'")
-      ->type_name("TARGET");
-  set.AddOption("topic", options->topic, "state, connection, factsheet ...")->type_name("TOPIC");
-  set.AddOption("conditions", options->conditions, "What one message must say")
-      ->type_name("CONDITION");
+      .Type("TARGET");
+  set.AddOption("topic", options->topic, "state, connection, factsheet ...").Type("TOPIC");
+  set.AddOption("conditions", options->conditions, "What one message must say").Type("CONDITION");
   set.AddOption("-W,--timeout", options->timeout, "How long to wait [10m]")
-      ->type_name("TIME")
-      ->group("Waiting");
+      .Type("TIME")
+      .Group("Waiting");
   set.AddOption("--vda", options->vda.version,
                 "Listen to this version's topic only [auto: whichever the robot uses]")
-      ->type_name("V")
-      ->envname("FLEETPUB_VDA")
-      ->group("VDA 5050");
+      .Type("V")
+      .Variable("FLEETPUB_VDA")
+      .Group("VDA 5050");
   DeclareTopicOptions(set, options->vda);
   return [options](const Context& context) { return RunAwait(*options, context); };
 }

@@ -3,7 +3,6 @@
 // together.
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <memory>
 
@@ -305,15 +304,15 @@ Result<ExitCode> RunBatch(const Options& options, const Context& context) {
 Run DeclareBatch(OptionSet& set) {
   const auto options = std::make_shared<Options>();
   set.AddOption("file", options->file, "The commands, one per line; - or nothing: standard input")
-      ->type_name("FILE");
+      .Type("FILE");
   DeclareRate(set, options->sending);
   set.AddFlag("--stop-on-error", options->stop_on_error,
               "Read no further line once a result is an error")
-      ->group("Sending");
+      .Group("Sending");
   set.AddOption("--reconnect", options->reconnect,
                 "How long to try to connect again when the connection is lost [60s]")
-      ->type_name("TIME")
-      ->group("Sending");
+      .Type("TIME")
+      .Group("Sending");
   DeclareSendingOptions(set, options->sending);
   DeclareWaitOptions(set, options->waiting);
   DeclareVdaOptions(set, options->vda);

@@ -2,7 +2,6 @@
 // beneath them.
 #pragma once
 
-#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -18,28 +17,23 @@ namespace fleetpub::cli {
 
 class Call {
  public:
-  Call();
-  Call(const Call&) = delete;
-  Call& operator=(const Call&) = delete;
-  ~Call();
-
   GlobalOptions options;
   Invocation invocation;
   Run run;  ///< empty: no command was named
   Config config;
 
-  /// Once. Errors: kUsage; what could be declared and read by then is there all the same. Throws
-  /// CLI::Success for --help and --version, which only Extent::kAll knows.
-  [[nodiscard]] Status Read(OptionSet::Extent extent, const std::vector<std::string>& arguments);
+  /// Once. Errors: kUsage; what could be declared and read by then is there all the same. Only
+  /// Extent::kAll knows --help and --version.
+  [[nodiscard]] Result<OptionSet::Asked> Read(OptionSet::Extent extent,
+                                              const std::vector<std::string>& arguments);
 
   /// Takes from the configuration what the arguments leave open. Errors: kUsage.
   [[nodiscard]] Status Configure();
 
   /// With the options of the subcommand that was named, and the global ones.
-  [[nodiscard]] const CLI::App& app() const { return *app_; }
+  [[nodiscard]] const OptionSet& set() const { return *set_; }
 
  private:
-  std::unique_ptr<CLI::App> app_;
   std::optional<OptionSet> set_;  // the options in it are asked until the end
 };
 

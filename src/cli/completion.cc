@@ -2,7 +2,6 @@
 // (shell_completion.h).
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
 #include <memory>
@@ -106,7 +105,7 @@ Result<ExitCode> RunCompletion(const std::string& name, const Context& context) 
 
 Run DeclareCompletion(OptionSet& set) {
   const auto shell = std::make_shared<std::string>();
-  set.AddOption("shell", *shell, "bash, zsh or fish")->type_name("SHELL");
+  set.AddOption("shell", *shell, "bash, zsh or fish").Type("SHELL");
   return [shell](const Context& context) { return RunCompletion(*shell, context); };
 }
 

@@ -1,14 +1,11 @@
 #include "cli/config_bindings.h"
 
-#include <fmt/format.h>
-
-#include <CLI/CLI.hpp>
 #include <algorithm>
+
+#include "cli/option_set.h"
 
 namespace fleetpub::cli {
 namespace {
-
-bool IsGiven(const CLI::Option* option) { return option != nullptr && !option->empty(); }
 
 void Set(const ConfigBindings::Target& target, const ConfigValue& value) {
   if (auto* const* text = std::get_if<std::string*>(&target)) {
@@ -28,20 +25,7 @@ std::vector<std::string> TextsOf(const ConfigBindings::Target& target) {
 
 }  // namespace
 
-// What the environment sets, CLI11 does not count as parsed.
-bool IsByFlag(const CLI::App& app, const CLI::Option& option) {
-  const auto& parsed = app.parse_order();
-  return std::find(parsed.begin(), parsed.end(), &option) != parsed.end();
-}
-
-std::string OriginOf(const CLI::App& app, const CLI::Option& option) {
-  if (!IsByFlag(app, option)) {
-    return fmt::format("environment variable {}", option.get_envname());
-  }
-  return fmt::format("flag --{}", option.get_lnames().front());
-}
-
-void ConfigBindings::Bind(std::string_view key, const CLI::Option* option, Target target) {
+void ConfigBindings::Bind(std::string_view key, const Option& option, Target target) {
   bindings_.push_back({key, option, target});
 }
 
@@ -52,19 +36,19 @@ bool ConfigBindings::IsExcepted(std::string_view key) const {
 void ConfigBindings::Apply(const Config& config, std::vector<std::string_view> except) {
   except_ = std::move(except);
   for (const auto& [key, option, target] : bindings_) {
-    if (IsGiven(option) || IsExcepted(key)) continue;
+    if (option.IsGiven() || IsExcepted(key)) continue;
     if (const ConfigValue* value = config.Find(key)) Set(target, *value);
   }
 }
 
-std::vector<ConfigBindings::Effective> ConfigBindings::All(const CLI::App& app,
+std::vector<ConfigBindings::Effective> ConfigBindings::All(const OptionSet& set,
                                                            const Config& config) const {
   std::vector<Effective> all;
   for (const auto& [key, option, target] : bindings_) {
     const std::vector<std::string> texts = TextsOf(target);
     const auto is_empty = [](const std::string& text) { return text.empty(); };
-    if (IsGiven(option) && !std::all_of(texts.begin(), texts.end(), is_empty)) {
-      all.push_back({key, texts, OriginOf(app, *option)});
+    if (option.IsGiven() && !std::all_of(texts.begin(), texts.end(), is_empty)) {
+      all.push_back({key, texts, set.Origin(option)});
     } else if (IsExcepted(key)) {
       continue;
     } else if (const ConfigValue* value = config.Find(key)) {

@@ -11,27 +11,19 @@
 #include <vector>
 
 #include "cli/config.h"
-
-namespace CLI {
-class App;
-class Option;
-}  // namespace CLI
+#include "cli/option.h"
 
 namespace fleetpub::cli {
 
-/// Whether the arguments have the option; not only the environment.
-[[nodiscard]] bool IsByFlag(const CLI::App& app, const CLI::Option& option);
-
-/// Who gave an option that is not empty: `flag --qos`, `environment variable FLEETPUB_QOS`.
-[[nodiscard]] std::string OriginOf(const CLI::App& app, const CLI::Option& option);
+class OptionSet;
 
 class ConfigBindings {
  public:
   using Target = std::variant<std::string*, std::vector<std::string>*, bool*>;
 
-  /// `option` and what the target points to must outlive the bindings; without an option there is
-  /// none: only the configuration sets it.
-  void Bind(std::string_view key, const CLI::Option* option, Target target);
+  /// `option` and what the target points to must outlive the bindings. Option(): only the
+  /// configuration sets it.
+  void Bind(std::string_view key, const Option& option, Target target);
 
   /// Sets what was not given, but for the keys of `except`: something else was given instead.
   void Apply(const Config& config, std::vector<std::string_view> except);
@@ -42,12 +34,12 @@ class ConfigBindings {
     std::string origin;              ///< `flag --qos`, `profile north of FILE:3`, `default`
   };
   /// After Apply. What was replaced by something else is left out.
-  [[nodiscard]] std::vector<Effective> All(const CLI::App& app, const Config& config) const;
+  [[nodiscard]] std::vector<Effective> All(const OptionSet& set, const Config& config) const;
 
  private:
   struct Binding {
     std::string_view key;
-    const CLI::Option* option;
+    Option option;
     Target target;
   };
 

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include <CLI/CLI.hpp>
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
@@ -157,8 +156,8 @@ Result<ExitCode> RunConfigInit(const Options& options, const Context& context) {
 
 Run DeclareConfigInit(OptionSet& set) {
   const auto options = std::make_shared<Options>();
-  set.AddOption("place", options->place, "-: standard output")->type_name("-");
-  set.AddFlag("--stdout", options->to_stdout, "Print it, write no file")->group("Writing");
+  set.AddOption("place", options->place, "-: standard output").Type("-");
+  set.AddFlag("--stdout", options->to_stdout, "Print it, write no file").Group("Writing");
   return [options](const Context& context) { return RunConfigInit(*options, context); };
 }
 

@@ -1,7 +1,6 @@
 // `fleetpub config show`: the settings in force, and where each comes from.
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdlib>
 #include <memory>
@@ -93,10 +92,10 @@ std::optional<Row> PasswordRow(const GlobalOptions& options) {
   return std::nullopt;
 }
 
-Row ProfileRow(const CLI::App& app, const Context& context) {
+Row ProfileRow(const OptionSet& set, const Context& context) {
   Row row{"profile", context.config.profile, "default"};
   if (context.options.profile) {
-    row.origin = OriginOf(app, *app.get_option("--profile"));
+    row.origin = set.Origin(set.Find("--profile"));
   } else if (context.config.default_profile) {
     row.origin = context.config.default_profile->Origin();
   }
@@ -138,8 +137,8 @@ void Show(const std::vector<Row>& rows, Output& output) {
 }
 
 Result<ExitCode> RunConfigShow(OptionSet& set, const Context& context) {
-  std::vector<Row> rows = {ProfileRow(set.app(), context)};
-  for (const auto& setting : set.bindings().All(set.app(), context.config)) {
+  std::vector<Row> rows = {ProfileRow(set, context)};
+  for (const auto& setting : set.bindings().All(set, context.config)) {
     const bool is_place = setting.key == "host" || setting.key == "port";
     if (is_place && setting.texts.empty()) continue;
     rows.push_back(RowOf(setting));
@@ -168,8 +167,8 @@ Run DeclareConfigShow(OptionSet& set) {
   DeclareQos(set, options->qos);
   const auto add = [&](const char* key, const char* name, std::string& value, const char* variable,
                        const char* help) {
-    auto* option = set.AddOption(name, value, help)->type_name("TEXT")->group("VDA 5050");
-    if (*variable != '\0') option->envname(variable);
+    const Option option = set.AddOption(name, value, help).Type("TEXT").Group("VDA 5050");
+    if (*variable != '\0') option.Variable(variable);
     set.bindings().Bind(key, option, &value);
   };
   add("vda", "--vda", options->vda, "FLEETPUB_VDA", "Version to speak");

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
 #include <set>
@@ -87,12 +86,12 @@ void DeclareGatheringOptions(OptionSet& set, GatheringOptions& options) {
   set.AddOption("--state-wait", options.state_wait,
                 fmt::format("How long to wait for the states of robots that are online [{}]",
                             options.state_wait))
-      ->type_name("TIME")
-      ->group("Waiting");
+      .Type("TIME")
+      .Group("Waiting");
   set.AddOption("--discover", options.discover,
                 "Silence in ms after which a retained message is not there [300]")
-      ->type_name("MS")
-      ->group("Waiting");
+      .Type("MS")
+      .Group("Waiting");
 }
 
 Result<FleetView> GatherFleet(const GatheringOptions& o, const Context& context) {

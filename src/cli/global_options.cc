@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
 #include <cassert>
@@ -49,15 +48,15 @@ void DeclareBroker(OptionSet& set, GlobalOptions& o) {
                 set.AddOption("-b,--broker", o.brokers,
                               "Broker as URL, mqtt|mqtts|ws|wss://[user@]host[:port]; repeat for "
                               "failover [mqtt://localhost:1883]")
-                    ->type_name("URL")
-                    ->envname("FLEETPUB_BROKER")
-                    ->allow_extra_args(false)
-                    ->group(kBroker),
+                    .Type("URL")
+                    .Variable("FLEETPUB_BROKER")
+                    .OneValueEach()
+                    .Group(kBroker),
                 &o.brokers);
   const auto add = [&](const char* names, std::string& value, const char* type, const char* env,
                        const char* help) {
-    auto* option = set.AddOption(names, value, help)->type_name(type)->group(kBroker);
-    if (*env != '\0') option->envname(env);
+    const Option option = set.AddOption(names, value, help).Type(type).Group(kBroker);
+    if (*env != '\0') option.Variable(env);
     bindings.Bind(KeyOf(names), option, &value);
   };
   add("--host", o.host, "NAME", "FLEETPUB_HOST", "Broker's host, instead of a URL");
@@ -66,7 +65,7 @@ void DeclareBroker(OptionSet& set, GlobalOptions& o) {
   add("--password-file", o.password_file, "FILE", "FLEETPUB_PASSWORD_FILE",
       "File whose first line is the password (or set FLEETPUB_PASSWORD)");
   set.AddFlag("--ask-password", o.ask_password, "Ask for the password on the terminal")
-      ->group(kBroker);
+      .Group(kBroker);
   add("-i,--client-id", o.client_id, "ID", "FLEETPUB_CLIENT_ID", "MQTT client id [a random one]");
   add("-k,--keep-alive", o.keep_alive, "S", "", "MQTT keep-alive in seconds [60]");
   add("-V,--mqtt-version", o.mqtt_version, "V", "FLEETPUB_MQTT_VERSION", "3.1.1 or 5 [3.1.1]");
@@ -80,26 +79,26 @@ void DeclareProperties(OptionSet& set, GlobalOptions& o) {
   set.bindings().Bind("user_property",
                       set.AddOption("--user-property", o.user_properties,
                                     "MQTT 5: a property to send with each message; repeatable")
-                          ->type_name("NAME=VALUE")
-                          ->allow_extra_args(false)
-                          ->group(kBroker),
+                          .Type("NAME=VALUE")
+                          .OneValueEach()
+                          .Group(kBroker),
                       &o.user_properties);
   set.bindings().Bind(
       "message_expiry",
       set.AddOption("--message-expiry", o.message_expiry,
                     "MQTT 5: how long a broker may keep a message for who is away [no limit]")
-          ->type_name("TIME")
-          ->envname("FLEETPUB_MESSAGE_EXPIRY")
-          ->group(kBroker),
+          .Type("TIME")
+          .Variable("FLEETPUB_MESSAGE_EXPIRY")
+          .Group(kBroker),
       &o.message_expiry);
 }
 
 void DeclareTls(OptionSet& set, GlobalOptions& o) {
   const auto add = [&](const char* names, std::string& value, const char* type, const char* env,
                        const char* help) {
-    set.bindings().Bind(
-        KeyOf(names), set.AddOption(names, value, help)->type_name(type)->envname(env)->group(kTls),
-        &value);
+    set.bindings().Bind(KeyOf(names),
+                        set.AddOption(names, value, help).Type(type).Variable(env).Group(kTls),
+                        &value);
   };
   add("--cafile", o.ca_file, "FILE", "FLEETPUB_CAFILE", "Authorities to trust, PEM [the system's]");
   add("--capath", o.ca_path, "FOLDER", "FLEETPUB_CAPATH", "Folder of authorities to trust");
@@ -112,15 +111,15 @@ void DeclareTls(OptionSet& set, GlobalOptions& o) {
   set.bindings().Bind(
       "tls_alpn",
       set.AddOption("--tls-alpn", o.alpn, "Application protocol to offer; repeatable")
-          ->type_name("NAME")
-          ->allow_extra_args(false)
-          ->group(kTls),
+          .Type("NAME")
+          .OneValueEach()
+          .Group(kTls),
       &o.alpn);
   set.bindings().Bind(
       "insecure",
       set.AddFlag("--insecure", o.insecure,
                   "Do not verify the broker's certificate: anyone could be the broker")
-          ->group(kTls),
+          .Group(kTls),
       &o.insecure);
 }
 
@@ -128,14 +127,14 @@ void DeclareOutput(OptionSet& set, GlobalOptions& o) {
   set.bindings().Bind(
       "output",
       set.AddOption("-o,--output", o.format, "text, or json: one object per line [text]")
-          ->type_name("FORMAT")
-          ->envname("FLEETPUB_OUTPUT")
-          ->group(kOutput),
+          .Type("FORMAT")
+          .Variable("FLEETPUB_OUTPUT")
+          .Group(kOutput),
       &o.format);
-  set.AddFlag("--quiet", o.quiet, "No result lines and no warnings; errors stay")->group(kOutput);
+  set.AddFlag("--quiet", o.quiet, "No result lines and no warnings; errors stay").Group(kOutput);
   set.AddFlag("-v,--verbose", o.verbose, "Tell what is done, and the details of errors")
-      ->group(kOutput);
-  set.AddFlag("--debug", o.debug, "Show the MQTT conversation, never a secret")->group(kOutput);
+      .Group(kOutput);
+  set.AddFlag("--debug", o.debug, "Show the MQTT conversation, never a secret").Group(kOutput);
 }
 
 void DeclareFiles(OptionSet& set, GlobalOptions& o) {
@@ -145,35 +144,35 @@ void DeclareFiles(OptionSet& set, GlobalOptions& o) {
       set.AddOption(
              "--ledger", o.ledger,
              "Header ids and history: a file, or postgresql://... [see the manual, \"Files\"]")
-          ->type_name("PLACE")
-          ->envname("FLEETPUB_LEDGER")
-          ->group(kFiles),
+          .Type("PLACE")
+          .Variable("FLEETPUB_LEDGER")
+          .Group(kFiles),
       &o.ledger);
   bindings.Bind(
       "no_history",
       set.AddFlag("--no-history", o.no_history, "Keep header ids only, no row of what was sent")
-          ->group(kFiles),
+          .Group(kFiles),
       &o.no_history);
-  bindings.Bind("header_id_start", nullptr, &o.header_id_start);
+  bindings.Bind("header_id_start", Option(), &o.header_id_start);
   bindings.Bind("schema_dir",
                 set.AddOption("--schema-dir", o.schema_directory,
                               "Schemas that stand before the built-in ones")
-                    ->type_name("FOLDER")
-                    ->envname("FLEETPUB_SCHEMA_DIR")
-                    ->group(kFiles),
+                    .Type("FOLDER")
+                    .Variable("FLEETPUB_SCHEMA_DIR")
+                    .Group(kFiles),
                 &o.schema_directory);
 }
 
 void DeclareConfig(OptionSet& set, GlobalOptions& o) {
   set.AddOption("--config", o.config_file,
                 "Configuration, instead of the host's and the user's file")
-      ->type_name("FILE")
-      ->envname("FLEETPUB_CONFIG")
-      ->group(kConfig);
+      .Type("FILE")
+      .Variable("FLEETPUB_CONFIG")
+      .Group(kConfig);
   set.AddOption("--profile", o.profile, "Its settings for one site")
-      ->type_name("NAME")
-      ->envname("FLEETPUB_PROFILE")
-      ->group(kConfig);
+      .Type("NAME")
+      .Variable("FLEETPUB_PROFILE")
+      .Group(kConfig);
 }
 
 // What a flag says of the broker goes before what the environment says of it in the other form.

@@ -2,12 +2,12 @@
 
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <functional>
 
 #include "base/text.h"
 #include "cli/global_options.h"
+#include "cli/option_set.h"
 #include "vda5050/catalogue.h"
 
 namespace fleetpub::cli {
@@ -45,31 +45,30 @@ std::string TwoColumns(std::string_view left, std::string_view right) {
   return text + "\n";
 }
 
-std::string NamesOf(const CLI::Option& option) {
+std::string NamesOf(const Option& option) {
   std::vector<std::string> names;
-  for (const std::string& name : option.get_snames()) names.push_back("-" + name);
-  for (const std::string& name : option.get_lnames()) names.push_back("--" + name);
+  for (const std::string& name : option.short_names()) names.push_back("-" + name);
+  for (const std::string& name : option.long_names()) names.push_back("--" + name);
   std::string text = base::Join(names, ",");
-  const std::string type = option.get_type_name();  // behind a colon CLI11 adds its validators
-  if (option.get_items_expected_max() > 0) text += " " + type.substr(0, type.find(':'));
+  if (option.TakesValue()) text += " " + option.type();
   return text;
 }
 
 // The option lines of the groups for which `wanted` holds, each group under its name.
-std::string OptionLines(const CLI::App& app,
+std::string OptionLines(const OptionSet& set,
                         const std::function<bool(const std::string&)>& wanted) {
   std::vector<std::string> groups;
-  for (const CLI::Option* option : app.get_options()) {
-    const std::string& group = option->get_group();
+  for (const Option& option : set.options()) {
+    const std::string& group = option.group();
     const bool known = std::find(groups.begin(), groups.end(), group) != groups.end();
     if (!known && !group.empty() && wanted(group)) groups.push_back(group);
   }
   std::string text;
   for (const std::string& group : groups) {
     std::string lines;
-    for (const CLI::Option* option : app.get_options()) {
-      if (option->get_group() != group || option->get_positional()) continue;
-      lines += TwoColumns(NamesOf(*option), option->get_description());
+    for (const Option& option : set.options()) {
+      if (option.group() != group || option.IsPositional()) continue;
+      lines += TwoColumns(NamesOf(option), option.description());
     }
     if (!lines.empty()) text += fmt::format("\n{}:\n{}", group, lines);
   }
@@ -150,7 +149,7 @@ std::string ShortHelp() {
       kWhatItIs);
 }
 
-std::string GeneralHelp(const CLI::App& app) {
+std::string GeneralHelp(const OptionSet& set) {
   return fmt::format(
       "{}\n"
       "Usage: fleetpub COMMAND [TARGET...] [OPTIONS]\n\n"
@@ -168,10 +167,10 @@ std::string GeneralHelp(const CLI::App& app) {
       "130 interrupted. fleetpub COMMAND --help explains a command.\n",
       kWhatItIs, ActionLines(), CommandLines(HelpGroup::kRobots), CommandLines(HelpGroup::kSoar),
       CommandLines(HelpGroup::kLooking), CommandLines(HelpGroup::kChecking),
-      OptionLines(app, [](const std::string& group) { return IsGlobalGroup(group); }));
+      OptionLines(set, [](const std::string& group) { return IsGlobalGroup(group); }));
 }
 
-std::string CommandHelp(const CLI::App& app, const Invocation& invocation) {
+std::string CommandHelp(const OptionSet& set, const Invocation& invocation) {
   const Subcommand* subcommand = invocation.subcommand;
   const std::string summary =
       subcommand == nullptr ? ActionSummary(invocation.name) : std::string(subcommand->summary);
@@ -187,7 +186,7 @@ std::string CommandHelp(const CLI::App& app, const Invocation& invocation) {
       "Examples:\n{}\n"
       "Broker, output and ledger options are listed by fleetpub --help.\n",
       wrapped_summary, invocation.name, arguments.empty() ? "" : " ", arguments,
-      OptionLines(app, [](const std::string& group) { return !IsGlobalGroup(group); }),
+      OptionLines(set, [](const std::string& group) { return !IsGlobalGroup(group); }),
       Indented(examples));
 }
 

@@ -12,9 +12,9 @@ namespace fleetpub::cli {
 [[nodiscard]] std::string ShortHelp();
 
 /// `fleetpub --help`: every command, and the global options.
-[[nodiscard]] std::string GeneralHelp(const CLI::App& app);
+[[nodiscard]] std::string GeneralHelp(const OptionSet& set);
 
 /// `fleetpub pause --help`: usage, own options by group, examples.
-[[nodiscard]] std::string CommandHelp(const CLI::App& app, const Invocation& invocation);
+[[nodiscard]] std::string CommandHelp(const OptionSet& set, const Invocation& invocation);
 
 }  // namespace fleetpub::cli

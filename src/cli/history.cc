@@ -2,7 +2,6 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
 #include <charconv>
@@ -243,7 +242,7 @@ Run DeclareHistory(OptionSet& set) {
   constexpr const char* kFilter = "Filter";
   const auto options = std::make_shared<Options>();
   const auto add = [&](const char* names, std::string& value, const char* type, const char* help) {
-    set.AddOption(names, value, help)->type_name(type)->group(kFilter);
+    set.AddOption(names, value, help).Type(type).Group(kFilter);
   };
   add("--target", options->filter.target, "TARGET", "Only what was sent to this robot");
   add("--action", options->filter.action, "TYPE", "Only this actionType, or its short name");
@@ -253,23 +252,23 @@ Run DeclareHistory(OptionSet& set) {
   add("--since", options->since, "TIME", "Not older: 24h, or 2026-01-02T03:04:05Z");
   add("--until", options->until, "TIME", "Not newer");
   set.AddOption("--limit", options->filter.limit, "The newest so many; 0: all [50]")
-      ->type_name("N")
-      ->check(CLI::NonNegativeNumber)
-      ->group(kFilter);
+      .Type("N")
+      .InRange(0, 1'000'000'000'000)
+      .Group(kFilter);
   return [options](const Context& context) { return RunHistory(*options, context); };
 }
 
 Run DeclareHistoryShow(OptionSet& set) {
   const auto id = std::make_shared<std::string>();
-  set.AddOption("id", *id, "As history prints it")->type_name("ID");
+  set.AddOption("id", *id, "As history prints it").Type("ID");
   return [id](const Context& context) { return RunShow(*id, context); };
 }
 
 Run DeclareHistoryPrune(OptionSet& set) {
   const auto older_than = std::make_shared<std::string>();
   set.AddOption("--older-than", *older_than, "Age such as 90d, or a time")
-      ->type_name("TIME")
-      ->group("Pruning");
+      .Type("TIME")
+      .Group("Pruning");
   return [older_than](const Context& context) { return RunPrune(*older_than, context); };
 }
 

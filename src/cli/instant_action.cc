@@ -2,7 +2,6 @@
 // catalogue.
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <map>
 #include <memory>
 
@@ -21,7 +20,7 @@ struct Options {
   std::string type;
   std::vector<ParameterSpec> specs;
   std::map<std::string_view, std::string> texts;  ///< by parameter name, as typed
-  std::map<std::string_view, CLI::Option*> given;
+  std::map<std::string_view, Option> given;
   InstantSendingOptions sending;
 };
 
@@ -46,14 +45,14 @@ void DeclareParameter(OptionSet& set, const ParameterSpec& spec, Options& option
   options.given[spec.name] =
       set.AddOption(names, options.texts[spec.name],
                     fmt::format("{}{}", spec.meaning, spec.required ? "" : " (optional)"))
-          ->type_name(TypeName(spec.type))
-          ->group("Parameters");
+          .Type(TypeName(spec.type))
+          .Group("Parameters");
 }
 
 Result<ExitCode> RunInstantAction(const Options& options, const Context& context) {
   std::vector<vda5050::Parameter> parameters;
   for (const ParameterSpec& spec : options.specs) {
-    if (options.given.at(spec.name)->empty()) continue;
+    if (!options.given.at(spec.name).IsGiven()) continue;
     auto parameter = vda5050::ParseParameter(spec, options.texts.at(spec.name));
     if (!parameter) return Fail(std::move(parameter.error()));
     parameters.push_back(std::move(*parameter));

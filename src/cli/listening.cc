@@ -1,6 +1,5 @@
 #include "cli/listening.h"
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 
 #include "base/text.h"
@@ -15,19 +14,19 @@ using std::chrono::milliseconds;
 
 void DeclareTopicOptions(OptionSet& set, VdaOptions& options) {
   set.AddOption("--interface", options.interface_name, "First topic level [any]")
-      ->type_name("NAME")
-      ->envname("FLEETPUB_INTERFACE")
-      ->group("VDA 5050");
+      .Type("NAME")
+      .Variable("FLEETPUB_INTERFACE")
+      .Group("VDA 5050");
   set.AddOption("--topic-template", options.topic_template,
                 "The topic, with its placeholders in braces (see the manual)")
-      ->type_name("TEMPLATE")
-      ->group("VDA 5050");
+      .Type("TEMPLATE")
+      .Group("VDA 5050");
 }
 
 void DeclareFleetOptions(OptionSet& set, FleetOptions& options) {
   set.AddOption("targets", options.words,
                 "Robots: manufacturer/serialNumber, alias, @group, 'KIT/*' [all]")
-      ->type_name("TARGET");
+      .Type("TARGET");
   DeclareTopicOptions(set, options.vda);
 }
 

@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
 #include <cassert>
@@ -17,6 +16,7 @@
 #include "cli/call.h"
 #include "cli/help.h"
 #include "cli/shell_completion.h"
+#include "cli/version.h"
 
 namespace fleetpub::cli {
 namespace {
@@ -62,14 +62,14 @@ bool IsMeantAsHost(const std::vector<std::string>& arguments) {
          !(help + 1)->starts_with('-');
 }
 
-ExitCode PrintHelp(const CLI::App& app, const Invocation& invocation,
+ExitCode PrintHelp(const OptionSet& set, const Invocation& invocation,
                    const std::vector<std::string>& arguments) {
   if (IsMeantAsHost(arguments)) {
     return Complain({ErrorKind::kUsage,
                      "-h asks for help and takes no word behind it: the broker's host is --host"},
                     false);
   }
-  return PrintText(invocation.name.empty() ? GeneralHelp(app) : CommandHelp(app, invocation));
+  return PrintText(invocation.name.empty() ? GeneralHelp(set) : CommandHelp(set, invocation));
 }
 
 ExitCode NoCommand() {
@@ -77,19 +77,16 @@ ExitCode NoCommand() {
   return ExitCode::kUsage;
 }
 
-ExitCode RunMain(const std::vector<std::string>& arguments) {
+ExitCode RunMain(const std::vector<std::string>& arguments, const BuildInfo& build) {
   if (!arguments.empty() && arguments.front() == kCompleteWord) return PrintCandidates(arguments);
   auto call = std::make_unique<Call>();
   if (!call->Read(OptionSet::Extent::kMentioned, arguments) || !call->run) {
     call = std::make_unique<Call>();
-    try {
-      if (const auto read = call->Read(OptionSet::Extent::kAll, arguments); !read) {
-        return Complain(read.error(), call->options.verbose);
-      }
-    } catch (const CLI::CallForVersion& version) {
-      return PrintText(version.what() + std::string("\n"));
-    } catch (const CLI::CallForHelp&) {
-      return PrintHelp(call->app(), call->invocation, arguments);
+    const auto asked = call->Read(OptionSet::Extent::kAll, arguments);
+    if (!asked) return Complain(asked.error(), call->options.verbose);
+    if (*asked == OptionSet::Asked::kVersion) return PrintText(VersionText(build) + "\n");
+    if (*asked == OptionSet::Asked::kHelp) {
+      return PrintHelp(call->set(), call->invocation, arguments);
     }
     if (!call->run) return NoCommand();
   }
@@ -116,14 +113,14 @@ void FillStandardDescriptors() {
 
 }  // namespace
 
-int Main(int argc, char** argv) {
+int Main(int argc, char** argv, const BuildInfo& build) {
   FillStandardDescriptors();
   // A closed pipe and a file that may not grow are errors that we report, not our end.
   std::signal(SIGPIPE, SIG_IGN);
   std::signal(SIGXFSZ, SIG_IGN);
   ExitCode code = ExitCode::kUnexpected;
   try {
-    code = RunMain({argv + 1, argv + argc});
+    code = RunMain({argv + 1, argv + argc}, build);
   } catch (const std::bad_alloc&) {
     std::fputs(
         "fleetpub: error: memory ran out, and whether anything was sent is not known (fleetpub "

@@ -2,7 +2,6 @@
 // one that answers a robot's request.
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <memory>
 
@@ -80,8 +79,8 @@ class PreparedMessage final : public RobotMessage {
 
 void DeclarePrepared(OptionSet& set, PreparedOptions& options) {
   set.AddOption("--header-id", options.header_id, "The headerId, above the topic's last [the next]")
-      ->type_name("N")
-      ->group("Message");
+      .Type("N")
+      .Group("Message");
   DeclareSendingOptions(set, options.sending);
   DeclareManyOptions(set, options.sending);
   DeclareWaitingOptions(set, options.waiting);
@@ -208,14 +207,14 @@ Result<ExitCode> RunRespond(const RespondOptions& options, const Context& contex
 Run DeclarePublish(OptionSet& set) {
   const auto options = std::make_shared<PublishOptions>();
   set.AddOption("topic", options->topic, "order, instantActions, zoneSet or responses")
-      ->type_name("TOPIC");
+      .Type("TOPIC");
   DeclareTargetOptions(set, options->targets);
   set.AddOption("-f,--file", options->file, "The message as JSON; - reads standard input")
-      ->type_name("FILE")
-      ->group("Message");
+      .Type("FILE")
+      .Group("Message");
   set.AddFlag("--restamp", options->restamp,
               "Replace a version, manufacturer or serialNumber of another robot in the message")
-      ->group("Message");
+      .Group("Message");
   DeclarePrepared(set, *options);
   return [options](const Context& context) { return RunPublish(*options, context); };
 }
@@ -223,15 +222,14 @@ Run DeclarePublish(OptionSet& set) {
 Run DeclareRespond(OptionSet& set) {
   const auto options = std::make_shared<RespondOptions>();
   set.AddOption("target", options->target, "The robot: manufacturer/serialNumber, or its alias")
-      ->type_name("TARGET");
+      .Type("TARGET");
   set.AddOption("request", options->request, "Its requestId, as fleetpub requests lists it")
-      ->type_name("REQUEST");
-  set.AddOption("grant", options->grant, "GRANTED, QUEUED, REVOKED or REJECTED")
-      ->type_name("ANSWER");
+      .Type("REQUEST");
+  set.AddOption("grant", options->grant, "GRANTED, QUEUED, REVOKED or REJECTED").Type("ANSWER");
   set.AddOption("--lease-expiry", options->lease_expiry,
                 "Until when it is granted: 30s from now, or a time")
-      ->type_name("TIME")
-      ->group("Message");
+      .Type("TIME")
+      .Group("Message");
   DeclarePrepared(set, *options);
   return [options](const Context& context) { return RunRespond(*options, context); };
 }

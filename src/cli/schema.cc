@@ -3,7 +3,6 @@
 
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <memory>
 
@@ -72,8 +71,7 @@ Run DeclareSchemaList(OptionSet&) { return RunList; }
 
 Run DeclareSchemaShow(OptionSet& set) {
   const auto name = std::make_shared<std::string>();
-  set.AddOption("name", *name, "As schema list prints it; a part of it behind #")
-      ->type_name("NAME");
+  set.AddOption("name", *name, "As schema list prints it; a part of it behind #").Type("NAME");
   return [name](const Context& context) { return RunShow(*name, context); };
 }
 

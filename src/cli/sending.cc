@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <charconv>
 
 #include "base/text.h"
@@ -183,19 +182,19 @@ void DeclareSendingOptions(OptionSet& set, SendingOptions& options) {
   constexpr const char* kSending = "Sending";
   set.AddFlag("-n,--dry-run", options.dry_run,
               "Print the message that would be sent; send nothing, use no header id")
-      ->group(kSending);
+      .Group(kSending);
   DeclareQos(set, options.qos);
 }
 
 void DeclareManyOptions(OptionSet& set, SendingOptions& options) {
-  set.AddFlag("--yes", options.yes, "Send to many robots without asking")->group("Sending");
+  set.AddFlag("--yes", options.yes, "Send to many robots without asking").Group("Sending");
   DeclareRate(set, options);
 }
 
 void DeclareRate(OptionSet& set, SendingOptions& options) {
   set.AddOption("--rate", options.rate, "At most so many messages per second [no limit]")
-      ->type_name("N")
-      ->group("Sending");
+      .Type("N")
+      .Group("Sending");
 }
 
 void DeclareQos(OptionSet& set, std::string& qos) {
@@ -203,9 +202,9 @@ void DeclareQos(OptionSet& set, std::string& qos) {
                       set.AddOption("-q,--qos", qos,
                                     "0: handed to the network; 1, 2: acknowledged by the broker "
                                     "[0]")
-                          ->type_name("QOS")
-                          ->envname("FLEETPUB_QOS")
-                          ->group("Sending"),
+                          .Type("QOS")
+                          .Variable("FLEETPUB_QOS")
+                          .Group("Sending"),
                       &qos);
 }
 

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
 #include <cstdio>
@@ -112,7 +111,7 @@ void Destinations(const Typed& typed, Candidates& found) {
 // `action TYPE -P`: what that type takes.
 void Parameters(const Typed& typed, Candidates& found) {
   const auto& arguments = typed.call.invocation.arguments;
-  const auto words = WordPositions(typed.call.app(), arguments);
+  const auto words = WordPositions(typed.call.set(), arguments);
   if (typed.call.invocation.name != "action" || words.empty()) return;
   for (const auto& parameter : vda5050::ParametersInAnyVersion(arguments[words.front()])) {
     const bool text = parameter.type == vda5050::ParameterType::kString;
@@ -207,39 +206,38 @@ void SecondWords(std::string_view first, Candidates& found) {
 }
 
 void OptionNames(const Typed& typed, Candidates& found) {
-  for (const CLI::Option* option : typed.call.app().get_options()) {
-    const bool repeatable = option->get_items_expected_max() > 1;
-    for (const std::string& name : option->get_lnames()) {
+  for (const Option& option : typed.call.set().options()) {
+    for (const std::string& name : option.long_names()) {
       const std::string word = "--" + name;
       const bool given =
           std::find(typed.before.begin(), typed.before.end(), word) != typed.before.end();
-      if (!given || repeatable) found.words.push_back({word, option->get_description()});
+      if (!given || option.IsRepeatable()) found.words.push_back({word, option.description()});
     }
   }
 }
 
-void OptionValues(const CLI::Option& option, const Typed& typed, Candidates& found) {
-  const std::string& type = option.get_type_name();
+void OptionValues(const Option& option, const Typed& typed, Candidates& found) {
+  const std::string type = option.type();
   if (type == "FILE" || type == "FOLDER") return Files(typed, found);
-  if (!option.get_lnames().empty()) {
-    Ask(kOptionValues, option.get_lnames().front(), typed, found);
+  if (!option.long_names().empty()) {
+    Ask(kOptionValues, option.long_names().front(), typed, found);
   }
 }
 
 // What stands in the place of the current word, which is no option.
 void Words(const Typed& typed, Candidates& found) {
-  const CLI::App& app = typed.call.app();
+  const OptionSet& set = typed.call.set();
   const Invocation& invocation = typed.call.invocation;
   if (invocation.name.empty()) {
-    const auto words = WordPositions(app, typed.before);
+    const auto words = WordPositions(set, typed.before);
     return words.empty() ? Commands(typed, found) : SecondWords(typed.before[words.front()], found);
   }
-  std::size_t place = WordPositions(app, invocation.arguments).size();
+  std::size_t place = WordPositions(set, invocation.arguments).size();
   if (place == 0) SecondWords(invocation.name, found);
-  for (const CLI::Option* option : app.get_options()) {
-    if (!option->get_positional()) continue;
-    if (place == 0 || option->get_items_expected_max() > 1) {
-      return Ask(kPositions, option->get_name(true), typed, found);
+  for (const Option& option : set.options()) {
+    if (!option.IsPositional()) continue;
+    if (place == 0 || option.IsRepeatable()) {
+      return Ask(kPositions, option.position_name(), typed, found);
     }
     --place;
   }
@@ -249,11 +247,8 @@ void Read(Typed& typed) {
   // An option whose value is still being typed would be the only thing that is seen.
   const bool open = !typed.before.empty() && typed.before.back().starts_with('-');
   const std::vector<std::string> whole(typed.before.begin(), typed.before.end() - (open ? 1 : 0));
-  try {
-    static_cast<void>(typed.call.Read(OptionSet::Extent::kAll, whole));
-  } catch (const CLI::Success&) {
-    return;  // behind --help: what is declared is enough
-  }
+  const auto asked = typed.call.Read(OptionSet::Extent::kAll, whole);
+  if (asked && *asked != OptionSet::Asked::kRun) return;  // what is declared is enough
   static_cast<void>(typed.call.Configure());
 }
 
@@ -269,18 +264,18 @@ Candidates CandidatesFor(std::vector<std::string> words) {
   Read(typed);
 
   Candidates found;
-  const CLI::App& app = typed.call.app();
+  const OptionSet& set = typed.call.set();
   const std::size_t equals = typed.current.find('=');
   std::string prefix;  // `--vda=` of `--vda=2`
   if (typed.current.starts_with("--") && equals != std::string::npos) {
     prefix = typed.current.substr(0, equals + 1);
-    const auto* option = app.get_option_no_throw(typed.current.substr(0, equals));
-    if (option != nullptr) OptionValues(*option, typed, found);
+    const std::string name = typed.current.substr(0, equals);
+    if (set.IsDeclared(name)) OptionValues(set.Find(name), typed, found);
   } else if (!typed.before.empty() && typed.before.back().starts_with('-') &&
-             TakesNext(app, typed.before.back())) {
+             TakesNext(set, typed.before.back())) {
     const std::string& last = typed.before.back();
     const std::string name = last.starts_with("--") ? last : std::string("-") + last.back();
-    OptionValues(*app.get_option_no_throw(name), typed, found);
+    OptionValues(set.Find(name), typed, found);
   } else if (typed.current.starts_with('-')) {
     OptionNames(typed, found);
   } else {

@@ -1,7 +1,6 @@
 // `fleetpub simulate TARGET…`: virtual robots that answer.
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
 #include <charconv>
@@ -303,44 +302,44 @@ Result<ExitCode> RunSimulate(const Options& o, const Context& context) {
 void DeclareRobots(OptionSet& set, Options& o) {
   constexpr const char* kRobots = "Robots";
   const auto add = [&](const char* names, std::string& value, const char* type, const char* help) {
-    return set.AddOption(names, value, help)->type_name(type)->group(kRobots);
+    return set.AddOption(names, value, help).Type(type).Group(kRobots);
   };
   set.AddOption("targets", o.targets, "Robots: manufacturer/serialNumber; platforms")
-      ->type_name("TARGET");
+      .Type("TARGET");
   add("--count", o.count, "N", "So many per target, counting up the number at its end [1]");
-  add("--vda", o.version, "V", "Version that they speak [3.0.0]")->envname("FLEETPUB_VDA");
+  add("--vda", o.version, "V", "Version that they speak [3.0.0]").Variable("FLEETPUB_VDA");
   add("--interface", o.interface_name, "NAME",
       "First topic level [uagv up to 2.x, vda5050 from 3.0]")
-      ->envname("FLEETPUB_INTERFACE");
+      .Variable("FLEETPUB_INTERFACE");
   add("--topic-template", o.topic_template, "TEMPLATE",
       "The topic, with its placeholders in braces (see the manual)");
   add("--actions-key", o.actions_key, "KEY", "actions or instantActions: what they expect");
   add("--state-interval", o.state_interval, "TIME",
       "Longest time between two states or statuses [30s]");
   add("--mode", o.mode, "MODE", "Their operatingMode [AUTOMATIC]");
-  set.AddFlag("--with-order", o.with_order, "They are under way with an order")->group(kRobots);
+  set.AddFlag("--with-order", o.with_order, "They are under way with an order").Group(kRobots);
   add("--order-time", o.order_time, "TIME", "An order takes so long [until it is cancelled]");
   add("--for", o.duration, "TIME", "End after this time [on Ctrl-C]");
 }
 
 void DeclarePlatforms(OptionSet& set, Options& o) {
   set.AddOption("--protocol", o.protocol, "vda5050, or soar: the targets are platforms [vda5050]")
-      ->type_name("NAME")
-      ->group("SoAR");
+      .Type("NAME")
+      .Group("SoAR");
   DeclarePrefix(set, o.prefix);
   set.AddOption("--stop-at", o.stop_at,
                 "Acknowledge no further than c2_received, operator_approved_and_sent, executed")
-      ->type_name("LEVEL")
-      ->group("SoAR");
+      .Type("LEVEL")
+      .Group("SoAR");
 }
 
 void DeclareFaults(OptionSet& set, Options& o) {
   constexpr const char* kFaults = "Faults";
   const auto add = [&](const char* names, std::string& value, const char* type, const char* help) {
-    set.AddOption(names, value, help)->type_name(type)->group(kFaults);
+    set.AddOption(names, value, help).Type(type).Group(kFaults);
   };
   const auto add_types = [&](const char* name, std::vector<std::string>& types, const char* help) {
-    set.AddOption(name, types, help)->type_name("TYPE")->allow_extra_args(false)->group(kFaults);
+    set.AddOption(name, types, help).Type("TYPE").OneValueEach().Group(kFaults);
   };
   add("--delay", o.delay, "TIME", "An action takes so long; a platform, from level to level [0]");
   add_types("--fail", o.fail, "Actions of this type end FAILED; repeatable");
@@ -348,8 +347,7 @@ void DeclareFaults(OptionSet& set, Options& o) {
   add("--reject-style", o.reject_style, "STYLE",
       "state: an action state FAILED and an error; error: an error only [state from 3.0]");
   add_types("--retriable", o.retriable, "Actions of this type become RETRIABLE; repeatable");
-  set.AddFlag("--silent", o.silent, "Never report a state; a platform says nothing")
-      ->group(kFaults);
+  set.AddFlag("--silent", o.silent, "Never report a state; a platform says nothing").Group(kFaults);
   add("--drop", o.drop, "PERCENT", "Ignore this share of the messages [0]");
   add("--seed", o.seed, "N", "Another choice of what is dropped [1]");
 }

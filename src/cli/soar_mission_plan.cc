@@ -1,7 +1,6 @@
 // `fleetpub soar mission-plan DESTINATION`: waypoints from options or a file.
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <memory>
 
 #include "base/file.h"
@@ -72,17 +71,17 @@ Run DeclareSoarMissionPlan(OptionSet& set) {
   set.AddOption("--waypoint", options->waypoints,
                 "A waypoint: lat=50.37,lon=-4.19 and what else there is to say: depth, altitude, "
                 "action, activate_payload, send_environmental_data, flight_style; one each")
-      ->type_name("LIST")
-      ->allow_extra_args(false)
-      ->group(kPayload);
+      .Type("LIST")
+      .OneValueEach()
+      .Group(kPayload);
   set.AddOption("--plan", options->file,
                 "Waypoints from a file instead: CSV with a header row, JSON, or a GeoJSON "
                 "LineString; - is standard input")
-      ->type_name("FILE")
-      ->group(kPayload);
+      .Type("FILE")
+      .Group(kPayload);
   set.AddOption("--each", options->each, "For waypoints that do not say: depth=15,action=move")
-      ->type_name("LIST")
-      ->group(kPayload);
+      .Type("LIST")
+      .Group(kPayload);
   DeclareSoarSending(set, options->sending);
   return [options](const Context& context) { return RunMissionPlan(*options, context); };
 }

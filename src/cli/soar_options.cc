@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <charconv>
 
@@ -102,38 +101,38 @@ void DeclarePrefix(OptionSet& set, std::string& prefix) {
   set.bindings().Bind(
       "soar_prefix",
       set.AddOption("--prefix", prefix, "What all topics of the backbone begin with [soar]")
-          ->type_name("TEXT")
-          ->envname("FLEETPUB_SOAR_PREFIX")
-          ->group(kSoar),
+          .Type("TEXT")
+          .Variable("FLEETPUB_SOAR_PREFIX")
+          .Group(kSoar),
       &prefix);
 }
 
 void DeclareSource(OptionSet& set, std::string& source) {
   set.bindings().Bind("soar_source",
                       set.AddOption("--source", source, "Who sends [fleetpub]")
-                          ->type_name("TEXT")
-                          ->envname("FLEETPUB_SOAR_SOURCE")
-                          ->group(kSoar),
+                          .Type("TEXT")
+                          .Variable("FLEETPUB_SOAR_SOURCE")
+                          .Group(kSoar),
                       &source);
 }
 
 void DeclareSoarOptions(OptionSet& set, SoarOptions& o) {
   const auto add = [&](const char* names, std::string& value, const char* type, const char* help) {
-    return set.AddOption(names, value, help)->type_name(type)->group(kSoar);
+    return set.AddOption(names, value, help).Type(type).Group(kSoar);
   };
   set.AddOption("destination", o.destination, "Whom it is for: soar.planet-ocean.ecosub.eco1")
-      ->type_name("DESTINATION");
-  set.AddFlag("--broadcast", o.broadcast, "To everybody, instead of a destination")->group(kSoar);
+      .Type("DESTINATION");
+  set.AddFlag("--broadcast", o.broadcast, "To everybody, instead of a destination").Group(kSoar);
   DeclareSource(set, o.source);
   DeclarePrefix(set, o.prefix);
   add("--header-version", o.header_version, "N", "The header's version [1.0]");
-  set.AddFlag("--strict", o.strict, "What makes no sense is an error, not a warning")->group(kSoar);
+  set.AddFlag("--strict", o.strict, "What makes no sense is an error, not a warning").Group(kSoar);
 }
 
 void DeclareSoarWaiting(OptionSet& set, SoarWaitingOptions& o) {
-  set.AddFlag("-w,--wait", o.wait, "Wait until it is acknowledged as executed")->group(kWaiting);
+  set.AddFlag("-w,--wait", o.wait, "Wait until it is acknowledged as executed").Group(kWaiting);
   const auto add = [&](const char* names, std::string& value, const char* type, const char* help) {
-    set.AddOption(names, value, help)->type_name(type)->group(kWaiting);
+    set.AddOption(names, value, help).Type(type).Group(kWaiting);
   };
   add("--wait-for", o.wait_for, "LEVEL",
       "Wait for c2_received, operator_approved_and_sent or executed");
@@ -142,9 +141,9 @@ void DeclareSoarWaiting(OptionSet& set, SoarWaitingOptions& o) {
   set.AddOption("--ack-topic", o.topics,
                 "Where acknowledgements come back, + and # allowed; repeatable "
                 "[the destination's from_platform.acknowledgement]")
-      ->type_name("TOPIC")
-      ->allow_extra_args(false)
-      ->group(kWaiting);
+      .Type("TOPIC")
+      .OneValueEach()
+      .Group(kWaiting);
 }
 
 Result<soar::Sender> SenderOf(const SoarOptions& options) {
@@ -209,15 +208,15 @@ void FieldOptions::Declare(OptionSet& set, std::span<const soar::Field> fields) 
     Given& given = given_.emplace_back();
     given.field = &field;
     given.option = set.AddOption(names, given.text, std::string(field.meaning))
-                       ->type_name(TypeName(field.type))
-                       ->group("Payload");
+                       .Type(TypeName(field.type))
+                       .Group("Payload");
   }
 }
 
 Result<std::vector<soar::Member>> FieldOptions::Members() const {
   std::vector<soar::Member> members;
   for (const auto& [field, option, text] : given_) {
-    if (option->empty()) {
+    if (!option.IsGiven()) {
       if (!field->required) continue;
       return Usage(
           fmt::format("{} is missing: give it with --{}", field->name, OptionName(*field)));

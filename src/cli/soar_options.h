@@ -10,13 +10,10 @@
 
 #include "base/result.h"
 #include "cli/global_options.h"
+#include "cli/option.h"
 #include "dispatch/follow.h"
 #include "soar/field.h"
 #include "soar/message.h"
-
-namespace CLI {
-class Option;
-}
 
 namespace fleetpub::cli {
 
@@ -75,7 +72,7 @@ class FieldOptions {
  private:
   struct Given {
     const soar::Field* field;
-    CLI::Option* option;
+    Option option;
     std::string text;
   };
   std::deque<Given> given_;  // CLI11 keeps references to the texts

@@ -2,7 +2,6 @@
 // TOML.
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <memory>
 
 #include "base/file.h"
@@ -62,8 +61,8 @@ Run DeclareSoarPlanningConfiguration(OptionSet& set) {
   const auto options = std::make_shared<Options>();
   set.AddOption("-f,--file", options->file,
                 "Squads, platforms and zones: JSON or TOML; - is standard input")
-      ->type_name("FILE")
-      ->group("Payload");
+      .Type("FILE")
+      .Group("Payload");
   options->fields.Declare(set, soar::FieldsOf(soar::MessageType::kPlanningConfiguration));
   DeclareSoarSending(set, options->sending);
   return [options](const Context& context) { return RunPlanningConfiguration(*options, context); };

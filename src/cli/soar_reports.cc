@@ -2,7 +2,6 @@
 // control systems say.
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <memory>
 
@@ -74,9 +73,9 @@ Run DeclareSoarObservation(OptionSet& set) {
   const auto options = DeclareReport(set, MessageType::kObservation);
   set.AddOption("--point", options->points,
                 "A point of interest: lat=...,lon=...[,quality=]; one each")
-      ->type_name("LIST")
-      ->allow_extra_args(false)
-      ->group("Payload");
+      .Type("LIST")
+      .OneValueEach()
+      .Group("Payload");
   DeclareSoarSending(set, options->sending);
   return [options](const Context& context) { return RunReport(*options, context); };
 }

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
 #include <cstdio>
@@ -191,23 +190,23 @@ void DeclareTargetOptions(OptionSet& set, TargetOptions& o) {
   constexpr const char* kTargets = "Targets";
   set.AddOption("targets", o.words,
                 "Robots: manufacturer/serialNumber, alias, @group, 'KIT/*', - (standard input)")
-      ->type_name("TARGET");
-  set.AddFlag("--all", o.all, "All robots that the broker knows")->group(kTargets);
+      .Type("TARGET");
+  set.AddFlag("--all", o.all, "All robots that the broker knows").Group(kTargets);
   // Without allow_extra_args(false) they would swallow the targets behind them.
   set.AddOption("--except", o.except, "But not this robot, alias, @group or pattern; repeatable")
-      ->type_name("TARGET")
-      ->allow_extra_args(false)
-      ->group(kTargets);
+      .Type("TARGET")
+      .OneValueEach()
+      .Group(kTargets);
   set.AddOption("--where", o.where,
                 "Only robots of which this is true: 'battery<20', operatingMode=AUTOMATIC; "
                 "repeatable")
-      ->type_name("CONDITION")
-      ->allow_extra_args(false)
-      ->group(kTargets);
+      .Type("CONDITION")
+      .OneValueEach()
+      .Group(kTargets);
   set.AddOption("--state-wait", o.state_wait,
                 "How long --where waits for the states of robots that are online [35s]")
-      ->type_name("TIME")
-      ->group(kTargets);
+      .Type("TIME")
+      .Group(kTargets);
 }
 
 VdaOptions Configured(VdaOptions given, const Config& config) {

@@ -4,7 +4,6 @@
 
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <memory>
 
@@ -247,19 +246,18 @@ Result<ExitCode> RunValidate(const Options& options, const Context& context) {
 Run DeclareValidate(OptionSet& set) {
   const auto options = std::make_shared<Options>();
   const auto add = [&](const char* names, std::string& value, const char* type, const char* help) {
-    return set.AddOption(names, value, help)->type_name(type)->group("Checking");
+    return set.AddOption(names, value, help).Type(type).Group("Checking");
   };
-  set.AddOption("file", options->file, "The message; - or nothing: standard input")
-      ->type_name("FILE");
-  add("--vda", options->version, "V", "Version [what the header says]")->envname("FLEETPUB_VDA");
+  set.AddOption("file", options->file, "The message; - or nothing: standard input").Type("FILE");
+  add("--vda", options->version, "V", "Version [what the header says]").Variable("FLEETPUB_VDA");
   add("--topic", options->topic, "TOPIC", "order, state, instantActions … [told from the message]");
   add("--protocol", options->protocol, "NAME", "vda5050 or soar [vda5050]");
   add("--message-type", options->message_type, "TYPE",
       "With --protocol soar: the payload must be of this type, and may stand alone");
   add("--schema", options->schema_file, "FILE", "A JSON Schema of your own (draft-07)");
-  set.AddFlag("--lines", options->lines, "One message per line (JSON Lines)")->group("Checking");
+  set.AddFlag("--lines", options->lines, "One message per line (JSON Lines)").Group("Checking");
   set.AddFlag("--strict", options->strict, "Rules of the specification's text are errors too")
-      ->group("Checking");
+      .Group("Checking");
   DeclareLive(set, options->live);
   return [options](const Context& context) { return RunValidate(*options, context); };
 }

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <map>
 #include <unordered_map>
@@ -146,14 +145,14 @@ void DeclareLive(OptionSet& set, LiveOptions& options) {
   constexpr const char* kLive = "Live";
   set.AddFlag("--live", options.live,
               "Check what robots and fleet controls publish; FILE is a PATTERN of robots then")
-      ->group(kLive);
+      .Group(kLive);
   set.AddOption("--for", options.duration, "End after this time [on Ctrl-C]")
-      ->type_name("TIME")
-      ->group(kLive);
+      .Type("TIME")
+      .Group(kLive);
   set.AddOption("--count", options.count, "End after so many messages")
-      ->type_name("N")
-      ->check(CLI::Range(std::int64_t{1}, std::int64_t{1'000'000'000'000}))
-      ->group(kLive);
+      .Type("N")
+      .InRange(1, 1'000'000'000'000)
+      .Group(kLive);
   DeclareTopicOptions(set, options.vda);
 }
 

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <charconv>
 #include <limits>
@@ -52,15 +51,15 @@ Status CheckUtf8(std::string_view option, std::string_view text) {
 
 void DeclareVdaOptions(OptionSet& set, VdaOptions& o) {
   const auto add = [&](const char* names, std::string& value, const char* type, const char* help) {
-    return set.AddOption(names, value, help)->type_name(type)->group(kVda);
+    return set.AddOption(names, value, help).Type(type).Group(kVda);
   };
   add("--vda", o.version, "V",
       "Version to speak: 1.1.0, 2.0.0, 2.1.0, 3.0.0, or auto: the robot's own [3.0.0, assumed; "
       "auto for robots found by a pattern]")
-      ->envname("FLEETPUB_VDA");
+      .Variable("FLEETPUB_VDA");
   add("--interface", o.interface_name, "NAME",
       "First topic level [uagv up to 2.x, vda5050 from 3.0]")
-      ->envname("FLEETPUB_INTERFACE");
+      .Variable("FLEETPUB_INTERFACE");
   add("--topic-template", o.topic_template, "TEMPLATE",
       "The topic, with its placeholders in braces (see the manual)");
   add("--actions-key", o.actions_key, "KEY",
@@ -73,16 +72,16 @@ void DeclareVdaOptions(OptionSet& set, VdaOptions& o) {
 
 void DeclareInstantOptions(OptionSet& set, InstantOptions& o) {
   const auto add = [&](const char* names, std::string& value, const char* type, const char* help) {
-    set.AddOption(names, value, help)->type_name(type)->group(kAction);
+    set.AddOption(names, value, help).Type(type).Group(kAction);
   };
   // Without allow_extra_args(false) it would swallow the targets behind it, and others would be
   // commanded.
   set.AddOption("-P,--parameter", o.assignments,
                 "Further action parameter: key=text, key:=json, key=@file, key:=@file; repeatable")
-      ->type_name("KEY=VALUE")
-      ->allow_extra_args(false)
-      ->group(kAction);
-  set.AddOption("--id", o.id, "The actionId [a random UUID]")->type_name("ID")->group(kAction);
+      .Type("KEY=VALUE")
+      .OneValueEach()
+      .Group(kAction);
+  set.AddOption("--id", o.id, "The actionId [a random UUID]").Type("ID").Group(kAction);
   add("--descriptor", o.descriptor, "TEXT", "Free text on the action");
   add("--blocking-type", o.blocking_type, "TYPE", "NONE, SOFT, HARD; 3.0 allows NONE only [NONE]");
   add("--header-id", o.header_id, "N", "The headerId, above the topic's last [the next]");

@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
+#include <CLI/Version.hpp>
 #include <set>
 #include <string_view>
 
@@ -34,13 +34,13 @@ std::string Schemas() {
 
 }  // namespace
 
-std::string VersionText() {
+std::string VersionText(const BuildInfo& build) {
   return fmt::format(
       "fleetpub {}\n"
       "build      {}\n"
       "libraries  {}, SQLite {}, RapidJSON {}, fmt {}.{}.{}, CLI11 {}, utf8proc {}\n"
       "schemas    {}",
-      FLEETPUB_VERSION, FLEETPUB_BUILD, base::Join(mqtt::LibraryVersions(), ", "),
+      build.version, build.description, base::Join(mqtt::LibraryVersions(), ", "),
       ledger::SqliteVersion(), RAPIDJSON_VERSION_STRING, FMT_VERSION / 10'000,
       FMT_VERSION / 100 % 100, FMT_VERSION % 100, CLI11_VERSION, base::Utf8procVersion(),
       Schemas());

@@ -2,8 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
-
 #include "base/text.h"
 #include "base/time.h"
 #include "cli/listening.h"
@@ -29,33 +27,33 @@ Result<std::optional<vda5050::WaitFor>> WaitForOf(const WaitingOptions& options)
 
 void DeclareWaitOptions(OptionSet& set, WaitingOptions& options) {
   set.AddFlag("-w,--wait", options.wait, "Wait until the robot says so (--wait-for)")
-      ->group(kWaiting);
+      .Group(kWaiting);
   set.AddOption(
          "--wait-for", options.wait_for,
          "accepted: the robot lists it; finished: it is done [orders: accepted, else finished]")
-      ->type_name("END")
-      ->group(kWaiting);
+      .Type("END")
+      .Group(kWaiting);
   set.AddOption("-W,--timeout", options.timeout,
                 "How long to wait in total [35s to be seen, then 10m]")
-      ->type_name("TIME")
-      ->group(kWaiting);
+      .Type("TIME")
+      .Group(kWaiting);
 }
 
 void DeclareWaitingOptions(OptionSet& set, WaitingOptions& options) {
   DeclareWaitOptions(set, options);
   set.AddOption("--resend", options.resend,
                 "Send again up to N times what no robot has seen, with the same actionId [0]")
-      ->type_name("N")
-      ->check(CLI::Range(0, 100))
-      ->group(kWaiting);
+      .Type("N")
+      .InRange(0, 100)
+      .Group(kWaiting);
   set.AddFlag("--check", options.check,
               "Look first whether the robot is online and supports the action [with --wait]")
-      ->group(kWaiting);
-  set.AddFlag("--no-check", options.no_check, "Send without looking")->group(kWaiting);
+      .Group(kWaiting);
+  set.AddFlag("--no-check", options.no_check, "Send without looking").Group(kWaiting);
   set.AddOption("--discover", options.discover,
                 "Silence in ms after which a retained message is not there [300]")
-      ->type_name("MS")
-      ->group(kWaiting);
+      .Type("MS")
+      .Group(kWaiting);
 }
 
 Result<Waiting> WaitingOf(const WaitingOptions& options) {

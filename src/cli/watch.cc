@@ -2,7 +2,6 @@
 // each change.
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <map>
 #include <memory>
@@ -220,8 +219,8 @@ Run DeclareWatch(OptionSet& set) {
   const auto options = std::make_shared<Options>();
   DeclareFleetOptions(set, options->fleet);
   set.AddOption("--for", options->duration, "End after this time [on q or Ctrl-C]")
-      ->type_name("TIME")
-      ->group("Waiting");
+      .Type("TIME")
+      .Group("Waiting");
   return [options](const Context& context) { return RunWatch(*options, context); };
 }
 

@@ -17,23 +17,19 @@
 // PahoCall *and* the descriptor is that call's.
 //
 //   connect()      dial.cc has connected a socket before Paho was entered (all addresses, exact
-//   errors, a deadline).
-//                  It is put in place of Paho's unconnected one by dup3(). The answer is
+//                  errors, a deadline). It is put in place of Paho's unconnected one by dup3(). The answer is
 //                  EINPROGRESS, *not* 0: Paho's path for 0 is hardly ever taken elsewhere and is
 //                  wrong (TLS connects fail half of the time, WebSockets always). Its state machine
 //                  then runs as on any other day.
 //   poll()         The first time that Paho polls the new connection for reading, it is answered at
-//   once: that is the
-//                  100 ms. Every wait is cut at the deadline; then the connection is shut down,
+//                  once: that is the 100 ms. Every wait is cut at the deadline; then the connection is shut down,
 //                  Paho reads the end and gives up. The first byte of the first answer is looked at
 //                  before Paho sees it: an SSH server's greeting is to Paho the start of a packet
 //                  whose rest never comes.
 //   writev()       Waits for room instead of writing short, which would cost Paho another 100 ms.
-//   (TLS writes through
-//                  write(), which is left alone: the transport waits for room before it publishes.)
+//                  (TLS writes through write(), which is left alone: the transport waits for room before it publishes.)
 //   getaddrinfo()  The name has been looked up already. Paho needs an answer only to choose the
-//   family of the socket
-//                  that connect() throws away, and still needs the name itself for SNI, the
+//                  family of the socket that connect() throws away, and still needs the name itself for SNI, the
 //                  certificate and `Host:`.
 //
 // Raw system calls are used in place of the C library's functions, since a static executable has no

@@ -80,8 +80,7 @@ class Registry {
   explicit Registry(const std::filesystem::path& directory = {});
 
   /// The text, for `schema show`: complete, with a copy of what it refers to in other files.
-  /// Unknown name: ErrorKind::kUsage, naming
-  /// what is close.
+  /// Unknown name: ErrorKind::kUsage, naming what is close.
   [[nodiscard]] Result<std::string> Text(std::string_view name) const;
 
   /// Owned by the registry and valid as long as it lives. A part of a document is named by a

@@ -3,15 +3,13 @@
 // valijson. We keep its rules and its walk, and give it three things of our own:
 //
 //  - Adapter: how it sees a base::JsonValue. Its own one refuses 1.0 as an integer, takes 2^63 for
-//  a negative number and
-//    copies strings.
+//    a negative number and copies strings.
 //  - Rule: constraints in place of those that use std::regex (pattern, patternProperties, format),
-//  that end a string at NUL
-//    (minLength, maxLength), that round (multipleOf), or that take quadratic time (uniqueItems).
-//  - Builder: makes valijson's constraints from a vetted schema, in place of
-//  valijson::SchemaParser, whose references miss
-//    (`$id`; names with a slash; `propertyNames` beside a reference to the whole) or recurse
-//    without end.
+//    that end a string at NUL (minLength, maxLength), that round (multipleOf), or that take
+//    quadratic time (uniqueItems).
+//  - Builder: makes valijson's constraints from a vetted schema, in place of valijson::SchemaParser,
+//    whose references miss (`$id`; names with a slash; `propertyNames` beside a reference to the
+//    whole) or recurse without end.
 #define VALIJSON_USE_EXCEPTIONS 1
 #include <algorithm>
 #include <array>

@@ -86,7 +86,7 @@ struct Standing {
 
 [[nodiscard]] Standing StandingOf(const Discovered& found);
 
-/// One entry per robot, in order of address,: the one of the greatest standing.
+/// One entry per robot, in order of address: the one of the greatest standing.
 [[nodiscard]] std::vector<Discovered> OnePerRobot(std::vector<Discovered> found);
 
 /// The release that a header's version means: `2.1.0`, `2.1`, `v2.1`, ` V2 `. A release that we do

@@ -36,11 +36,10 @@ struct PreflightFindings {
 
 /// Checks the actions of one message, in this order: is the robot known and ONLINE, does it speak
 /// the dialect's version (not checked when the dialect has a header version of its own) at the
-/// dialect's topics,
-/// does its mode allow instant actions (the table of operatingMode), does its factsheet list the
-/// actions with scope INSTANT and with these parameters, do its limits hold. `payload_bytes` is the
-/// message's length, 0 when it is not known. startPause is not refused for the robot's connection
-/// state, only warned about.
+/// dialect's topics, does its mode allow instant actions (the table of operatingMode), does its
+/// factsheet list the actions with scope INSTANT and with these parameters, do its limits hold.
+/// `payload_bytes` is the message's length, 0 when it is not known. startPause is not refused for
+/// the robot's connection state, only warned about.
 [[nodiscard]] PreflightFindings CheckRobot(const RobotAddress& robot, const Dialect& dialect,
                                            std::span<const InstantAction> actions,
                                            const KnownRobot& known, std::size_t payload_bytes = 0);

@@ -53,9 +53,10 @@ struct RequestResponse {
 
 /// Follows a prepared message until the robot's state shows it (docs/manual.md, "Waiting"):
 ///
-///   order           orderId and orderUpdateId; kFinished: all its nodes, edges and actions are
-///   done instantActions  each of its actions zoneSet         the zoneSetId responses       the
-///   request's status; null for QUEUED and REJECTED, which no state shows
+///   order            orderId and orderUpdateId; kFinished: all nodes, edges and actions are done
+///   instantActions   each of its actions
+///   zoneSet          the zoneSetId
+///   responses        the request's status; null for QUEUED and REJECTED, which no state shows
 ///
 /// or an error that references it. `message` need not outlive the call.
 /// Errors: ErrorKind::kUsage (topic; responses that no state shows).

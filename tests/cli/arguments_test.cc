@@ -2,8 +2,6 @@
 
 #include <gmock/gmock.h>
 
-#include <CLI/CLI.hpp>
-
 #include "base/text.h"
 #include "cli/option_set.h"
 
@@ -15,10 +13,9 @@ using ::testing::StartsWith;
 
 Result<Invocation> Find(std::vector<std::string> arguments) {
   GlobalOptions options;
-  CLI::App app;
-  OptionSet set(app, OptionSet::Extent::kAll, {});
+  OptionSet set(OptionSet::Extent::kAll, {});
   DeclareGlobalOptions(set, options);
-  return FindSubcommand(app, std::move(arguments));
+  return FindSubcommand(set, std::move(arguments));
 }
 
 // `command | the other arguments`, or the refusal.

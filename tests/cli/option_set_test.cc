@@ -2,7 +2,6 @@
 
 #include <gmock/gmock.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdlib>
 #include <vector>
@@ -18,17 +17,15 @@ using testing::AnyOf;
 using testing::Contains;
 
 struct Declared {
-  CLI::App app;
   GlobalOptions options;
+  OptionSet set;
 
-  Declared(OptionSet::Extent extent, const std::vector<std::string>& arguments) {
-    OptionSet set(app, extent, arguments);
+  Declared(OptionSet::Extent extent, const std::vector<std::string>& arguments)
+      : set(extent, arguments) {
     DeclareGlobalOptions(set, options);
   }
 
-  [[nodiscard]] bool Has(const std::string& name) const {
-    return app.get_option_no_throw(name) != nullptr;
-  }
+  [[nodiscard]] bool Has(const std::string& name) const { return set.IsDeclared(name); }
 };
 
 class EnvironmentVariable {
@@ -67,38 +64,35 @@ TEST(OptionSet, DeclaresEverythingForWhoNeedsTheList) {
 }
 
 TEST(OptionSet, WhatIsLeftOutKeepsItsValueAndIsEmpty) {
-  CLI::App app;
-  OptionSet set(app, OptionSet::Extent::kMentioned, {});
+  OptionSet set(OptionSet::Extent::kMentioned, {});
   std::string value = "before";
-  const CLI::Option* option = set.AddOption("--colour", value, "")->type_name("NAME")->group("G");
-  app.parse(std::vector<std::string>());
-  EXPECT_TRUE(option->empty());
+  const Option option = set.AddOption("--colour", value, "").Type("NAME").Group("G");
+  ASSERT_TRUE(set.Parse("pause", {}));
+  EXPECT_TRUE(!option.IsGiven());
   EXPECT_EQ(value, "before");
 }
 
 TEST(OptionSet, WordsAreAlwaysDeclared) {
-  CLI::App app;
-  OptionSet set(app, OptionSet::Extent::kMentioned, {});
+  OptionSet set(OptionSet::Extent::kMentioned, {});
   std::string target;
   set.AddOption("target", target, "");
-  app.parse(std::vector<std::string>{"KIT/0001"});
+  ASSERT_TRUE(set.Parse("pause", {"KIT/0001"}));
   EXPECT_EQ(target, "KIT/0001");
 }
 
 // An option whose variable were called otherwise would not be found by it.
 TEST(OptionSet, EveryVariableIsNamedAfterItsOption) {
   for (const Subcommand& subcommand : Subcommands()) {
-    CLI::App app;
     GlobalOptions options;
-    OptionSet set(app, OptionSet::Extent::kAll, {});
+    OptionSet set(OptionSet::Extent::kAll, {});
     DeclareGlobalOptions(set, options);
     static_cast<void>(subcommand.declare(set));
-    for (const CLI::Option* option : app.get_options()) {
-      if (option->get_envname().empty()) continue;
-      std::string name = base::ToLower(option->get_envname().substr(9));
+    for (const Option& option : set.options()) {
+      if (option.variable().empty()) continue;
+      std::string name = base::ToLower(option.variable().substr(9));
       std::replace(name.begin(), name.end(), '_', '-');
       const std::string behind_a_word = name.substr(name.find('-') + 1);
-      EXPECT_THAT(option->get_lnames(), AnyOf(Contains(name), Contains(behind_a_word)))
+      EXPECT_THAT(option.long_names(), AnyOf(Contains(name), Contains(behind_a_word)))
           << subcommand.name;
     }
   }

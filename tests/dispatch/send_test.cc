@@ -290,6 +290,7 @@ TEST_F(SendAtQos1, StillTakesAcknowledgementsOfWhatWentBeforeALostConnection) {
 }
 
 TEST_F(SendAtQos1, PassesOverAcknowledgementsOfOthers) {
+  options_.acknowledge_timeout = std::chrono::milliseconds(50);
   transport_.acknowledge = [](int token) { return mqtt::Acknowledgement{.token = token + 100}; };
   EXPECT_TRUE(SendAll(CommandsFor(1), mqtt::Qos::kAtLeastOnce));
   EXPECT_THAT(reports_, ElementsAre(Is(Verdict::kError)));
@@ -343,6 +344,7 @@ TEST_F(SendInBatches, ReservesNothingMoreOnceTheConnectionIsLost) {
 
 TEST_F(SendInBatches, ReservesNothingMoreOnceTheBrokerIsSilent) {
   options_.batch = 1;
+  options_.acknowledge_timeout = std::chrono::milliseconds(50);
   transport_.acknowledge = [](int) { return std::nullopt; };
   constexpr std::size_t kSent = Convoy::kMostUnderWay + 1;
   EXPECT_TRUE(SendAll(CommandsFor(kSent + 2), mqtt::Qos::kAtLeastOnce));

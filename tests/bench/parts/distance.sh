@@ -1,5 +1,5 @@
 # A broker 30 ms away: each byte takes 15 ms.
-helper build/static/tests/bench/delay "$broker_port" 15
+helper build/release/tests/bench/delay "$broker_port" 15
 await_helper test -s "$said"
 distant=$(cat "$said")
 heading 'At a round trip of 30 ms' fleetpub peer
@@ -10,5 +10,5 @@ for qos in 0 1; do
 done
 compare 5 '10000 robots at 30 ms, sent at QoS 1' \
   fleetpub "<$(names 10000)" $fleetpub pause - --quiet -q 1 -b "$distant" -- \
-  'raw socket' build/static/tests/bench/raw_commander "${distant##*:}" 10000 1
+  'raw socket' build/release/tests/bench/raw_commander "${distant##*:}" 10000 1
 end_helper

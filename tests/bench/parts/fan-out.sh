@@ -5,7 +5,7 @@
 confirmed() {
   compare "$2" "$3" \
     fleetpub "<$(names "$1")" $fleetpub pause - --wait --quiet "${@:4}" -- \
-    'raw socket' build/static/tests/bench/raw_commander "$broker_port" "$1"
+    'raw socket' build/release/tests/bench/raw_commander "$broker_port" "$1"
 }
 heading 'Commanded and confirmed FINISHED by virtual robots, beside a raw socket without ledger or validation' fleetpub 'raw socket'
 with_robots 1 confirmed 1 100 'one robot, confirmed' --no-check
@@ -22,6 +22,6 @@ for count in 10 100 1000 10000 30000 100000; do
   for qos in 0 1; do
     compare $times "$count robots, sent at QoS $qos" \
       fleetpub "<$(names $count)" $fleetpub pause - --quiet -q $qos -- \
-      'raw socket' build/static/tests/bench/raw_commander "$broker_port" $count $qos
+      'raw socket' build/release/tests/bench/raw_commander "$broker_port" $count $qos
   done
 done

@@ -10,12 +10,12 @@ done
 memory=$(mktemp -d -p /dev/shm)
 folders+=("$memory")
 compare "$runs" 'one shot, static, QoS 0, ledger in memory' \
-  fleetpub build/static/src/fleetpub pause KIT/0001 --quiet --ledger "$memory/ledger.db" -- \
+  fleetpub build/release/src/fleetpub-static pause KIT/0001 --quiet --ledger "$memory/ledger.db" -- \
   mosquitto_pub mosquitto_pub -h 127.0.0.1 -p "$broker_port" -t "$topic" -m "$message"
 echo
 heading "The same beside what else people use, $runs turns at QoS 0"
 compare "$runs" 'one shot, distribution' \
-  'fleetpub (static)' build/static/src/fleetpub pause KIT/0001 --quiet -- \
+  'fleetpub (static)' build/release/src/fleetpub-static pause KIT/0001 --quiet -- \
   'fleetpub (release)' build/release/src/fleetpub pause KIT/0001 --quiet -- \
   'mosquitto_pub (ready text)' mosquitto_pub -h 127.0.0.1 -p "$broker_port" -t "$topic" -m "$message" -- \
   'shell script' tests/bench/one_shot.sh "$broker_port" KIT 0001 "$home/header-id" -- \

@@ -18,7 +18,7 @@ strace -yy -s 400 -e trace=sendto,recvfrom,writev -o "$home/strace" $release pau
 python3 tests/bench/round_trips.py "$home/strace" "$postgres_port" "$folder/postgres-round-trips.csv"
 echo
 # A database 30 ms away: each byte takes 15 ms.
-helper build/static/tests/bench/delay "$postgres_port" 15
+helper build/release/tests/bench/delay "$postgres_port" 15
 await_helper test -s "$said"
 distant=$(cat "$said")
 distant=${database/:$postgres_port/:${distant##*:}}

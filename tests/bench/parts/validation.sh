@@ -1,5 +1,5 @@
 # Parsing and validating: in one thread without any process around it, and as a program that reads lines.
-ours=$(build/static/tests/bench/validation vda5050/3.0.0/instantActions "$home/message.json" 3)
+ours=$(build/release/tests/bench/validation vda5050/3.0.0/instantActions "$home/message.json" 3)
 theirs=$(node tests/peers/ajv_validation.mjs schemas/vda5050/3.0.0/instantActions.schema.json "$home/message.json" 3)
 printf 'Parse and validate instantActions, one thread: %s/s, compiled ajv %s/s   ratio %s\n' \
   "$ours" "$theirs" "$(awk "BEGIN { printf \"%.2f\", $ours / $theirs }")"
