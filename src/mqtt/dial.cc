@@ -88,7 +88,9 @@ Result<std::vector<Address>> LookupOnThread(const std::string& host, std::uint16
     return Unreachable("no thread for the name lookup", error.what());
   }
   std::unique_lock lock(state->mutex);
-  if (!state->done.wait_until(lock, deadline, [&] { return state->finished; })) {
+  state->done.wait_until(lock, deadline, [&] { return state->finished; });
+  // An answer that comes too late is none, also when this thread was not run in between.
+  if (!state->finished || std::chrono::steady_clock::now() > deadline) {
     return Unreachable(fmt::format(
         "looking up the name {} took too long: the name service does not answer", host));
   }
