@@ -15,6 +15,7 @@
 #include "cli/commanded.h"
 #include "cli/output.h"
 #include "dispatch/verdict.h"
+#include "ledger/postgres_url.h"
 #include "schema/schema.h"
 #include "vda5050/catalogue.h"
 
@@ -76,7 +77,9 @@ void SchemaNames(const Typed& typed, Candidates& found) {
   for (const auto& [name, origin] : registry.List()) found.words.push_back({name, origin});
 }
 
+// Of a ledger in a file only: completion connects to nothing.
 std::vector<std::string> Commanded(const Typed& typed, std::string_view protocol) {
+  if (ledger::IsUrl(typed.call.options.ledger)) return {};
   Output quiet({.quiet = true});
   return CommandedBefore(Context{typed.call.options, quiet, typed.call.config}, protocol);
 }
