@@ -108,10 +108,14 @@ Status Normalize(ledger::HistoryFilter& filter, const Config& config) {
   if (const auto alias = config.aliases.find(filter.target); alias != config.aliases.end()) {
     filter.target = alias->second.ToString();
   }
-  const bool is_pattern = filter.target.find_first_of("*?@") != std::string::npos;
+  const bool is_pattern =
+      filter.target.find_first_of("*?") != std::string::npos || filter.target.starts_with('@');
   if (is_pattern) {
     return Fail(ErrorKind::kUsage, fmt::format("--target takes one robot or its alias, not '{}'",
                                                base::Printable(filter.target)));
+  }
+  if (const auto robot = vda5050::ParseRobotAddress(filter.target)) {
+    filter.target = robot->ToString();
   }
   // A name that some version has is meant as it stands there.
   const auto has = [&](Version version) { return FindAction(version, filter.action) != nullptr; };
@@ -195,7 +199,8 @@ void ShowRecord(const Record& record, Output& output) {
   if (record.outcome_at) line("outcome at", base::FormatTimestamp(*record.outcome_at));
   line("message", record.detail);
   const auto payload = base::ParseJson(record.payload);
-  output.Line(payload ? base::ToPrettyJson(*payload) : base::Printable(record.payload));
+  payload ? output.JsonLine(base::ToPrettyJson(*payload))
+          : output.Line(base::Printable(record.payload));
 }
 
 Result<ExitCode> RunShow(const std::string& text, const Context& context) {

@@ -95,6 +95,8 @@ void Robots(const Typed& typed, Candidates& found) {
     found.words.push_back({robot.ToString(), "configured"});
   }
   for (const std::string& target : Commanded(typed, "vda5050")) {
+    const auto robot = vda5050::ParseRobotAddress(target);
+    if (!robot || robot->ToString() != target) continue;  // it would mean something else
     if (seen.insert(target).second) found.words.push_back({target, "commanded before"});
   }
 }
