@@ -19,6 +19,7 @@
 #include "dispatch/verdict.h"
 #include "ledger/postgres_url.h"
 #include "vda5050/catalogue.h"
+#include "vda5050/robot_address.h"
 
 namespace fleetpub::cli {
 namespace {
@@ -44,6 +45,12 @@ Result<base::WallTime> TimeOf(const std::string& text, std::string_view option) 
                           option, base::Printable(text)));
 }
 
+// Older rows hold robots' names as they are, which may be patterns as targets.
+std::string ShownTarget(const Record& record) {
+  const auto robot = vda5050::ParseRobotAddress(record.target);
+  return robot ? robot->ToString() : record.target;
+}
+
 std::string ActionsJson(const Record& record) {
   std::string json;
   for (const auto& [type, id] : record.actions) {
@@ -58,7 +65,7 @@ std::string RecordJson(const Record& record) {
       R"({{"id":{},"time":"{}","user":{},"host":{},"broker":{},"target":{},"protocol":{},)"
       R"("version":{},"topic":{},"actions":{})",
       record.id, base::FormatTimestamp(record.recorded_at), JsonString(record.user),
-      JsonString(record.host), JsonString(record.broker), JsonString(record.target),
+      JsonString(record.host), JsonString(record.broker), JsonString(ShownTarget(record)),
       JsonString(record.protocol), JsonString(record.version), JsonString(record.topic),
       ActionsJson(record));
   if (!record.profile.empty()) json += R"(,"profile":)" + JsonString(record.profile);
@@ -95,7 +102,7 @@ void ShowTable(const std::vector<Record>& records, Output& output) {
     rows.push_back({{fmt::format("{:>6}", record.id)},
                     {base::FormatLocal(record.recorded_at)},
                     {base::Printable(record.user)},
-                    {base::Printable(record.target)},
+                    {base::Printable(ShownTarget(record))},
                     {TypesOf(record)},
                     {HeaderIdText(record)},
                     {record.status}});
@@ -187,7 +194,7 @@ void ShowRecord(const Record& record, Output& output) {
   line("time", base::FormatTimestamp(record.recorded_at));
   line("user", fmt::format("{} on {}", record.user, record.host));
   line("profile", record.profile);
-  line("target", record.target);
+  line("target", ShownTarget(record));
   line("protocol", fmt::format("{} {}", record.protocol, record.version));
   line("broker", record.broker);
   line("topic", record.topic);

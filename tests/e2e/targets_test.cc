@@ -190,6 +190,20 @@ TEST_F(Targets, WhatIsPrintedMeansThatRobotAlone) {
                           "KIT/1 %2D-all DRY_RUN 3.0.0"));
 }
 
+TEST_F(Targets, AnOldRowsRobotIsShownAsATargetToo) {
+  EXPECT_EQ(Fleetpub({"pause", "KIT/0001"}).exit_code, 0);
+  const std::string change =
+      "import sqlite3, sys; ledger = sqlite3.connect(sys.argv[1]); "
+      "ledger.execute(\"update messages set target = '*/*'\"); "
+      "ledger.commit()";
+  const Finished changed = fleetpub::testing::Run(
+      {.arguments = {"python3", "-c", change, operator_.LedgerPath().string()}});
+  ASSERT_EQ(changed.exit_code, 0) << changed.errors;
+  const Finished history = Fleetpub({"history", "-o", "json"});
+  EXPECT_STREQ(Json(history.output)["target"].GetString(), "%2A/%2A");
+  EXPECT_THAT(Fleetpub({"__complete", "pause", ""}).output, Not(HasSubstr("*")));
+}
+
 TEST_F(Targets, ALineIsOneRobotsName) {
   StartFleet();
   const Finished run = WithInput({"pause", "-", "-o", "json"}, "*/*\n");
