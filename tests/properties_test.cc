@@ -11,6 +11,9 @@
 #include "base/json.h"
 #include "base/text.h"
 #include "base/time.h"
+#include "cli/batch_line.h"
+#include "cli/option_set.h"
+#include "cli/targets.h"
 #include "dispatch/validate.h"
 #include "ledger/ledger_support.h"
 #include "mqtt/broker_url.h"
@@ -23,10 +26,12 @@ namespace {
 
 rc::Gen<std::string> Bytes() { return rc::gen::arbitrary<std::string>(); }
 
-// A name that may stand in a topic level, with some letters of more than a byte.
+// A name that may stand in a topic level: with letters of more than a byte, with all that means
+// something to a reader of targets or to a shell, and with what nobody sees.
 rc::Gen<std::string> LevelName() {
-  const auto letter =
-      rc::gen::element<std::string>("a", "Z", "0", "_", ".", ":", "-", " ", "ü", "🤖");
+  const auto letter = rc::gen::element<std::string>(
+      "a", "Z", "0", "2A", "_", ".", ":", "-", " ", "ü", "🤖", "*", "?", "@", "%", "[", "]", ",",
+      "\\", "'", "\"", "`", ";", "=", "~", "!", "{", "}", "\u0085", "\u00A0", "\u202E", "\u3164");
   return rc::gen::map(
       rc::gen::nonEmpty(rc::gen::container<std::vector<std::string>>(letter)),
       [](const std::vector<std::string>& letters) { return base::Join(letters, ""); });
@@ -41,12 +46,39 @@ TEST(AnyRobotAddress, IsParsedFromItsText) {
   }));
 }
 
+// As an argument, as the value of an option and as a line, also when `xargs` cuts it at blanks.
+TEST(AnyRobotAddress, MeansThatRobotAloneWhereverItIsReadBack) {
+  EXPECT_TRUE(rc::check([] {
+    const vda5050::RobotAddress robot{*LevelName(), *LevelName()};
+    const std::string word = robot.ToString();
+    RC_ASSERT(base::Trimmed(word) == word);
+    RC_ASSERT(base::Printable(word) == word);
+    RC_ASSERT(word.find_first_of("\\\"'") == std::string::npos);
+    for (const std::string& piece : base::Split(word, ' ')) {
+      RC_ASSERT(piece.empty() || (piece.front() != '-' && piece.front() != '@'));
+    }
+    const std::vector<std::string> arguments = {"--except", word, word};
+    cli::OptionSet set(cli::OptionSet::Extent::kMentioned, arguments);
+    cli::TargetOptions options;
+    cli::DeclareTargetOptions(set, options);
+    RC_ASSERT(set.Parse("pause", arguments) == cli::OptionSet::Asked::kRun);
+    RC_ASSERT(options.words == std::vector{word});
+    cli::Output output({.quiet = true});
+    const auto read = cli::ReadWords(options.words, {cli::GlobalOptions(), output, cli::Config()});
+    RC_ASSERT(read.has_value());
+    RC_ASSERT(read->patterns.empty() && read->set.empty());
+    RC_ASSERT(read->robots == std::vector{robot});
+    const auto in_batch = cli::AsWritten(word);
+    RC_ASSERT(in_batch.has_value() && in_batch->robot == robot);
+  }));
+}
+
 TEST(AnyText, IsRefusedAsATargetOrNamesTwoLevels) {
   EXPECT_TRUE(rc::check([] {
     const std::string text = *Bytes();
     const auto robot = vda5050::ParseRobotAddress(text);
     if (!robot) return;
-    RC_ASSERT(robot->ToString() == text);
+    RC_ASSERT(vda5050::ParseRobotAddress(robot->ToString()) == *robot);
     RC_ASSERT(text.find_first_of("+#$") == std::string::npos);
     RC_ASSERT(base::Split(text, '/').size() == 2U);
   }));

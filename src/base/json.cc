@@ -11,6 +11,8 @@
 #include <optional>
 #include <vector>
 
+#include "base/text.h"
+
 namespace fleetpub::base {
 namespace {
 
@@ -261,6 +263,30 @@ std::string ToPrettyJson(const JsonValue& value) {
   writer.SetIndent(' ', 2);
   value.Accept(writer);
   return {buffer.GetString(), buffer.GetSize()};
+}
+
+std::string ShownJson(std::string_view json) {
+  const auto is_ascii = [](char c) { return static_cast<unsigned char>(c) < 0x7F; };
+  std::string shown;
+  shown.reserve(json.size());
+  for (;;) {
+    const auto* const end = std::find_if_not(json.begin(), json.end(), is_ascii);
+    shown.append(json.begin(), end);
+    json.remove_prefix(static_cast<std::size_t>(end - json.begin()));
+    if (json.empty()) return shown;
+    const auto [code, bytes] = DecodeFront(json);
+    if (bytes == 0) {
+      shown += "\\ufffd";
+    } else if (!IsHidden(code)) {
+      shown += json.substr(0, bytes);
+    } else if (code <= 0xFFFF) {
+      shown += fmt::format("\\u{:04x}", code);
+    } else {
+      const std::uint32_t rest = code - 0x10000;
+      shown += fmt::format("\\u{:04x}\\u{:04x}", 0xD800 + (rest >> 10), 0xDC00 + (rest & 0x3FF));
+    }
+    json.remove_prefix(std::max<std::size_t>(bytes, 1));
+  }
 }
 
 std::string JsonString(std::string_view text) {

@@ -28,6 +28,10 @@ struct JsonLimits {
 /// The value as JSON with an indentation of two.
 [[nodiscard]] std::string ToPrettyJson(const JsonValue& value);
 
+/// The JSON text as it may be shown: characters that a person does not see (IsHidden) are escaped
+/// as \uXXXX, which changes no value; bytes that are no UTF-8 become U+FFFD.
+[[nodiscard]] std::string ShownJson(std::string_view json);
+
 /// The text as a JSON string with its quotation marks.
 [[nodiscard]] std::string JsonString(std::string_view text);
 

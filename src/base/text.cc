@@ -1,9 +1,9 @@
 #include "base/text.h"
 
 #include <fmt/format.h>
+#include <utf8proc.h>
 
 #include <algorithm>
-#include <cstdint>
 #include <limits>
 
 namespace fleetpub::base {
@@ -11,24 +11,6 @@ namespace {
 
 char Lower(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
 bool IsUpper(char c) { return c >= 'A' && c <= 'Z'; }
-
-// The length in bytes of the UTF-8 sequence at the front, 0 when there is none; `code` is its code
-// point.
-std::size_t DecodeFront(std::string_view text, std::uint32_t& code) {
-  const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
-  const unsigned char lead = byte(0);
-  if (lead < 0x80) return code = lead, 1;
-  const std::size_t length = lead >= 0xF0 ? 4 : lead >= 0xE0 ? 3 : 2;
-  if (lead < 0xC2 || lead > 0xF4 || text.size() < length) return 0;
-  code = lead & (0x7FU >> length);
-  for (std::size_t i = 1; i < length; ++i) {
-    if ((byte(i) & 0xC0U) != 0x80) return 0;
-    code = code << 6U | (byte(i) & 0x3FU);
-  }
-  const bool overlong = (length == 3 && code < 0x800) || (length == 4 && code < 0x10000);
-  const bool surrogate = code >= 0xD800 && code <= 0xDFFF;
-  return overlong || surrogate || code > 0x10FFFF ? 0 : length;
-}
 
 }  // namespace
 
@@ -115,33 +97,54 @@ std::optional<std::string> Nearest(std::string_view word,
   return nearest;
 }
 
+CodePoint DecodeFront(std::string_view text) {
+  const auto lead = static_cast<unsigned char>(text.front());
+  if (lead < 0x80) return {lead, 1};
+  utf8proc_int32_t code = 0;
+  const auto bytes = utf8proc_iterate(reinterpret_cast<const utf8proc_uint8_t*>(text.data()),
+                                      static_cast<utf8proc_ssize_t>(text.size()), &code);
+  if (bytes <= 0) return {};
+  return {static_cast<std::uint32_t>(code), static_cast<std::size_t>(bytes)};
+}
+
 bool IsUtf8(std::string_view text) {
-  std::uint32_t code = 0;
   while (!text.empty()) {
-    const std::size_t length = DecodeFront(text, code);
-    if (length == 0) return false;
-    text.remove_prefix(length);
+    const std::size_t bytes = DecodeFront(text).bytes;
+    if (bytes == 0) return false;
+    text.remove_prefix(bytes);
   }
   return true;
 }
 
-namespace {
-
-// Shows text in another order, or hides in it: marks of direction and what has no width. A name
-// would look like another's.
-bool IsDeceptive(std::uint32_t code) {
-  return code == 0x061C || (code >= 0x200B && code <= 0x200F) ||
-         (code >= 0x2028 && code <= 0x202E) || (code >= 0x2060 && code <= 0x2069) || code == 0xFEFF;
+bool IsHidden(std::uint32_t code) {
+  if (code < 0x7F) return code < 0x20;
+  const auto& facts = *utf8proc_get_property(static_cast<utf8proc_int32_t>(code));
+  switch (facts.category) {
+    case UTF8PROC_CATEGORY_CC:
+    case UTF8PROC_CATEGORY_CF:
+    case UTF8PROC_CATEGORY_CO:
+    case UTF8PROC_CATEGORY_ZL:
+    case UTF8PROC_CATEGORY_ZP:
+      return true;
+    default:
+      break;
+  }
+  constexpr std::uint32_t kBlankBraille = 0x2800;
+  // Not assigned yet, but to be left out when it is (Other_Default_Ignorable_Code_Point).
+  const bool is_reserved =
+      code == 0x2065 || (code >= 0xFFF0 && code <= 0xFFF8) || (code >= 0xE0000 && code <= 0xE0FFF);
+  return facts.ignorable != 0 || is_reserved || code == kBlankBraille;
 }
 
-}  // namespace
+bool IsBlank(std::uint32_t code) {
+  return utf8proc_category(static_cast<utf8proc_int32_t>(code)) == UTF8PROC_CATEGORY_ZS;
+}
 
 std::string Printable(std::string_view text) {
   std::string printable;
   printable.reserve(text.size());
   while (!text.empty()) {
-    std::uint32_t code = 0;
-    const std::size_t length = DecodeFront(text, code);
+    const auto [code, length] = DecodeFront(text);
     if (length == 0) {
       printable += fmt::format("\\x{:02x}", static_cast<unsigned char>(text.front()));
     } else if (code == '\n') {
@@ -150,8 +153,8 @@ std::string Printable(std::string_view text) {
       printable += "\\t";
     } else if (code < 0x20 || (code >= 0x7F && code < 0xA0)) {
       printable += fmt::format("\\x{:02x}", code);
-    } else if (IsDeceptive(code)) {
-      printable += fmt::format("\\u{:04x}", code);
+    } else if (IsHidden(code)) {
+      printable += code > 0xFFFF ? fmt::format("\\U{:08x}", code) : fmt::format("\\u{:04x}", code);
     } else {
       printable += text.substr(0, length);
     }

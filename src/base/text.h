@@ -1,6 +1,8 @@
 // Small things about text that the standard library lacks.
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <span>
 #include <string>
@@ -34,9 +36,25 @@ namespace fleetpub::base {
 /// Valid UTF-8 by RFC 3629: no overlong form, no surrogate, nothing above U+10FFFF.
 [[nodiscard]] bool IsUtf8(std::string_view text);
 
+struct CodePoint {
+  std::uint32_t value = 0;
+  std::size_t bytes = 0;  ///< that it takes in UTF-8; 0: there is none at the front
+};
+
+/// The first character of a text that is not empty.
+[[nodiscard]] CodePoint DecodeFront(std::string_view text);
+
+/// Whether a person does not see this character, or sees the text around it in another order:
+/// control and format characters, line separators, private ones, and all that Unicode lets a
+/// display leave out (variation selectors, tags, fillers).
+[[nodiscard]] bool IsHidden(std::uint32_t code);
+
+/// A blank of any width (Unicode's Zs).
+[[nodiscard]] bool IsBlank(std::uint32_t code);
+
 /// The text made safe for a terminal and for one line: control characters (C0, DEL, C1) and bytes
-/// that are no UTF-8 are shown as `\n`, `\x1b`, marks of direction and what has no width as
-/// `\u202e`. What a robot says must not be able to move an operator's cursor, nor look like
+/// that are no UTF-8 are shown as `\n`, `\x1b`, other hidden characters as `\u202e` or
+/// `\U000e0041`. What a robot says must not be able to move an operator's cursor, nor look like
 /// another's words.
 [[nodiscard]] std::string Printable(std::string_view text);
 

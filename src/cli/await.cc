@@ -98,6 +98,7 @@ Result<std::vector<RobotAddress>> RobotsMeant(const Options& o, const Context& c
   (*transport)->Disconnect();
   std::erase_if(robots,
                 [&](const RobotAddress& robot) { return !words->patterns.front().Matches(robot); });
+  WarnOfNames(robots, context.output);
   if (!robots.empty()) return robots;
   return Fail(ErrorKind::kPreflight,
               fmt::format("the broker knows no robot {}", base::Printable(o.target)));

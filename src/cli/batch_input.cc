@@ -27,8 +27,8 @@ std::string ReferenceOf(std::size_t line, const LineOrigin& origin) {
 void BatchResults::Show(const dispatch::Report& report) {
   const ExitCode code = CodeOf(report);
   worst_ = Worse(worst_, code);
-  output_.Line("{" + report.reference + R"(,"exitCode":)" + std::to_string(static_cast<int>(code)) +
-               ReportJson(report).replace(0, 1, ","));
+  output_.JsonLine("{" + report.reference + R"(,"exitCode":)" +
+                   std::to_string(static_cast<int>(code)) + ReportJson(report).replace(0, 1, ","));
 }
 
 dispatch::Report BadLineReport(std::string reference, const LineOrigin& origin,

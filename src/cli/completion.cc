@@ -13,16 +13,18 @@
 namespace fleetpub::cli {
 namespace {
 
-// bash cuts words at = : @ too ($COMP_WORDBREAKS) and replaces only what stands behind the last
-// cut. Therefore the line is cut at blanks here, and the answers lose what stands before the cut.
+// Names come from robots: whatever one is called, it is inserted as one quoted word. bash cuts
+// words at $COMP_WORDBREAKS too and replaces only what follows the last cut, $2, so the answers
+// lose what comes before. `read` without -r takes backslashes off as the shell would.
 constexpr std::string_view kBash =
     R"sh(# bash completion of fleetpub. Put it into ~/.local/share/bash-completion/completions/fleetpub
 _fleetpub() {
-  local line=${COMP_LINE:0:COMP_POINT} words current cut answer breaks=${COMP_WORDBREAKS//@/}
-  read -ra words <<<"$line"
-  [[ $line == *[[:space:]] ]] && words+=("")
+  local IFS=$' \t\n' line=${COMP_LINE:0:COMP_POINT} words current part cut answer
+  read -a words <<<"$line"
+  read -a part <<<"$2"
+  [[ $line == *[[:space:]] && $line != *\\[[:space:]] ]] && words+=("")
   current=${words[-1]}
-  cut=${current%"${current##*[$breaks]}"}
+  cut=${current%"${part[0]}"}
   COMPREPLY=()
   while IFS= read -r answer; do
     if [[ $answer == :files ]]; then
@@ -32,7 +34,9 @@ _fleetpub() {
     fi
     answer=${answer%%$'\t'*}
     [[ $answer == *= ]] && compopt -o nospace 2>/dev/null
-    COMPREPLY+=("${answer#"$cut"}")
+    answer=${answer#"$cut"}
+    [[ $answer ]] && printf -v answer %q "$answer"
+    COMPREPLY+=("$answer")
   done < <("${words[0]/#\~/$HOME}" __complete "${words[@]:1}" 2>/dev/null)
 }
 complete -F _fleetpub fleetpub
@@ -43,12 +47,12 @@ constexpr std::string_view kZsh = R"sh(#compdef fleetpub
 _fleetpub() {
   local answer word
   local -a whole open
-  for answer in ${(f)"$($words[1] __complete ${(@)words[2,CURRENT-1]} "$PREFIX" 2>/dev/null)"}; do
+  for answer in ${(f)"$($words[1] __complete ${(@Q)words[2,CURRENT-1]} "${(Q)PREFIX}" 2>/dev/null)"}; do
     if [[ $answer == :files ]]; then
       _files
       continue
     fi
-    word=${${answer%%$'\t'*}//:/\\:}
+    word=${${${answer%%$'\t'*}//\\/\\\\}//:/\\:}
     if [[ $word == *= ]]; then
       open+=("$word:${answer#*$'\t'}")
     else
@@ -69,12 +73,13 @@ constexpr std::string_view kFish =
     R"sh(# fish completion of fleetpub. Put it into ~/.config/fish/completions/fleetpub.fish
 function __fleetpub_complete
     set -l words (commandline -opc)
-    set -l current (commandline -ct)
+    set -l current (commandline -ct | string unescape)
+    or set current (commandline -ct)
     for answer in ($words[1] __complete $words[2..-1] "$current" 2>/dev/null)
         if test "$answer" = :files
             __fish_complete_path "$current"
         else
-            echo $answer
+            printf '%s\n' $answer
         end
     end
 end

@@ -9,6 +9,7 @@
 #include "base/text.h"
 #include "base/time.h"
 #include "cli/option_set.h"
+#include "cli/targets.h"
 #include "dispatch/collect.h"
 #include "mqtt/paho_transport.h"
 
@@ -108,6 +109,9 @@ Result<FleetView> GatherFleet(const GatheringOptions& o, const Context& context)
   const std::string broker = (*transport)->server().broker.ToString();
   (*transport)->Disconnect();
   if (view->size() == 0) return Fail(NoRobot(broker, o.fleet));
+  std::vector<RobotAddress> found;
+  for (const RobotView* robot : view->robots()) found.push_back(robot->robot);
+  WarnOfNames(found, context.output);
   if (const std::size_t silent = Silent(*view).size();
       silent > 0 && patience->state_wait.count() > 0) {
     context.output.Warn(fmt::format(

@@ -18,6 +18,7 @@
 #include "dispatch/verdict.h"
 #include "ledger/postgres_url.h"
 #include "vda5050/catalogue.h"
+#include "vda5050/robot_address.h"
 
 namespace fleetpub::cli {
 namespace {
@@ -43,6 +44,12 @@ Result<base::WallTime> TimeOf(const std::string& text, std::string_view option) 
                           option, base::Printable(text)));
 }
 
+// Older rows hold robots' names as they are, which may be patterns as targets.
+std::string ShownTarget(const Record& record) {
+  const auto robot = vda5050::ParseRobotAddress(record.target);
+  return robot ? robot->ToString() : record.target;
+}
+
 std::string ActionsJson(const Record& record) {
   std::string json;
   for (const auto& [type, id] : record.actions) {
@@ -57,7 +64,7 @@ std::string RecordJson(const Record& record) {
       R"({{"id":{},"time":"{}","user":{},"host":{},"broker":{},"target":{},"protocol":{},)"
       R"("version":{},"topic":{},"actions":{})",
       record.id, base::FormatTimestamp(record.recorded_at), JsonString(record.user),
-      JsonString(record.host), JsonString(record.broker), JsonString(record.target),
+      JsonString(record.host), JsonString(record.broker), JsonString(ShownTarget(record)),
       JsonString(record.protocol), JsonString(record.version), JsonString(record.topic),
       ActionsJson(record));
   if (!record.profile.empty()) json += R"(,"profile":)" + JsonString(record.profile);
@@ -94,7 +101,7 @@ void ShowTable(const std::vector<Record>& records, Output& output) {
     rows.push_back({{fmt::format("{:>6}", record.id)},
                     {base::FormatLocal(record.recorded_at)},
                     {base::Printable(record.user)},
-                    {base::Printable(record.target)},
+                    {base::Printable(ShownTarget(record))},
                     {TypesOf(record)},
                     {HeaderIdText(record)},
                     {record.status}});
@@ -107,10 +114,14 @@ Status Normalize(ledger::HistoryFilter& filter, const Config& config) {
   if (const auto alias = config.aliases.find(filter.target); alias != config.aliases.end()) {
     filter.target = alias->second.ToString();
   }
-  const bool is_pattern = filter.target.find_first_of("*?@") != std::string::npos;
+  const bool is_pattern =
+      filter.target.find_first_of("*?") != std::string::npos || filter.target.starts_with('@');
   if (is_pattern) {
     return Fail(ErrorKind::kUsage, fmt::format("--target takes one robot or its alias, not '{}'",
                                                base::Printable(filter.target)));
+  }
+  if (const auto robot = vda5050::ParseRobotAddress(filter.target)) {
+    filter.target = robot->ToString();
   }
   // A name that some version has is meant as it stands there.
   const auto has = [&](Version version) { return FindAction(version, filter.action) != nullptr; };
@@ -182,7 +193,7 @@ void ShowRecord(const Record& record, Output& output) {
   line("time", base::FormatTimestamp(record.recorded_at));
   line("user", fmt::format("{} on {}", record.user, record.host));
   line("profile", record.profile);
-  line("target", record.target);
+  line("target", ShownTarget(record));
   line("protocol", fmt::format("{} {}", record.protocol, record.version));
   line("broker", record.broker);
   line("topic", record.topic);
@@ -194,7 +205,8 @@ void ShowRecord(const Record& record, Output& output) {
   if (record.outcome_at) line("outcome at", base::FormatTimestamp(*record.outcome_at));
   line("message", record.detail);
   const auto payload = base::ParseJson(record.payload);
-  output.Line(payload ? base::ToPrettyJson(*payload) : base::Printable(record.payload));
+  payload ? output.JsonLine(base::ToPrettyJson(*payload))
+          : output.Line(base::Printable(record.payload));
 }
 
 Result<ExitCode> RunShow(const std::string& text, const Context& context) {

@@ -40,8 +40,8 @@ Result<vda5050::FleetView> FleetViewOf(const FleetOptions& options, const Contex
   auto words = ReadWords(options.words, context);
   if (!words) return Fail(std::move(words.error()));
   auto patterns = std::move(words->patterns);
-  for (vda5050::RobotAddress& robot : words->robots) {
-    patterns.push_back({std::move(robot.manufacturer), std::move(robot.serial_number)});
+  for (const vda5050::RobotAddress& robot : words->robots) {
+    patterns.push_back(vda5050::RobotPattern::Of(robot));
   }
   return vda5050::FleetView(dialect->topics, std::move(patterns));
 }

@@ -71,7 +71,13 @@ std::size_t TerminalWidth(int descriptor) {
 Output::Output(Settings settings) : settings_(settings), colour_(WantsColour(STDOUT_FILENO)) {}
 
 void Output::Line(std::string_view text) {
+  if (json()) return JsonLine(text);
   Print(stdout, text);
+  Print(stdout, "\n");
+}
+
+void Output::JsonLine(std::string_view json) {
+  Print(stdout, base::ShownJson(json));
   Print(stdout, "\n");
 }
 

@@ -41,6 +41,8 @@ class Output {
 
   /// A line of results on standard output.
   void Line(std::string_view text);
+  /// The same, of JSON in either format: with nothing in it that a person would not see.
+  void JsonLine(std::string_view json);
   /// The same when it is only for people: suppressed by `--quiet`.
   void PeopleLine(std::string_view text);
 

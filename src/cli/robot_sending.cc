@@ -164,7 +164,7 @@ class RobotSender {
     if (!idle) return {};
     std::string text =
         fmt::format("--except {} spares nobody: no such robot is among those that were found",
-                    base::Printable(idle->ToString()));
+                    base::Printable(*idle));
     if (sending_.harm != Harm::kNone) return Fail(ErrorKind::kPreflight, std::move(text));
     context_.output.Warn(text);
     return {};
@@ -236,8 +236,9 @@ class RobotSender {
       for (const dispatch::Command& command : *commands) {
         const auto report = dry_run->Report(command);
         if (!report) return Fail(report.error());
-        context_.output.Note(fmt::format("would be published to {}", command.topic));
-        context_.output.Line(context_.output.json() ? ReportJson(*report) : report->payload);
+        context_.output.Note(
+            fmt::format("would be published to {}", base::Printable(command.topic)));
+        context_.output.JsonLine(context_.output.json() ? ReportJson(*report) : report->payload);
       }
     }
     return {};

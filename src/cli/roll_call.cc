@@ -274,6 +274,7 @@ Chosen Choose(const Targets& targets, const Roster& roster, Output& output) {
     }
   };
   std::set<RobotAddress> named;
+  std::vector<RobotAddress> discovered;
   for (const RobotAddress& robot : targets.who.robots) {
     const auto found = roster.robots().find(robot);
     if (!targets.who.patterns.empty()) named.insert(robot);
@@ -285,9 +286,12 @@ Chosen Choose(const Targets& targets, const Roster& roster, Output& output) {
   }
   if (!targets.who.patterns.empty()) {
     for (const ListedRobot& listed : roster.robots()) {
-      if (listed.second.connection && !named.contains(listed.first)) consider(listed);
+      if (!listed.second.connection || named.contains(listed.first)) continue;
+      discovered.push_back(listed.first);
+      consider(listed);
     }
   }
+  WarnOfNames(discovered, output);
   if (!away.empty()) {
     output.Warn(
         fmt::format("left out, as they are offline and have left no state: {}", ListOf(away)));
@@ -295,8 +299,8 @@ Chosen Choose(const Targets& targets, const Roster& roster, Output& output) {
   return chosen;
 }
 
-std::optional<RobotAddress> IdleException(const Targets& targets, const Spared& spared,
-                                          const Config& config) {
+std::optional<std::string> IdleException(const Targets& targets, const Spared& spared,
+                                         const Config& config) {
   if (targets.who.patterns.empty()) return std::nullopt;
   for (const RobotAddress& robot : targets.except.robots) {
     const bool is_configured =
@@ -304,13 +308,13 @@ std::optional<RobotAddress> IdleException(const Targets& targets, const Spared& 
         std::any_of(config.group_robots.begin(), config.group_robots.end(), [&](const auto& group) {
           return std::find(group.second.begin(), group.second.end(), robot) != group.second.end();
         });
-    if (!is_configured && !spared.contains(robot)) return robot;
+    if (!is_configured && !spared.contains(robot)) return robot.ToString();
   }
   for (const RobotPattern& pattern : targets.except.patterns) {
     const bool spares = std::any_of(spared.begin(), spared.end(), [&](const RobotAddress& robot) {
       return pattern.Matches(robot);
     });
-    if (!spares) return RobotAddress{pattern.manufacturer, pattern.serial_number};
+    if (!spares) return pattern.manufacturer + "/" + pattern.serial_number;
   }
   return std::nullopt;
 }

@@ -47,9 +47,8 @@ struct RollCall {
 
 /// The first exception that spares nobody of those that the patterns have found: a misspelt one
 /// would command whom it should spare. One that the configuration names may just be away.
-[[nodiscard]] std::optional<vda5050::RobotAddress> IdleException(const Targets& targets,
-                                                                 const Spared& spared,
-                                                                 const Config& config);
+[[nodiscard]] std::optional<std::string> IdleException(const Targets& targets, const Spared& spared,
+                                                       const Config& config);
 
 /// Those that are meant, and satisfy the conditions. Robots without a connection message are meant
 /// only when they are named outright. Warns of robots that are offline and whose state is not

@@ -61,7 +61,7 @@ Result<ExitCode> RunShow(const std::string& name, const Context& context) {
                 fmt::format("{} has no part {}", base::Printable(name.substr(0, hash)),
                             base::Printable(pointer)));
   }
-  context.output.Line(base::ToPrettyJson(*part));
+  context.output.JsonLine(base::ToPrettyJson(*part));
   return ExitCode::kDone;
 }
 

@@ -29,8 +29,8 @@ Result<ExitCode> ShowOnly(const std::vector<Command>& commands, const Context& c
   for (const Command& command : commands) {
     const auto report = dry_run->Report(command);
     if (!report) return Fail(report.error());
-    context.output.Note(fmt::format("would be published to {}", command.topic));
-    context.output.Line(context.output.json() ? ReportJson(*report) : report->payload);
+    context.output.Note(fmt::format("would be published to {}", base::Printable(command.topic)));
+    context.output.JsonLine(context.output.json() ? ReportJson(*report) : report->payload);
   }
   return ExitCode::kDone;
 }

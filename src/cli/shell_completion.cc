@@ -14,6 +14,7 @@
 #include "cli/commanded.h"
 #include "cli/output.h"
 #include "dispatch/verdict.h"
+#include "ledger/postgres_url.h"
 #include "schema/schema.h"
 #include "vda5050/catalogue.h"
 
@@ -75,7 +76,9 @@ void SchemaNames(const Typed& typed, Candidates& found) {
   for (const auto& [name, origin] : registry.List()) found.words.push_back({name, origin});
 }
 
+// Of a ledger in a file only: completion connects to nothing.
 std::vector<std::string> Commanded(const Typed& typed, std::string_view protocol) {
+  if (ledger::IsUrl(typed.call.options.ledger)) return {};
   Output quiet({.quiet = true});
   return CommandedBefore(Context{typed.call.options, quiet, typed.call.config}, protocol);
 }
@@ -91,6 +94,8 @@ void Robots(const Typed& typed, Candidates& found) {
     found.words.push_back({robot.ToString(), "configured"});
   }
   for (const std::string& target : Commanded(typed, "vda5050")) {
+    const auto robot = vda5050::ParseRobotAddress(target);
+    if (!robot || robot->ToString() != target) continue;  // it would mean something else
     if (seen.insert(target).second) found.words.push_back({target, "commanded before"});
   }
 }

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdio>
+#include <iterator>
 #include <set>
 
 #include "base/line_reader.h"
@@ -78,6 +79,26 @@ VdaOptions Completed(VdaOptions given, const auto& find) {
   return given;
 }
 
+// ` (has U+0410, U+200B)`, or nothing.
+std::string UnusualIn(const RobotAddress& robot) {
+  constexpr std::size_t kMost = 3;
+  std::vector<std::string> unusual;
+  std::string_view rest;
+  for (const std::string* name : {&robot.manufacturer, &robot.serial_number}) {
+    if (vda5050::HasRecommendedCharacters(*name)) continue;
+    for (rest = *name; !rest.empty();) {
+      const auto [code, bytes] = base::DecodeFront(rest);
+      const std::string_view character = rest.substr(0, bytes);
+      rest.remove_prefix(std::max<std::size_t>(bytes, 1));
+      if (vda5050::HasRecommendedCharacters(character)) continue;
+      std::string written = fmt::format("U+{:04X}", code);
+      const bool is_known = std::find(unusual.begin(), unusual.end(), written) != unusual.end();
+      if (!is_known && unusual.size() < kMost) unusual.push_back(std::move(written));
+    }
+  }
+  return unusual.empty() ? "" : fmt::format(" (has {})", base::Join(unusual, ", "));
+}
+
 bool Agrees(std::span<const RobotAddress> robots) {
   Print(stderr, fmt::format("{}\nSend to these {} robots? [y/N] ", ListOf(robots), robots.size()));
   std::fflush(stderr);
@@ -108,8 +129,9 @@ class WordReader {
     return {};
   }
 
-  // A target per line; empty lines are passed over.
-  Status TakeStandardInput() {
+  // A target per line; empty lines are passed over. Whoever wrote them may have had them from the
+  // broker: what looks like a pattern or a group is a robot's name.
+  Status TakeStandardInput(bool patterns) {
     NoteSet("-");
     auto reader = base::LineReader::Open("-");
     if (!reader) return Fail(std::move(reader.error()));
@@ -121,7 +143,7 @@ class WordReader {
       const std::string word(base::Trimmed(**line));
       if (word.empty()) continue;
       any = true;
-      auto ok = word == "-" ? Fail(ErrorKind::kUsage, "'-' is standard input itself") : Take(word);
+      auto ok = patterns ? Take(word) : TakeRobot(word);
       if (!ok) {
         ok.error().message = fmt::format("standard input, line {}: {}", number, ok.error().message);
         return ok;
@@ -134,6 +156,24 @@ class WordReader {
   RobotWords Take() { return std::move(words_); }
 
  private:
+  Status TakeRobot(const std::string& word) {
+    if (word.find('/') == std::string::npos) {
+      if (!word.starts_with('@')) return Take(word);
+      return Fail(ErrorKind::kUsage,
+                  fmt::format("'{}' is a group: --patterns allows groups and patterns here",
+                              base::Printable(word)));
+    }
+    auto robot = vda5050::ParseRobotAddress(word);
+    if (!robot) return Fail(std::move(robot.error()));
+    if (word.find_first_of("*?") != std::string::npos) {
+      context_.output.Warn(
+          fmt::format("standard input: '{}' is one robot's name here; --patterns reads patterns",
+                      base::Printable(word)));
+    }
+    Add(*std::move(robot));
+    return {};
+  }
+
   void NoteSet(std::string_view word) {
     if (words_.set.empty()) words_.set = word;
   }
@@ -192,7 +232,9 @@ void DeclareTargetOptions(OptionSet& set, TargetOptions& o) {
                 "Robots: manufacturer/serialNumber, alias, @group, 'KIT/*', - (standard input)")
       .Type("TARGET");
   set.AddFlag("--all", o.all, "All robots that the broker knows").Group(kTargets);
-  // Without allow_extra_args(false) they would swallow the targets behind them.
+  set.AddFlag("--patterns", o.patterns, "Lines of standard input may be patterns and groups too")
+      .Group(kTargets);
+  // Without OneValueEach() they would swallow the targets behind them.
   set.AddOption("--except", o.except, "But not this robot, alias, @group or pattern; repeatable")
       .Type("TARGET")
       .OneValueEach()
@@ -309,7 +351,8 @@ Result<Targets> TargetsOf(const TargetOptions& options, const Context& context) 
 
   WordReader reader(context);
   for (const std::string& word : options.words) {
-    if (auto ok = word == "-" ? reader.TakeStandardInput() : reader.Take(word); !ok) {
+    if (auto ok = word == "-" ? reader.TakeStandardInput(options.patterns) : reader.Take(word);
+        !ok) {
       return Fail(std::move(ok.error()));
     }
   }
@@ -353,11 +396,26 @@ Harm HarmOf(std::string_view action_type) {
 std::string ListOf(std::span<const RobotAddress> robots) {
   constexpr std::size_t kShown = 20;
   std::vector<std::string> names;
-  for (const RobotAddress& robot : robots.first(std::min(kShown, robots.size()))) {
-    names.push_back(base::Printable(robot.ToString()));
+  for (const bool is_marked : {true, false}) {
+    for (const RobotAddress& robot : robots) {
+      const std::string unusual = UnusualIn(robot);
+      if (unusual.empty() == is_marked) continue;
+      if (names.size() == kShown) break;
+      names.push_back(base::Printable(robot.ToString()) + unusual);
+    }
   }
   const std::size_t more = robots.size() - names.size();
   return base::Join(names, ", ") + (more > 0 ? fmt::format(" and {} more", more) : "");
+}
+
+void WarnOfNames(std::span<const RobotAddress> found, Output& output) {
+  std::vector<RobotAddress> odd;
+  std::copy_if(found.begin(), found.end(), std::back_inserter(odd), vda5050::IsWrittenOtherwise);
+  if (odd.empty()) return;
+  output.Warn(
+      fmt::format("the broker knows {} whose name would mean something else as a target, "
+                  "so that it is written with %: {}",
+                  odd.size() == 1 ? "a robot" : fmt::format("{} robots", odd.size()), ListOf(odd)));
 }
 
 Status AskFor(std::span<const RobotAddress> robots, std::string_view set) {

@@ -21,6 +21,7 @@ namespace fleetpub::cli {
 
 struct TargetOptions {
   std::vector<std::string> words;
+  bool patterns = false;  ///< also in lines of standard input
   bool all = false;
   std::vector<std::string> except;
   std::vector<std::string> where;
@@ -119,7 +120,11 @@ enum class Harm { kNone, kPossible };
 /// Errors: ErrorKind::kUsage: refused, or nobody is there to be asked.
 [[nodiscard]] Status AskFor(std::span<const vda5050::RobotAddress> robots, std::string_view set);
 
-/// Names in a sentence, the first twenty.
+/// Names in a sentence, the first twenty. Those with characters that the specification does not
+/// recommend come first and are marked: they may look like another's.
 [[nodiscard]] std::string ListOf(std::span<const vda5050::RobotAddress> robots);
+
+/// Says of robots that the broker knows which ones cannot be named as they are called.
+void WarnOfNames(std::span<const vda5050::RobotAddress> found, Output& output);
 
 }  // namespace fleetpub::cli

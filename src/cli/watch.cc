@@ -17,6 +17,7 @@
 #include "cli/option_set.h"
 #include "cli/screen.h"
 #include "cli/subcommand.h"
+#include "cli/targets.h"
 #include "dispatch/listen.h"
 
 namespace fleetpub::cli {
@@ -61,6 +62,7 @@ class LineDisplay final : public Display {
     std::string line = json ? FleetJson(robot) : FleetLine(robot, output_);
     std::string& last = lines_[robot.robot];
     if (line == last) return;
+    if (last.empty()) WarnOfNames({&robot.robot, 1}, output_);
     const auto now = base::WallTime::clock::now();
     output_.Line(json ? fmt::format(R"({{"time":"{}",{}}})", base::FormatTimestamp(now), line)
                       : fmt::format("{}  {}", base::FormatLocal(now), line));

@@ -184,9 +184,9 @@ std::optional<TopicLevels> ReadTopic(const TopicScheme& scheme, std::string_view
     if (!MatchLevel(patterns[i], levels[i], values)) return std::nullopt;
   }
   // Only what could be addressed is a robot.
-  auto robot = ParseRobotAddress(Take(values, "manufacturer") + "/" + Take(values, "serial"));
-  if (!robot) return std::nullopt;
-  return TopicLevels{.robot = std::move(*robot),
+  RobotAddress robot{Take(values, "manufacturer"), Take(values, "serial")};
+  if (!IsAddressable(robot)) return std::nullopt;
+  return TopicLevels{.robot = std::move(robot),
                      .interface_name = Take(values, "interface"),
                      .major = Take(values, "major"),
                      .topic_name = Take(values, "topic")};

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <charconv>
 
 #include "base/text.h"
 
@@ -31,6 +32,34 @@ Status CheckLevel(std::string_view target, std::string_view what, std::string_vi
   if (fault.empty()) return {};
   return Fail(ErrorKind::kUsage, fmt::format("target '{}': its {} is refused: {}",
                                              base::Printable(target), what, fault));
+}
+
+// Quotation marks and backslashes are what `xargs` and `read` take away. A blank inside is left:
+// there are makers with two words; but `xargs` would cut there, so that no option may follow.
+bool NeedsEscape(const base::CodePoint& code, bool is_in_front, bool is_at_an_end) {
+  constexpr std::string_view kAnywhere = "%*?\\\"'";
+  constexpr std::string_view kInFront = "@-[";
+  if (code.bytes == 0 || base::IsHidden(code.value)) return true;
+  if (code.value > 0x7F) return base::IsBlank(code.value);
+  const char c = static_cast<char>(code.value);
+  return kAnywhere.find(c) != std::string_view::npos ||
+         (is_in_front && kInFront.find(c) != std::string_view::npos) || (c == ' ' && is_at_an_end);
+}
+
+void AppendEscaped(std::string_view name, bool is_in_front, std::string& word) {
+  for (std::size_t at = 0; at < name.size();) {
+    const base::CodePoint code = base::DecodeFront(name.substr(at));
+    const std::size_t bytes = std::max<std::size_t>(code.bytes, 1);
+    if (NeedsEscape(code, is_in_front, at == 0 || at + bytes == name.size())) {
+      for (const char c : name.substr(at, bytes)) {
+        word += fmt::format("%{:02X}", static_cast<unsigned char>(c));
+      }
+    } else {
+      word += name.substr(at, bytes);
+    }
+    is_in_front = name[at] == ' ';
+    at += bytes;
+  }
 }
 
 // Replaces each {placeholder}; an unknown one is an error.
@@ -88,6 +117,45 @@ Status CheckTopic(const std::string& topic) {
 
 }  // namespace
 
+std::optional<char> PercentByte(std::string_view text) {
+  unsigned value = 0;
+  if (text.size() < 3 || text[0] != '%') return std::nullopt;
+  const auto [end, error] = std::from_chars(text.data() + 1, text.data() + 3, value, 16);
+  if (error != std::errc() || end != text.data() + 3) return std::nullopt;
+  return static_cast<char>(value);
+}
+
+std::string Unescaped(std::string_view text) {
+  std::string plain;
+  plain.reserve(text.size());
+  while (!text.empty()) {
+    const auto byte = PercentByte(text);
+    plain += byte.value_or(text.front());
+    text.remove_prefix(byte ? 3 : 1);
+  }
+  return plain;
+}
+
+std::string RobotAddress::ToString() const {
+  const bool is_plain = HasRecommendedCharacters(manufacturer) &&
+                        HasRecommendedCharacters(serial_number) && !manufacturer.starts_with('-');
+  if (is_plain) return manufacturer + "/" + serial_number;
+  std::string word;
+  word.reserve(manufacturer.size() + serial_number.size() + 1);
+  AppendEscaped(manufacturer, true, word);
+  word += '/';
+  AppendEscaped(serial_number, false, word);
+  return word;
+}
+
+bool IsAddressable(const RobotAddress& robot) {
+  return FaultOfLevel(robot.manufacturer).empty() && FaultOfLevel(robot.serial_number).empty();
+}
+
+bool IsWrittenOtherwise(const RobotAddress& robot) {
+  return robot.ToString() != robot.manufacturer + "/" + robot.serial_number;
+}
+
 Result<RobotAddress> ParseRobotAddress(std::string_view text) {
   const std::size_t slash = text.find('/');
   if (slash == std::string_view::npos || text.find('/', slash + 1) != std::string_view::npos) {
@@ -96,7 +164,7 @@ Result<RobotAddress> ParseRobotAddress(std::string_view text) {
                             "such as KIT/0001",
                             base::Printable(text)));
   }
-  RobotAddress robot{std::string(text.substr(0, slash)), std::string(text.substr(slash + 1))};
+  RobotAddress robot{Unescaped(text.substr(0, slash)), Unescaped(text.substr(slash + 1))};
   if (auto ok = CheckLevel(text, "manufacturer", robot.manufacturer); !ok) return Fail(ok.error());
   if (auto ok = CheckLevel(text, "serial number", robot.serial_number); !ok) {
     return Fail(ok.error());

@@ -2,6 +2,7 @@
 // "topic levels").
 #pragma once
 
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -14,16 +15,28 @@ struct RobotAddress {
   std::string manufacturer;
   std::string serial_number;
 
-  /// `KIT/0001`
-  [[nodiscard]] std::string ToString() const { return manufacturer + "/" + serial_number; }
+  /// `KIT/0001`: the word that means this robot and no other wherever a target is read, and that
+  /// can be shown. What would make it a pattern, a group, an option or two words, and what nobody
+  /// would see, is written as in a URL: `KIT/%2A` for a robot that is called `*`.
+  [[nodiscard]] std::string ToString() const;
   // NOLINTNEXTLINE(modernize-use-nullptr): clang-tidy takes the 0 that it implies for a pointer.
   friend auto operator<=>(const RobotAddress&, const RobotAddress&) = default;
 };
 
-/// Parses `manufacturer/serialNumber`. An empty level, `/ + # $`, a control character or invalid
-/// UTF-8 in one is refused: the first would command another robot, or all of them. Errors:
-/// ErrorKind::kUsage.
+/// Parses `manufacturer/serialNumber`, where `%` and two hexadecimal digits stand for a byte. An
+/// empty level, `/ + # $`, a control character or invalid UTF-8 in one is refused: the first would
+/// command another robot, or all of them. Errors: ErrorKind::kUsage.
 [[nodiscard]] Result<RobotAddress> ParseRobotAddress(std::string_view text);
+
+/// Whether a robot may have these names, as they stand in a topic.
+[[nodiscard]] bool IsAddressable(const RobotAddress& robot);
+
+/// Whether the robot's names are no target as they are, so that ToString() writes them otherwise.
+[[nodiscard]] bool IsWrittenOtherwise(const RobotAddress& robot);
+
+/// The byte that `%` and two hexadecimal digits at the front stand for.
+[[nodiscard]] std::optional<char> PercentByte(std::string_view text);
+[[nodiscard]] std::string Unescaped(std::string_view text);  ///< with these bytes in their places
 
 /// The serial number's characters that the specification allows: A-Z a-z 0-9 _ . : -
 [[nodiscard]] bool HasRecommendedCharacters(std::string_view text);

@@ -19,6 +19,17 @@ std::size_t After(std::string_view text, std::size_t at) {
   return at;
 }
 
+// A character of a pattern that stands for itself.
+struct Literal {
+  char byte;
+  std::size_t length;  // in the pattern
+};
+
+Literal LiteralAt(std::string_view pattern, std::size_t at) {
+  const auto byte = PercentByte(pattern.substr(at));
+  return byte ? Literal{*byte, 3} : Literal{pattern[at], 1};
+}
+
 // Linear but for the last `*`, to which it returns when what follows does not fit.
 bool MatchesPart(std::string_view pattern, std::string_view text) {
   std::size_t p = 0;
@@ -32,8 +43,8 @@ bool MatchesPart(std::string_view pattern, std::string_view text) {
     } else if (p < pattern.size() && pattern[p] == '?') {
       ++p;
       t = After(text, t);
-    } else if (p < pattern.size() && pattern[p] == text[t]) {
-      ++p;
+    } else if (p < pattern.size() && LiteralAt(pattern, p).byte == text[t]) {
+      p += LiteralAt(pattern, p).length;
       ++t;
     } else if (star != pattern.npos) {
       p = star + 1;
@@ -45,7 +56,14 @@ bool MatchesPart(std::string_view pattern, std::string_view text) {
   return pattern.find_first_not_of('*', p) == pattern.npos;
 }
 
+RobotPattern Split(std::string_view word) {
+  const std::size_t slash = word.find('/');
+  return {std::string(word.substr(0, slash)), std::string(word.substr(slash + 1))};
+}
+
 }  // namespace
+
+RobotPattern RobotPattern::Of(const RobotAddress& robot) { return Split(robot.ToString()); }
 
 bool RobotPattern::Matches(const RobotAddress& robot) const {
   return MatchesPart(manufacturer, robot.manufacturer) &&
@@ -54,8 +72,8 @@ bool RobotPattern::Matches(const RobotAddress& robot) const {
 
 RobotFilter RobotPattern::Filter() const {
   RobotFilter filter;
-  if (!HasWildcard(manufacturer)) filter.manufacturer = manufacturer;
-  if (!HasWildcard(serial_number)) filter.serial_number = serial_number;
+  if (!HasWildcard(manufacturer)) filter.manufacturer = Unescaped(manufacturer);
+  if (!HasWildcard(serial_number)) filter.serial_number = Unescaped(serial_number);
   return filter;
 }
 
@@ -66,9 +84,9 @@ Result<RobotPattern> ParseRobotPattern(std::string_view text) {
                             "or '*/0001', in quotation marks",
                             base::Printable(text)));
   }
-  auto parts = ParseRobotAddress(text);
-  if (!parts) return Fail(std::move(parts.error()));
-  return RobotPattern{std::move(parts->manufacturer), std::move(parts->serial_number)};
+  auto literal = ParseRobotAddress(text);
+  if (!literal) return Fail(std::move(literal.error()));
+  return Split(text);
 }
 
 }  // namespace fleetpub::vda5050

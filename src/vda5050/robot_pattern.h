@@ -10,10 +10,14 @@
 
 namespace fleetpub::vda5050 {
 
-/// `*` stands for any text, `?` for any one character, in each of the two parts.
+/// `*` stands for any text, `?` for any one character, in each of the two parts; `%` and two
+/// hexadecimal digits stand for one byte and for nothing else.
 struct RobotPattern {
   std::string manufacturer = "*";
   std::string serial_number = "*";
+
+  /// That means this robot alone.
+  [[nodiscard]] static RobotPattern Of(const RobotAddress& robot);
 
   [[nodiscard]] bool Matches(const RobotAddress& robot) const;
   /// What of it a broker can sort out.

@@ -204,6 +204,14 @@ TEST(ToPrettyJson, IndentsByTwo) {
   EXPECT_EQ(ToPrettyJson(*ParseJson(R"({"a":[1]})")), "{\n  \"a\": [\n    1\n  ]\n}");
 }
 
+TEST(ShownJson, EscapesWhatNobodyWouldSeeAndChangesNoValue) {
+  const std::string json = "{\n  \"a\u202Eb\": \"\u0085\x7F\u00AD\U000E0041 ü機\\n\\\\\"}";
+  const std::string shown = ShownJson(json);
+  EXPECT_EQ(shown, "{\n  \"a\\u202eb\": \"\\u0085\\u007f\\u00ad\\udb40\\udc41 ü機\\n\\\\\"}");
+  EXPECT_EQ(*ParseJson(shown), *ParseJson(json));
+  EXPECT_EQ(ShownJson("\"\x9B\xC3\""), R"("\ufffd\ufffd")");
+}
+
 TEST(JsonString, Escapes) {
   EXPECT_EQ(JsonString("a\"b\\c\n\x01"), R"("a\"b\\c\n\u0001")");
   EXPECT_EQ(JsonString(std::string_view("a\0b", 3)), R"("a\u0000b")");

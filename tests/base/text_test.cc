@@ -134,6 +134,23 @@ TEST(Printable, ShowsWhatWouldMoveTheCursor) {
   for (const auto& [text, shown] : kCases) EXPECT_EQ(Printable(text), shown);
 }
 
+TEST(Printable, ShowsWhatNobodyWouldSee) {
+  constexpr std::pair<std::string_view, std::string_view> kCases[] = {
+      {"KIT\u00AD/1", "KIT\\u00ad/1"},                     // soft hyphen
+      {"\u3164\u115F\uFFA0", "\\u3164\\u115f\\uffa0"},     // Hangul fillers: letters, by category
+      {"1\uFE0F\u180B", "1\\ufe0f\\u180b"},                // variation selectors
+      {"\u034F\u17B4", "\\u034f\\u17b4"},                  // joiner, Khmer inherent vowel
+      {"\U000E0041\U000E01EF", "\\U000e0041\\U000e01ef"},  // tag A, the last variation selector
+      {"\U000E0002\u2065", "\\U000e0002\\u2065"},          // reserved for more of them
+      {"\u2800", "\\u2800"},                               // braille without dots
+      {"\uE000\U0010FFFD", "\\ue000\\U0010fffd"},          // private use
+      {"\u2028\u2029\u206A\uFFF9", "\\u2028\\u2029\\u206a\\ufff9"}};
+  for (const auto& [text, shown] : kCases) EXPECT_EQ(Printable(text), shown);
+  for (const std::string text : {"Ёлка 機械 é e\u0301 ภาษา", "\u00A0\u3000", "⠁", "🛰"}) {
+    EXPECT_EQ(Printable(text), text);
+  }
+}
+
 TEST(Printable, LeavesNothingThatATerminalObeys) {
   std::string every_byte;
   for (int byte = 0; byte < 256; ++byte) every_byte += static_cast<char>(byte);

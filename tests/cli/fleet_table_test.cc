@@ -66,7 +66,7 @@ TEST(FleetTable, MakesWhatARobotSaysPrintableAndShort) {
   robot.connection_state = "\x1b[2J";
   robot.state->order_id = std::string(100, 'o');
   const auto texts = Texts(FleetRow(robot, {}));
-  EXPECT_EQ(texts[0], "KIT/\\x9b");
+  EXPECT_EQ(texts[0], "KIT/%C2%9B");
   EXPECT_EQ(texts[2], "\\x1b[2J");
   EXPECT_LT(texts[8].size(), 50U);
 }

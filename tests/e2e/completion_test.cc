@@ -1,12 +1,18 @@
 // Completion, in real shells: what stands on the line after Tab.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
+#include <atomic>
 #include <filesystem>
 #include <fstream>
 #include <optional>
 
+#include "base/file.h"
+#include "base/json.h"
+#include "support/broken_broker.h"
 #include "support/operator.h"
 #include "support/terminal.h"
+#include "vda5050/robot_address.h"
 
 namespace fleetpub::testing {
 namespace {
@@ -122,6 +128,124 @@ TEST_F(Completion, WorksInFish) {
   EXPECT_THAT(ask("fleetpub initP"), StartsWith("initPosition\t"));
   EXPECT_THAT(ask("fleetpub pause @"), StartsWith("@hall-1\tgroup of 1"));
   EXPECT_THAT(ask("fleetpub validate pl"), HasSubstr("plan.json"));
+}
+
+// Thirty robots' names that a shell would obey, expand or cut; each begins with its number. One
+// that ends in ; is the last: bash takes what follows such a word for a command.
+std::vector<std::string> HostileNames() {
+  constexpr std::string_view kTails[] = {"uniq;touch pwned",
+                                         "`touch pwned`x",
+                                         "a&touch pwned",
+                                         "a|touch pwned",
+                                         "a>pwned",
+                                         "a<b",
+                                         "(touch pwned)",
+                                         "a;{ touch pwned; }",
+                                         "!touch",
+                                         "!!",
+                                         "a b",
+                                         " a  b ",
+                                         "'a'",
+                                         "'",
+                                         "\"",
+                                         "\"`touch pwned`\"",
+                                         "\\",
+                                         "a\\;touch pwned",
+                                         "*",
+                                         "?",
+                                         "[ab]",
+                                         "{a,b}",
+                                         "~",
+                                         "a=b",
+                                         "a:b:c",
+                                         "a@b",
+                                         "%s",
+                                         "-rf",
+                                         "^a^b",
+                                         "Straße 機 touch pwned;"};
+  std::vector<std::string> names;
+  for (const std::string_view tail : kTails) {
+    names.push_back(fmt::format("Z{:02}/{}", names.size(), tail));
+  }
+  return names;
+}
+
+class HostileNamesIn : public Completion, public ::testing::WithParamInterface<const char*> {
+ protected:
+  // A `fleetpub` that completes as ours does and otherwise only writes down its arguments.
+  void SetUp() override {
+    std::string config;
+    for (const std::string& name : HostileNames()) {
+      config += "[robot." + base::JsonString(name) + "]\nvda = \"2.0\"\n";
+    }
+    std::ofstream(home_ / "config.toml") << config;
+    fs::create_directory(home_ / "bin");
+    std::ofstream(home_ / "bin/fleetpub")
+        << "#!/bin/sh\ncase $1 in __complete|completion) exec " << Binary()
+        << " \"$@\";; esac\nprintf '%s\\n' \"$@\" >got\n";
+    fs::permissions(home_ / "bin/fleetpub", fs::perms::owner_all);
+  }
+
+  [[nodiscard]] Command Shell() const {
+    const std::string shell = GetParam();
+    Command command = Prepare(shell == "bash"  ? std::vector<std::string>{"bash", "--norc", "-i"}
+                              : shell == "zsh" ? std::vector<std::string>{"zsh", "-f", "-i"}
+                                               : std::vector<std::string>{"fish", "-N", "-i"});
+    command.environment.emplace_back("PATH",
+                                     fs::path(home_ / "bin").string() + ":" + std::getenv("PATH"));
+    command.environment.emplace_back("LC_ALL", "C.UTF-8");
+    return command;
+  }
+
+  void Load() {
+    const std::string shell = GetParam();
+    terminal_.emplace("cd " + home_.path().string() + " && " + ShellLine(Shell()), 160, 24);
+    terminal_->Type(shell == "fish" ? "fleetpub completion fish | source; clear; echo re''ady"
+                    : shell == "zsh"
+                        ? "autoload -U compinit; compinit -u; eval \"`fleetpub completion zsh`\";"
+                          "clear; echo re''ady"
+                        : "eval \"`fleetpub completion bash`\"; clear; echo re''ady");
+    terminal_->Press("Enter");
+    ASSERT_TRUE(terminal_->Await("ready"));
+  }
+};
+
+TEST_P(HostileNamesIn, AreOneWordEachAndRunNothing) {
+  ASSERT_NO_FATAL_FAILURE(Load());
+  const auto names = HostileNames();
+  terminal_->Type("fleetpub pause ");
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    terminal_->Type(fmt::format("Z{:02}", i));
+    terminal_->Press("Tab");
+  }
+  terminal_->Type("; echo do''ne");
+  terminal_->Press("Enter");
+  ASSERT_TRUE(terminal_->Await("done"));
+  auto got = Lines(base::ReadFile(home_ / "got").value());
+  got.erase(got.begin());
+  std::vector<std::string> words;
+  for (const std::string& name : names) {
+    words.push_back(vda5050::ParseRobotAddress(name).value().ToString());
+  }
+  EXPECT_EQ(got, words);
+  EXPECT_FALSE(fs::exists(home_ / "pwned"));
+}
+
+INSTANTIATE_TEST_SUITE_P(Completion, HostileNamesIn, ::testing::Values("bash", "zsh", "fish"),
+                         [](const auto& shell) { return std::string(shell.param); });
+
+TEST_F(Completion, ConnectsToNothing) {
+  std::atomic<int> connections = 0;
+  const BrokenBroker server([&](int /*socket*/) { ++connections; });  // as broker and as database
+  const Operator someone;
+  const std::string ledger = server.Url("postgresql") + "/fleet?sslmode=disable";
+  const std::vector<std::vector<std::string>> lines = {
+      {"pause", ""}, {"soar", "observation", ""}, {"history", "--target", ""}};
+  for (std::vector<std::string> words : lines) {
+    words.insert(words.begin(), {"__complete", "--ledger", ledger, "-b", server.Url()});
+    EXPECT_EQ(someone.Fleetpub(words).exit_code, 0);
+  }
+  EXPECT_EQ(connections, 0);
 }
 
 TEST_F(Completion, NamesTheShellsThatThereAre) {

@@ -15,6 +15,7 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::Not;
+using ::testing::SizeIs;
 
 class Targets : public EndToEnd {
  protected:
@@ -135,17 +136,98 @@ TEST_F(Targets, ARobotWhoseStateIsNotHeardIsNamedAndSpared) {
 
 TEST_F(Targets, StandardInputNamesOnePerLine) {
   StartFleet();
-  const Finished run =
-      WithInput({"pause", "-", "--vda", "auto", "-o", "json"}, "KIT/0001\n\n  ABC/0002\r\nXYZ/*");
+  const Finished run = WithInput({"pause", "-", "--vda", "auto", "-o", "json"},
+                                 "KIT/0001\n\n  ABC/0002\r\nXYZ/0001");
   EXPECT_THAT(Results(run),
               ElementsAre("ABC/0002 SENT 2.1.0", "KIT/0001 SENT 1.1.0", "XYZ/0001 SENT 3.0.0"))
       << run.errors;
+  const Finished patterns =
+      WithInput({"pause", "-", "--patterns", "-o", "json"}, "KIT/0001\nABC/*\n");
+  EXPECT_THAT(Results(patterns), SizeIs(3)) << patterns.errors;
   const Finished bad = WithInput({"pause", "-"}, "KIT/0001\nKIT\n");
   EXPECT_EQ(bad.exit_code, 2);
   EXPECT_THAT(bad.errors, HasSubstr("standard input, line 2: "));
   EXPECT_EQ(WithInput({"pause", "-"}, "\n").exit_code, 2);
   EXPECT_EQ(WithInput({"cancel", "-"}, "KIT/0001\nKIT/0002\n").exit_code, 2) << "asks for --yes";
+  EXPECT_EQ(WithInput({"pause", "-"}, "@hall\n").exit_code, 2) << "a group takes --patterns";
   EXPECT_EQ(WithInput({"publish", "order", "-", "-f", "-"}, "KIT/0001\n").exit_code, 2);
+}
+
+// Robots that are called like a pattern, a group, an option, and like nothing that one sees.
+TEST_F(Targets, WhatIsPrintedMeansThatRobotAlone) {
+  const std::vector<std::string> words = {"%2A/%2A",       "%2D-all/1", "%40hall/1",
+                                          "%5BKIT/0001]",  "KIT/%2A",   "KIT/%E2%80%AE0001",
+                                          "KIT/1 %2D-all", "KIT/0001",  "K\u0406T/0001"};
+  std::vector<std::string> simulated = words;
+  robots_.push_back(Robot(std::move(simulated)));
+  const Finished fleet = Fleetpub({"fleet", "-o", "json", "--state-wait", "0"});
+  EXPECT_THAT(fleet.errors, AllOf(HasSubstr("warning"), HasSubstr("%2A/%2A (has U+002A)")));
+  std::set<std::string> printed;
+  for (const std::string& line : Lines(fleet.output)) {
+    const auto robot = Json(line);
+    const std::string word = robot["target"].GetString();
+    printed.insert(word);
+    const std::string topic =
+        fmt::format("vda5050/v3/{}/{}/instantActions", robot["manufacturer"].GetString(),
+                    robot["serialNumber"].GetString());
+    const Subscriber subscriber(broker_, "+/+/+/+/instantActions");
+    EXPECT_EQ(WithInput({"charge", "-", "--yes"}, word + "\n").exit_code, 0) << word;
+    EXPECT_EQ(Fleetpub({"charge", word}).exit_code, 0) << word;
+    EXPECT_EQ(WithInput({"charge", "-", "--patterns"}, word + "\n").exit_code, 0) << word;
+    EXPECT_THAT(Fleetpub({"history", "--target", word, "-o", "json"}).output, Not(IsEmpty()));
+    const auto received = subscriber.Await(3);
+    for (const auto& message : received) {  // which the helper cuts at a blank
+      EXPECT_EQ(message.topic, topic.substr(0, topic.find(' ')));
+    }
+    EXPECT_THAT(received, SizeIs(3));
+    EXPECT_THAT(subscriber.SoFar(), SizeIs(3));
+  }
+  EXPECT_EQ(printed, std::set(words.begin(), words.end()));
+  const Finished others =
+      Fleetpub({"charge", "KIT/*", "--except", "KIT/%2A", "--dry-run", "-o", "json"});
+  EXPECT_THAT(Results(others),
+              ElementsAre("KIT/%E2%80%AE0001 DRY_RUN 3.0.0", "KIT/0001 DRY_RUN 3.0.0",
+                          "KIT/1 %2D-all DRY_RUN 3.0.0"));
+}
+
+TEST_F(Targets, AnOldRowsRobotIsShownAsATargetToo) {
+  EXPECT_EQ(Fleetpub({"pause", "KIT/0001"}).exit_code, 0);
+  const std::string change =
+      "import sqlite3, sys; ledger = sqlite3.connect(sys.argv[1]); "
+      "ledger.execute(\"update messages set target = '*/*'\"); "
+      "ledger.commit()";
+  const Finished changed = fleetpub::testing::Run(
+      {.arguments = {"python3", "-c", change, operator_.LedgerPath().string()}});
+  ASSERT_EQ(changed.exit_code, 0) << changed.errors;
+  const Finished history = Fleetpub({"history", "-o", "json"});
+  EXPECT_STREQ(Json(history.output)["target"].GetString(), "%2A/%2A");
+  EXPECT_THAT(Fleetpub({"__complete", "pause", ""}).output, Not(HasSubstr("*")));
+}
+
+TEST_F(Targets, ALineIsOneRobotsName) {
+  StartFleet();
+  const Finished run = WithInput({"pause", "-", "-o", "json"}, "*/*\n");
+  EXPECT_THAT(Results(run), ElementsAre("%2A/%2A SENT 3.0.0"));
+  EXPECT_THAT(run.errors, HasSubstr("--patterns"));
+}
+
+TEST_F(Targets, AnUnusualNameIsMarkedBeforeItIsAgreedTo) {
+  robots_.push_back(Robot({"KIT/0001", "K\u0406T/0001", "KIT/0002"}));
+  const Finished run = Fleetpub({"charge", "--all"});
+  EXPECT_EQ(run.exit_code, 2);
+  EXPECT_THAT(run.errors, HasSubstr("(K\u0406T/0001 (has U+0406), KIT/0001, KIT/0002)"));
+}
+
+TEST_F(Targets, WhatNobodyWouldSeeIsEscapedInJsonToo) {
+  const std::string name = "KIT/\u202E1\u0085\u00AD";
+  for (const std::string format : {"text", "json"}) {
+    const Finished run = Fleetpub({"action", "b\u200Beep", name, "--dry-run", "-o", format, "-v"});
+    EXPECT_EQ(run.exit_code, 0) << run.errors;
+    EXPECT_THAT(run.output, HasSubstr(R"("serialNumber":"\u202e1\u0085\u00ad")"));
+    for (const std::string hidden : {"\u202E", "\u0085", "\u00AD", "\u200B"}) {
+      EXPECT_THAT(run.output + run.errors, Not(HasSubstr(hidden)));
+    }
+  }
 }
 
 TEST_F(Targets, MoreThanOneRobotNeedsAWord) {
@@ -161,7 +243,7 @@ TEST_F(Targets, MoreThanOneRobotNeedsAWord) {
   EXPECT_EQ(Fleetpub({"cancel", "KIT/*", "--yes"}).exit_code, 0);
   EXPECT_EQ(Fleetpub({"stateRequest", "KIT/*"}).exit_code, 0);
   EXPECT_EQ(Fleetpub({"cancel", "KIT/*", "--dry-run"}).exit_code, 0);
-  EXPECT_THAT(subscriber.Await(7), ::testing::SizeIs(7));
+  EXPECT_THAT(subscriber.Await(7), SizeIs(7));
 }
 
 TEST_F(Targets, APatternThatMatchesNothingSaysWhatWasHeard) {

@@ -34,6 +34,38 @@ TEST(ParseRobotAddress, SplitsManufacturerAndSerialNumber) {
   EXPECT_EQ(*ParseRobotAddress("KIT/0001"), kRobot);
 }
 
+// A robot's names, and the word for it.
+const std::vector<std::pair<RobotAddress, std::string>> kWords = {
+    {{"*", "*"}, "%2A/%2A"},
+    {{"KIT", "000?"}, "KIT/000%3F"},
+    {{"@hall", "@1"}, "%40hall/@1"},
+    {{"--all", "-1"}, "%2D-all/-1"},
+    {{"[KIT", "1]"}, "%5BKIT/1]"},
+    {{" KIT ", " 1 "}, "%20KIT%20/%201%20"},
+    {{"KIT", "1 --all @a b"}, "KIT/1 %2D-all %40a b"},
+    {{"50%2A", "%"}, "50%252A/%25"},
+    {{"a\"b'c\\", "1"}, "a%22b%27c%5C/1"},
+    {{"K\u202EIT", "\u3164"}, "K%E2%80%AEIT/%E3%85%A4"},
+    {{"KIT", "\u00A01"}, "KIT/%C2%A01"},
+};
+
+TEST(ParseRobotAddress, RefusesTheSameWhenItIsEscaped) {
+  EXPECT_THAT(Refusal("KIT/a%2Fb"), HasSubstr("separates topic levels"));
+  EXPECT_THAT(Refusal("KIT/%23"), HasSubstr("wildcards"));
+  EXPECT_THAT(Refusal("%00/1"), HasSubstr("control character"));
+  EXPECT_THAT(Refusal("%FF/1"), HasSubstr("UTF-8"));
+}
+
+TEST(RobotAddress, IsWrittenAsAWordThatMeansItAlone) {
+  for (const auto& [robot, word] : kWords) {
+    EXPECT_EQ(robot.ToString(), word);
+    EXPECT_TRUE(IsWrittenOtherwise(robot)) << word;
+    EXPECT_EQ(*ParseRobotAddress(word), robot) << word;
+  }
+  EXPECT_FALSE(IsWrittenOtherwise(kRobot));
+  EXPECT_EQ(ParseRobotAddress("50%/%zz%4")->ToString(), "50%25/%25zz%254") << "no escape";
+}
+
 TEST(ParseRobotAddress, WantsExactlyTwoLevels) {
   for (const std::string_view text : {"", "KIT", "KIT/0001/state", "KIT//0001", "///"}) {
     EXPECT_THAT(Refusal(text), HasSubstr("name a robot as manufacturer/serialNumber")) << text;

@@ -31,6 +31,16 @@ TEST(RobotPattern, MeansNoOther) {
   for (const auto& [pattern, robot] : cases) EXPECT_FALSE(Matches(pattern, robot)) << pattern;
 }
 
+TEST(RobotPattern, MeansARobotThatIsCalledLikeAPattern) {
+  const RobotAddress star{"*", "?x"};
+  const RobotPattern alone = RobotPattern::Of(star);
+  EXPECT_TRUE(alone.Matches(star));
+  EXPECT_FALSE(alone.Matches({"KIT", "0x"}));
+  EXPECT_EQ(alone.Filter().manufacturer, "*");
+  EXPECT_TRUE(ParseRobotPattern("%2A*/?%78")->Matches({"*KIT", "?x"}));
+  EXPECT_FALSE(ParseRobotPattern("%2A*/*")->Matches({"KIT", "1"}));
+}
+
 TEST(RobotPattern, LetsTheBrokerSortOutWhatIsFixed) {
   const RobotFilter one = ParseRobotPattern("KIT/*")->Filter();
   EXPECT_THAT(one.manufacturer, Optional(Eq("KIT")));
