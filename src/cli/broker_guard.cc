@@ -54,17 +54,25 @@ std::string_view WhoNamesTheBroker(const GlobalOptions& o) {
   return o.is_host_by_flag ? "--host and --port name" : "FLEETPUB_HOST or FLEETPUB_PORT names";
 }
 
+// What is for one broker, and how to have it for another.
 struct LoginSetting {
   std::string_view key;
-  std::string_view own;  // how to give another broker its own
+  std::string_view way_out;
   bool is_for_tls = false;
 };
+constexpr std::string_view kOwnPassword =
+    "give that one a login of its own with --username and --password-file ('' for none), or choose "
+    "its --profile";
+constexpr std::string_view kOwnCertificate =
+    "give that one its own --cert, --key and --key-password-file ('' for none), or choose its "
+    "--profile";
 constexpr LoginSetting kLogin[] = {
-    {"username", "--username and --password-file"},
-    {"password_file", "--username and --password-file"},
-    {"cert", "--cert and --key", true},
-    {"key", "--cert and --key", true},
-    {"key_password_file", "--cert, --key and --key-password-file", true},
+    {"username", kOwnPassword},
+    {"password_file", kOwnPassword},
+    {"cert", kOwnCertificate, true},
+    {"key", kOwnCertificate, true},
+    {"key_password_file", kOwnCertificate, true},
+    {"insecure", "say --insecure if anyone may be that one", true},
 };
 
 }  // namespace
@@ -87,19 +95,18 @@ Status CheckLogin(const Context& context, std::span<const mqtt::BrokerUrl> broke
   const std::vector<std::string_view>& configured = context.options.configured;
   const bool any_tls = std::any_of(brokers.begin(), brokers.end(),
                                    [](const auto& broker) { return broker.UsesTls(); });
-  for (const auto& [key, own, is_for_tls] : kLogin) {
+  for (const auto& [key, way_out, is_for_tls] : kLogin) {
     if (is_for_tls && !any_tls) continue;
     if (std::find(configured.begin(), configured.end(), key) == configured.end()) continue;
     const ConfigValue& value = *context.config.Find(key);
     const Texts owners = OwnersOf(value, context.config);
-    if (owners.empty() || value.texts.front().empty()) continue;
+    if (owners.empty() || value.texts.front().empty() || value.texts.front() == "false") continue;
     const mqtt::BrokerUrl* const stranger = FindStranger(brokers, owners);
     if (stranger == nullptr) continue;
-    return Fail(ErrorKind::kUsage,
-                fmt::format("{} of {} is for {}, not for {}: give that one a login of its own with "
-                            "{} ('' for none), or choose its --profile",
-                            key, value.Origin(), base::Printable(base::Join(owners, ", ")),
-                            stranger->ToString(), own));
+    return Fail(
+        ErrorKind::kUsage,
+        fmt::format("{} of {} is for {}, not for {}: {}", key, value.Origin(),
+                    base::Printable(base::Join(owners, ", ")), stranger->ToString(), way_out));
   }
   return {};
 }

@@ -13,7 +13,8 @@ namespace fleetpub::cli {
 /// it is another. Errors: ErrorKind::kUsage.
 [[nodiscard]] Status CheckSite(const Context& context, std::span<const mqtt::BrokerUrl> brokers);
 
-/// A login of the configuration goes to the brokers that it is written for: a profile's to that
+/// A login of the configuration, and its leave not to verify, go to the brokers that they are
+/// written for: a profile's to that
 /// profile's, one outside of profiles to all that the configuration names. Errors:
 /// ErrorKind::kUsage.
 [[nodiscard]] Status CheckLogin(const Context& context, std::span<const mqtt::BrokerUrl> brokers);

@@ -143,6 +143,16 @@ TEST_F(Logins, ByCertificateStayToo) {
   EXPECT_EQ(Run(Pause({"--profile", "north", "-b", plain.Url()})), 0) << errors_;
 }
 
+TEST_F(Logins, AreNotSentUnverifiedBecauseAnotherBrokersMayBe) {
+  const Mosquitto other(Certificates::Get().Listener());
+  const std::string url = other.Url("mqtts", "localhost");
+  Configure(
+      "[profile.north]\nbroker = \"mqtts://north.example\"\nallow_insecure = true\n"
+      "insecure = true\n");
+  ExpectRefused(other, Pause({"--profile", "north", "-b", url}), "insecure of profile north");
+  EXPECT_EQ(Run(Pause({"--profile", "north", "-b", url, "--insecure"})), 0) << errors_;
+}
+
 TEST_F(Logins, AProfileThatIsNamedMeansItsBroker) {
   const Mosquitto north;
   const Mosquitto other;
