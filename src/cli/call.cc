@@ -27,8 +27,7 @@ Status Call::Configure() {
   auto loaded = LoadConfig(options.config_file, options.profile);
   if (!loaded) return Fail(std::move(loaded.error()));
   config = *std::move(loaded);
-  ApplyConfig(config, *set_, options);
-  return {};
+  return ApplyConfig(config, *set_, options);
 }
 
 }  // namespace fleetpub::cli

@@ -33,12 +33,18 @@ bool ConfigBindings::IsExcepted(std::string_view key) const {
   return std::find(except_.begin(), except_.end(), key) != except_.end();
 }
 
-void ConfigBindings::Apply(const Config& config, std::vector<std::string_view> except) {
+std::vector<std::string_view> ConfigBindings::Apply(const Config& config,
+                                                    std::vector<std::string_view> except) {
   except_ = std::move(except);
+  std::vector<std::string_view> set;
   for (const auto& [key, option, target] : bindings_) {
     if (option.IsGiven() || IsExcepted(key)) continue;
-    if (const ConfigValue* value = config.Find(key)) Set(target, *value);
+    const ConfigValue* const value = config.Find(key);
+    if (value == nullptr) continue;
+    Set(target, *value);
+    set.push_back(key);
   }
+  return set;
 }
 
 std::vector<ConfigBindings::Effective> ConfigBindings::All(const OptionSet& set,

@@ -25,8 +25,10 @@ class ConfigBindings {
   /// configuration sets it.
   void Bind(std::string_view key, const Option& option, Target target);
 
-  /// Sets what was not given, but for the keys of `except`: something else was given instead.
-  void Apply(const Config& config, std::vector<std::string_view> except);
+  /// Sets what was not given, but for the keys of `except`: something else was given instead. The
+  /// keys that were set.
+  [[nodiscard]] std::vector<std::string_view> Apply(const Config& config,
+                                                    std::vector<std::string_view> except);
 
   struct Effective {
     std::string_view key;

@@ -10,6 +10,7 @@
 
 #include "base/text.h"
 #include "base/time.h"
+#include "cli/broker_guard.h"
 #include "cli/config_settings.h"
 #include "cli/identity.h"
 #include "cli/option_set.h"
@@ -175,6 +176,8 @@ void DeclareConfig(OptionSet& set, GlobalOptions& o) {
       .Group(kConfig);
 }
 
+bool HasUserName(const std::string& broker) { return broker.find('@') != std::string::npos; }
+
 // What a flag says of the broker goes before what the environment says of it in the other form.
 void PreferFlags(const OptionSet& set, GlobalOptions& o) {
   const bool by_url = set.IsByFlag("--broker");
@@ -184,23 +187,16 @@ void PreferFlags(const OptionSet& set, GlobalOptions& o) {
     o.host.clear();
     o.port.clear();
   }
-  o.is_site_by_flag = set.IsByFlag("--profile") && !by_url && !by_host;
+  o.is_broker_by_flag = by_url;
+  o.is_host_by_flag = by_host;
 }
 
-// Who names a site means its broker, and not the one that the environment has had for long.
-Status CheckSite(const Context& context) {
-  const GlobalOptions& o = context.options;
-  if (!o.is_site_by_flag || context.config.profile.empty()) return {};
-  const ConfigSection& site = context.config.profiles.find(context.config.profile)->second;
-  const auto configured = site.find("broker");
-  if (configured == site.end() || o.brokers == configured->second.texts) return {};
-  return Fail(
-      ErrorKind::kUsage,
-      fmt::format("profile {} has the broker {}, and {} names another: unset that, or say "
-                  "which with --broker",
-                  base::Printable(context.config.profile),
-                  base::Printable(base::Join(configured->second.texts, ", ")),
-                  o.brokers.empty() ? "FLEETPUB_HOST or FLEETPUB_PORT" : "FLEETPUB_BROKER"));
+// Everybody on the machine can read the arguments of a process.
+Status CheckProxy(const OptionSet& set, const GlobalOptions& o) {
+  if (!set.IsByFlag("--proxy") || o.proxy.find('@') == std::string::npos) return {};
+  return Fail(ErrorKind::kUsage,
+              "a proxy's login does not stand in the arguments, which every user of this machine "
+              "can read: set FLEETPUB_PROXY");
 }
 
 Result<int> ParseWhole(std::string_view text, int least, int most, std::string_view option) {
@@ -351,20 +347,28 @@ void DeclareGlobalOptions(OptionSet& set, GlobalOptions& options) {
   DeclareConfig(set, options);
 }
 
-void ApplyConfig(const Config& config, OptionSet& set, GlobalOptions& options) {
+Status ApplyConfig(const Config& config, OptionSet& set, GlobalOptions& options) {
+  if (auto ok = CheckProxy(set, options); !ok) return ok;
+  ForgetVariable("FLEETPUB_PROXY");
   PreferFlags(set, options);
   std::vector<std::string_view> except;
   if (!options.host.empty() || !options.port.empty()) except.emplace_back("broker");
   if (!options.brokers.empty()) except.insert(except.end(), {"host", "port"});
   if (options.ask_password || HasPasswordInEnvironment()) except.emplace_back("password_file");
-  set.bindings().Apply(config, std::move(except));
+  if (!options.brokers.empty() &&
+      std::all_of(options.brokers.begin(), options.brokers.end(), HasUserName)) {
+    except.emplace_back("username");
+  }
+  options.configured = set.bindings().Apply(config, std::move(except));
+  return {};
 }
 
 Result<mqtt::ConnectOptions> ConnectOptionsOf(const Context& context) {
   const GlobalOptions& o = context.options;
-  if (auto ok = CheckSite(context); !ok) return Fail(std::move(ok.error()));
   auto brokers = BrokersOf(o);
   if (!brokers) return Fail(std::move(brokers.error()));
+  if (auto ok = CheckSite(context, *brokers); !ok) return Fail(std::move(ok.error()));
+  if (auto ok = CheckLogin(context, *brokers); !ok) return Fail(std::move(ok.error()));
   if (auto ok = CheckEncryption(context, *brokers); !ok) return Fail(std::move(ok.error()));
   const auto version = MqttVersionOf(o.mqtt_version);
   if (!version) return Fail(version.error());

@@ -54,8 +54,10 @@ struct GlobalOptions {
   std::string header_id_start = "zero";  ///< zero, epoch
 
   std::optional<std::string> config_file;
-  std::optional<std::string> profile;  ///< empty text: none
-  bool is_site_by_flag = false;        ///< a flag names the profile, and none the broker
+  std::optional<std::string> profile;        ///< empty text: none
+  bool is_broker_by_flag = false;            ///< --broker, not only the environment
+  bool is_host_by_flag = false;              ///< --host or --port
+  std::vector<std::string_view> configured;  ///< the keys that the configuration has set
 };
 
 /// The help groups of global options; a command's own help leaves them out.
@@ -64,8 +66,9 @@ struct GlobalOptions {
 /// Adds them to an App; `options` must outlive its parsing.
 void DeclareGlobalOptions(OptionSet& set, GlobalOptions& options);
 
-/// Once they are parsed: sets what neither flag nor environment gave.
-void ApplyConfig(const Config& config, OptionSet& set, GlobalOptions& options);
+/// Once they are parsed: sets what neither flag nor environment gave. Errors: ErrorKind::kUsage (a
+/// login where everybody can read it).
+[[nodiscard]] Status ApplyConfig(const Config& config, OptionSet& set, GlobalOptions& options);
 
 /// What a running command needs of the outer world.
 struct Context {
@@ -75,8 +78,8 @@ struct Context {
 };
 
 /// Brokers, credentials and TLS as the options, the environment and files say. May prompt for a
-/// password. Errors: ErrorKind::kUsage (also a profile named by a flag whose broker the environment
-/// contradicts), kLedger (a password file that cannot be read).
+/// password. Errors: ErrorKind::kUsage (also a profile whose broker somebody contradicts, and a
+/// login that is another broker's), kLedger (a password file that cannot be read).
 [[nodiscard]] Result<mqtt::ConnectOptions> ConnectOptionsOf(const Context& context);
 
 /// The file or the database that the options name. Errors: ErrorKind::kUsage (a URL that is none of

@@ -2,6 +2,8 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/prctl.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -111,9 +113,19 @@ void FillStandardDescriptors() {
   }
 }
 
+// A core holds passwords. One byte, not none: a kernel that hands cores to a program (systemd's,
+// for one) asks for the limit only when it is 1 (core(5)).
+void ForbidCores() {
+  rlimit limit{};
+  getrlimit(RLIMIT_CORE, &limit);
+  limit.rlim_cur = 1;
+  if (setrlimit(RLIMIT_CORE, &limit) != 0) prctl(PR_SET_DUMPABLE, 0);
+}
+
 }  // namespace
 
 int Main(int argc, char** argv, const BuildInfo& build) {
+  ForbidCores();
   FillStandardDescriptors();
   // A closed pipe and a file that may not grow are errors that we report, not our end.
   std::signal(SIGPIPE, SIG_IGN);

@@ -8,6 +8,7 @@
 
 #include <array>
 #include <cstdlib>
+#include <cstring>
 #include <filesystem>
 
 #include "base/file.h"
@@ -75,7 +76,7 @@ std::optional<std::string> FromEnvironment() {
   const char* value = std::getenv("FLEETPUB_PASSWORD");
   if (value == nullptr) return std::nullopt;
   std::string password = value;
-  unsetenv("FLEETPUB_PASSWORD");
+  ForgetVariable("FLEETPUB_PASSWORD");
   return password;
 }
 
@@ -89,6 +90,13 @@ std::optional<std::string> SystemdCredential(const char* name) {
 }
 
 }  // namespace
+
+void ForgetVariable(const char* name) {
+  char* const value = std::getenv(name);
+  if (value == nullptr) return;
+  explicit_bzero(value, std::strlen(value));
+  unsetenv(name);
+}
 
 bool HasPasswordInEnvironment() {
   return std::getenv("FLEETPUB_PASSWORD") != nullptr || SystemdCredential(kCredential);

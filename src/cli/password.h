@@ -14,6 +14,10 @@ namespace fleetpub::cli {
 /// environment once read), the systemd credential `fleetpub.password`. Nothing when there is none.
 [[nodiscard]] Result<std::optional<std::string>> FindPassword(const Context& context);
 
+/// Takes a variable out of the environment and out of memory, where /proc shows it to the same
+/// user.
+void ForgetVariable(const char* name);
+
 /// Whether the environment brings a password: FLEETPUB_PASSWORD or a systemd credential. It goes
 /// before the configuration's password_file, as the environment goes before the configuration.
 [[nodiscard]] bool HasPasswordInEnvironment();

@@ -17,10 +17,9 @@ constexpr std::size_t kMaximumAnswer = 16'384;
 constexpr std::uint16_t kDefaultPort = 3128;  // squid's, and curl's would be 1080, which is SOCKS
 
 tl::unexpected<Error> BadProxy() {
-  return Fail(
-      ErrorKind::kUsage,
-      "the proxy is no HTTP proxy URL: write http://host:port or http://user:password@host:port, "
-      "with @, : and % in them as %40, %3A and %25");
+  return Fail(ErrorKind::kUsage,
+              "the proxy is no HTTP proxy URL: write http://host:port, or in FLEETPUB_PROXY "
+              "http://user:password@host:port with @, : and % in them as %40, %3A and %25");
 }
 
 tl::unexpected<Error> ProxyFailed(std::string cause) {
@@ -113,7 +112,8 @@ Status OpenTunnel(int descriptor, const HttpProxy& proxy, const std::string& hos
   const std::string status =
       answer->starts_with("HTTP/1.") && answer->size() > 12 ? answer->substr(9, 3) : "";
   if (status == "200") return {};
-  if (status == "407") return ProxyFailed("the proxy wants a user name and password (--proxy)");
+  if (status == "407")
+    return ProxyFailed("the proxy wants a user name and password (FLEETPUB_PROXY)");
   if (status.empty()) return ProxyFailed("what answers as the proxy is none (--proxy)");
   return ProxyFailed(
       fmt::format("the proxy refuses the connection (HTTP status {})", base::Printable(status)));

@@ -239,14 +239,21 @@ std::string ClientId(const ConnectOptions& options) {
   return "fleetpub-" + digits.substr(0, 12);
 }
 
-Result<PahoConnection> Attempt(const BrokerUrl& broker, const ConnectOptions& options,
-                               std::optional<int>& server_keep_alive) {
+using Attempted = tl::expected<PahoConnection, ConnectFailure>;
+
+tl::unexpected<ConnectFailure> Failed(Error error, bool distrusted = false) {
+  return tl::unexpected(ConnectFailure{std::move(error), distrusted});
+}
+
+Attempted Attempt(const BrokerUrl& broker, const ConnectOptions& options,
+                  std::optional<int>& server_keep_alive) {
   const Deadline deadline = steady_clock::now() + options.connect_timeout;
   auto route = FindRoute(broker, options, deadline);
-  if (!route) return Fail(ReachError(broker, route.error()));
+  if (!route) return Failed(ReachError(broker, route.error()));
 
   PahoConnection connection;
-  connection.tls = std::make_unique<TlsWatch>();
+  connection.tls = std::make_unique<TlsWatch>(
+      broker.UsesTls() && options.tls.verify ? broker.host : std::string());
   connection.server.broker = broker;
   connection.server.version = options.version;
 
@@ -258,8 +265,8 @@ Result<PahoConnection> Attempt(const BrokerUrl& broker, const ConnectOptions& op
                                           ClientId(options).c_str(), MQTTCLIENT_PERSISTENCE_NONE,
                                           nullptr, &create);
   if (code != MQTTCLIENT_SUCCESS) {
-    return Fail(ErrorKind::kUnexpected, "the MQTT library makes no client: is memory short?",
-                MQTTClient_strerror(code));
+    return Failed({ErrorKind::kUnexpected, "the MQTT library makes no client: is memory short?",
+                   MQTTClient_strerror(code)});
   }
   PahoCall call(-1, deadline);
   ConnectWatch watch(*connection.tls, broker.UsesTls() || broker.UsesWebSocket(),
@@ -279,13 +286,25 @@ Result<PahoConnection> Attempt(const BrokerUrl& broker, const ConnectOptions& op
   facts.expired = call.expired() || steady_clock::now() >= deadline;
   facts.wrong_first = call.wrong_first();
   if (broker.UsesTls() && !facts.connect_sent) {
-    if (auto status = CheckTlsFiles(options.tls); !status) return Fail(std::move(status.error()));
+    if (auto status = CheckTlsFiles(options.tls); !status) return Failed(std::move(status.error()));
   }
-  return Fail(ConnectError(broker, options, facts));
+  return Failed(ConnectError(broker, options, facts), facts.verify_code != 0);
 }
 
 tl::unexpected<Error> Usage(std::string message) {
   return Fail(ErrorKind::kUsage, std::move(message));
+}
+
+// Whoever disturbs one of the brokers decides which of them is used.
+Status CheckSameSecrecy(const std::vector<BrokerUrl>& brokers) {
+  const auto uses_tls = [](const BrokerUrl& broker) { return broker.UsesTls(); };
+  const auto encrypted = std::find_if(brokers.begin(), brokers.end(), uses_tls);
+  const auto plain = std::find_if_not(brokers.begin(), brokers.end(), uses_tls);
+  if (encrypted == brokers.end() || plain == brokers.end()) return {};
+  return Usage(
+      fmt::format("{} is encrypted and {} is not: brokers that stand in for each other are all "
+                  "mqtts:// (or wss://), or none is, lest a failure lead to plain text",
+                  encrypted->ToString(), plain->ToString()));
 }
 
 bool IsMqttString(const std::string& text) {
@@ -296,6 +315,7 @@ bool IsMqttString(const std::string& text) {
 
 Status CheckConnectOptions(const ConnectOptions& options) {
   if (options.brokers.empty()) return Usage("no broker is given: use --broker mqtt://host");
+  if (auto status = CheckSameSecrecy(options.brokers); !status) return status;
   if (!IsMqttString(options.client_id) || !IsMqttString(options.username)) {
     return Usage(
         "the client id or the user name is no MQTT text: UTF-8 without NUL, 65,535 bytes at most");
@@ -336,7 +356,7 @@ Status CheckConnectOptions(const ConnectOptions& options) {
   return {};
 }
 
-Result<PahoConnection> ConnectTo(const BrokerUrl& broker, const ConnectOptions& options) {
+Attempted ConnectTo(const BrokerUrl& broker, const ConnectOptions& options) {
   InitializePaho();
   std::optional<int> server_keep_alive;
   auto connection = Attempt(broker, options, server_keep_alive);

@@ -33,8 +33,13 @@ template <typename Response>
 /// Checks what can be known to be wrong before connecting. Errors: ErrorKind::kUsage.
 [[nodiscard]] Status CheckConnectOptions(const ConnectOptions& options);
 
+struct ConnectFailure {
+  Error error;
+  bool distrusted = false;  ///< who answers has shown a certificate that is not the broker's
+};
+
 /// Errors: ErrorKind::kBroker, one line that names the broker.
-[[nodiscard]] Result<PahoConnection> ConnectTo(const BrokerUrl& broker,
-                                               const ConnectOptions& options);
+[[nodiscard]] tl::expected<PahoConnection, ConnectFailure> ConnectTo(const BrokerUrl& broker,
+                                                                     const ConnectOptions& options);
 
 }  // namespace fleetpub::mqtt

@@ -109,8 +109,31 @@ Error Broker(std::string message, std::string detail = {}) {
   return {ErrorKind::kBroker, std::move(message), std::move(detail)};
 }
 
-std::string VerifyCause(const ConnectFacts& facts) {
+std::string WrongNameCause(const ConnectFacts& facts, const std::string& host) {
+  const std::string names =
+      facts.certificate_names.empty() ? "another host" : base::Printable(facts.certificate_names);
+  if (facts.verify_code == X509_V_ERR_IP_ADDRESS_MISMATCH) {
+    return fmt::format(
+        "its certificate is for {}, not for the address {}, which must stand in it as an address "
+        "(IP:{}): write the host name in --broker, or have the certificate made anew",
+        names, host, host);
+  }
+  return fmt::format("its certificate is for {}, not for {}: check the host name in --broker",
+                     names, host);
+}
+
+std::string VerifyCause(const ConnectFacts& facts, const std::string& host) {
   switch (facts.verify_code) {
+    case X509_V_ERR_HOSTNAME_MISMATCH:
+    case X509_V_ERR_IP_ADDRESS_MISMATCH:
+      return WrongNameCause(facts, host);
+    case X509_V_ERR_INVALID_PURPOSE:
+      return "its certificate was not made for a server (its purposes lack serverAuth): the "
+             "broker needs one that was";
+    case X509_V_ERR_INVALID_CA:
+    case X509_V_ERR_PATH_LENGTH_EXCEEDED:
+      return "its certificate is signed by somebody who may sign none: ask who made it, and trust "
+             "it no further";
     case X509_V_ERR_CERT_HAS_EXPIRED:
       return "its certificate has expired: the broker needs a new one";
     case X509_V_ERR_CERT_NOT_YET_VALID:
@@ -163,7 +186,6 @@ std::string OurCertificateCause(const ConnectFacts& facts, const ConnectOptions&
 }
 
 std::string TlsCause(const ConnectFacts& facts, const ConnectOptions& options) {
-  if (facts.verify_code != 0 && options.tls.verify) return VerifyCause(facts);
   if (IsAboutOurCertificate(facts)) return OurCertificateCause(facts, options);
   if (facts.tls_errors.find("wrong version number") != std::string::npos) {
     return "what answers there does not speak TLS: is it the port without TLS? (mqtt:// instead of "
@@ -185,12 +207,7 @@ std::string TlsCause(const ConnectFacts& facts, const ConnectOptions& options) {
 std::string Cause(const BrokerUrl& broker, const ConnectOptions& options,
                   const ConnectFacts& facts) {
   if (facts.wrong_first) return PeerCause(*facts.wrong_first);
-  if (facts.wrong_name) {
-    return fmt::format(
-        "its certificate is for {}, not for {}: check the host name in --broker",
-        facts.certificate_names.empty() ? "another host" : base::Printable(facts.certificate_names),
-        broker.host);
-  }
+  if (facts.verify_code != 0) return VerifyCause(facts, broker.host);
   if (!facts.http_status.empty()) {
     return fmt::format("it refuses the WebSocket (HTTP status {}): check the path in the URL",
                        base::Printable(facts.http_status));
@@ -201,8 +218,7 @@ std::string Cause(const BrokerUrl& broker, const ConnectOptions& options,
         "(--connect-timeout)",
         broker.UsesTls() && !facts.connect_sent ? "TLS" : "MQTT", options.connect_timeout.count());
   }
-  if (broker.UsesTls() &&
-      (!facts.tls_errors.empty() || facts.verify_code != 0 || !facts.connect_sent)) {
+  if (broker.UsesTls() && (!facts.tls_errors.empty() || !facts.connect_sent)) {
     return TlsCause(facts, options);
   }
   // In TLS 1.3 the server looks at our certificate when we have spoken already, and mosquitto hangs

@@ -17,14 +17,13 @@ struct ConnectFacts {
   bool expired = false;
   std::optional<unsigned char> wrong_first;  ///< PahoCall::wrong_first
   bool connect_sent = false;                 ///< the CONNECT packet went out
-  long verify_code = 0;                      ///< X509_V_ERR_…, 0 for none
-  std::string tls_errors;                    ///< OpenSSL's, for the detail
-  std::string tls_alert;                     ///< the last alert sent or received, "unknown CA"
-  bool alert_is_theirs = false;              ///< received
-  bool wants_certificate = false;            ///< it asked for one of ours
-  bool wrong_name = false;                   ///< the certificate is another host's
-  std::string certificate_names;             ///< the names that it is for
-  std::string http_status;  ///< the answer to the WebSocket handshake when it was no 101
+  long verify_code = 0;            ///< X509_V_ERR_… of the broker's certificate, 0 for none
+  std::string certificate_names;   ///< what a refused one is for
+  std::string tls_errors;          ///< OpenSSL's, for the detail
+  std::string tls_alert;           ///< the last alert sent or received, "unknown CA"
+  bool alert_is_theirs = false;    ///< received
+  bool wants_certificate = false;  ///< it asked for one of ours
+  std::string http_status;         ///< the answer to the WebSocket handshake when it was no 101
 };
 
 /// The sentence for a connection that did not come about.

@@ -185,10 +185,16 @@ Result<std::unique_ptr<PahoTransport>> Connect(const ConnectOptions& options) {
     if (connection) {
       return std::make_unique<PahoTransport>(std::move(trace), *std::move(connection), options);
     }
-    Error& error = connection.error();
+    auto& [error, distrusted] = connection.error();
     if (error.kind != ErrorKind::kBroker) return Fail(std::move(error));
     messages.push_back(std::move(error.message));
     if (!error.detail.empty()) details.push_back(std::move(error.detail));
+    if (!distrusted) continue;
+    // Somebody is in the way, perhaps to have us talk to another of these brokers.
+    if (&broker != &options.brokers.back()) {
+      messages.emplace_back("after a certificate that failed no other broker is tried");
+    }
+    break;
   }
   return Fail(ErrorKind::kBroker, base::Join(messages, "; "), base::Join(details, "; "));
 }

@@ -3,7 +3,6 @@
 #include <MQTTClient.h>
 #include <fmt/format.h>
 #include <openssl/ssl.h>
-#include <openssl/x509v3.h>
 
 #include <algorithm>
 #include <memory>
@@ -11,6 +10,7 @@
 #include <vector>
 
 #include "base/text.h"
+#include "mqtt/certificate_check.h"
 
 namespace fleetpub::mqtt {
 namespace {
@@ -20,26 +20,6 @@ thread_local ConnectWatch* current_watch = nullptr;
 // Guarded by PahoMutex(), which is held whenever Paho can trace.
 int watches = 0;
 std::vector<std::function<void(std::string_view)>*> listeners;
-
-// The DNS names of a certificate, as in `a.example, *.b.example`.
-std::string NamesOf(const SSL* ssl) {
-  if (ssl == nullptr) return {};
-  const std::unique_ptr<X509, decltype(&X509_free)> certificate(SSL_get1_peer_certificate(ssl),
-                                                                X509_free);
-  if (certificate == nullptr) return {};
-  const std::unique_ptr<GENERAL_NAMES, decltype(&GENERAL_NAMES_free)> names(
-      static_cast<GENERAL_NAMES*>(
-          X509_get_ext_d2i(certificate.get(), NID_subject_alt_name, nullptr, nullptr)),
-      GENERAL_NAMES_free);
-  std::vector<std::string> found;
-  for (int i = 0; names != nullptr && i < sk_GENERAL_NAME_num(names.get()); ++i) {
-    const GENERAL_NAME* const name = sk_GENERAL_NAME_value(names.get(), i);
-    if (name->type != GEN_DNS || found.size() == 5) continue;
-    found.emplace_back(reinterpret_cast<const char*>(ASN1_STRING_get0_data(name->d.dNSName)),
-                       static_cast<std::size_t>(ASN1_STRING_length(name->d.dNSName)));
-  }
-  return base::Join(found, ", ");
-}
 
 // After `marker`, or "" when the line has none.
 std::string_view After(std::string_view line, std::string_view marker) {
@@ -76,9 +56,29 @@ struct TlsCallbacks {
     if (watch != nullptr && watch->ssl_ == parent) watch->ssl_ = nullptr;
   }
 
+  // Likewise while it makes an SSL_CTX, which keeps what is set here: Paho looks at the host name
+  // only after the handshake, and would take the subject or a name in place of an address.
+  static void OnNewContext(void* parent, void* /*value*/, CRYPTO_EX_DATA* /*data*/, int /*index*/,
+                           long /*argl*/, void* /*argp*/) {
+    if (current_watch == nullptr || current_watch->tls_.host_.empty()) return;
+    SSL_CTX_set_cert_verify_callback(static_cast<SSL_CTX*>(parent), Verify, &current_watch->tls_);
+  }
+
+  static int Verify(X509_STORE_CTX* store, void* watch) {
+    CertificateVerdict verdict = VerifyCertificate(store, static_cast<TlsWatch*>(watch)->host_);
+    const bool accepted = verdict.code == X509_V_OK;
+    if (current_watch != nullptr) {
+      current_watch->facts_.verify_code = verdict.code;
+      current_watch->facts_.certificate_names = std::move(verdict.names);
+    }
+    return accepted ? 1 : 0;
+  }
+
   static void Install() {
-    static const int index = SSL_get_ex_new_index(0, nullptr, OnNew, nullptr, OnFree);
-    static_cast<void>(index);
+    static const int connections = SSL_get_ex_new_index(0, nullptr, OnNew, nullptr, OnFree);
+    static const int contexts =
+        SSL_CTX_get_ex_new_index(0, nullptr, OnNewContext, nullptr, nullptr);
+    static_cast<void>(connections + contexts);
   }
 };
 
@@ -95,7 +95,6 @@ struct TraceCallback {
     ConnectFacts& facts = watch.facts_;
     if (!After(line, "-> CONNECT version").empty()) {
       facts.connect_sent = true;
-      facts.wrong_name = false;
     } else if (const auto alert = After(line, "SSL alert "); !alert.empty()) {
       // "write:fatal:unknown CA"; a close notify is a warning and says nothing.
       if (const auto text = After(alert, "fatal:"); !text.empty()) {
@@ -104,9 +103,6 @@ struct TraceCallback {
       }
     } else if (!After(line, "read server certificate request").empty()) {
       facts.wants_certificate = true;
-    } else if (!After(line, "X509_check_host for hostname").empty()) {
-      facts.wrong_name = true;  // unless it is a host in numbers and CONNECT follows
-      facts.certificate_names = NamesOf(watch.tls_.ssl());
     } else if (const auto status = After(line, "WebSocket HTTP rc "); !status.empty()) {
       facts.http_status = status.substr(0, 3);
       watch.abort_();  // Paho would send CONNECT, with the password, to a server that refused to
@@ -154,7 +150,6 @@ int ConnectWatch::OnTlsError(const char* text, std::size_t length, void* watch) 
   ConnectFacts& facts = self->facts_;
   if (!facts.tls_errors.empty()) facts.tls_errors += "; ";
   facts.tls_errors += base::Printable(line);
-  if (self->tls_.ssl() != nullptr) facts.verify_code = SSL_get_verify_result(self->tls_.ssl());
   return 1;
 }
 

@@ -3,7 +3,9 @@
 
 #include <functional>
 #include <mutex>
+#include <string>
 #include <string_view>
+#include <utility>
 
 #include "mqtt/paho_errors.h"
 
@@ -20,12 +22,18 @@ namespace fleetpub::mqtt {
 /// the connection.
 class TlsWatch {
  public:
+  /// The broker's certificate must be for this host; empty: it is not looked at.
+  explicit TlsWatch(std::string host) : host_(std::move(host)) {}
+  TlsWatch(const TlsWatch&) = delete;
+  TlsWatch& operator=(const TlsWatch&) = delete;
+  ~TlsWatch() = default;
+
   /// OpenSSL has bytes that poll() does not know of.
   [[nodiscard]] bool HasBufferedData() const;
-  [[nodiscard]] ssl_st* ssl() const { return ssl_; }
 
  private:
   friend struct TlsCallbacks;
+  std::string host_;
   ssl_st* ssl_ = nullptr;
 };
 

@@ -63,6 +63,57 @@ TEST(Pages, SetUpASite) {
   EXPECT_THAT(run.errors, HasSubstr("from an authority that is not trusted here"));
 }
 
+// What a party could ask for to become more than it is. After the page, in its folder.
+constexpr const char* kAttacks = R"sh(
+mkfifo silence && exec 9<> silence
+pretend() {             # pretend CHAIN KEY: a broker with this certificate; does it hear a login?
+  openssl s_server -quiet -accept $FREE_PORT -cert $1 -cert_chain $1 -key $2 \
+    <&9 > heard 2> /dev/null &
+  server=$!
+  for try in $(seq 200); do
+    (: <> /dev/tcp/localhost/$FREE_PORT) 2> /dev/null && break
+    sleep 0.02
+  done
+  fleetpub ping -b mqtts://localhost:$FREE_PORT --profile north --connect-timeout 2s \
+    --cert "" --key "" --key-password-file "" \
+    || echo "$1 exit $?, heard $(wc -c < heard)"
+  kill $server
+}
+request judas -nodes -addext basicConstraints=critical,CA:TRUE \
+  -addext keyUsage=critical,keyCertSign,digitalSignature -addext subjectAltName=DNS:localhost
+party judas 0666
+pretend judas.pem judas.key
+
+sign() {                # sign FILE EXTENSION: with what judas got, as if it were an authority
+  echo "$2" > "$1.ext"
+  openssl x509 -req -in "$1.csr" -CA judas.pem -CAkey judas.key -CAcreateserial -days 9 \
+    -extfile "$1.ext" -out "$1.pem"
+  cat judas.pem >> "$1.pem"
+}
+request forged -nodes && sign forged subjectAltName=DNS:localhost
+pretend forged.pem forged.key
+
+openssl req -newkey rsa:2048 -nodes -subj /CN=ann -keyout false-ann.key -out false-ann.csr
+sign false-ann extendedKeyUsage=clientAuth
+fleetpub ping --profile north --cert false-ann.pem --key false-ann.key --key-password-file '' \
+  || echo "false ann exit $?"
+)sh";
+
+TEST(Pages, SetUpASiteWhereNobodyBecomesMoreThanTheAuthoritySaid) {
+  std::string commands = CommandsOf("site.md");
+  commands.resize(commands.find("fleetpub simulate"));
+  Replace(commands, "8883", std::to_string(FreePort()));
+  Replace(commands, "1884", std::to_string(FreePort()));
+  std::string attacks = kAttacks;
+  Replace(attacks, "$FREE_PORT", std::to_string(FreePort()));
+  const Finished run = RunPage(commands + attacks);
+  EXPECT_EQ(run.exit_code, 0) << run.output << run.errors;
+  for (const std::string refused :
+       {"judas.pem exit 4, heard 0\n", "forged.pem exit 4, heard 0\n", "false ann exit 4\n"}) {
+    EXPECT_THAT(run.output, HasSubstr(refused)) << run.errors;
+  }
+}
+
 TEST(Pages, TellRecipesThatWork) {
   const std::string commands = CommandsOf("recipes.md");
   ASSERT_THAT(commands, HasSubstr("fleetpub fleet\n"));

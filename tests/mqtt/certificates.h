@@ -24,6 +24,13 @@ class Certificates {
     return (folder_ / name).string();
   }
 
+  /// NAME.crt, with server.key: the authority's certificate with these lines of extensions, such as
+  /// "subjectAltName=DNS:a.example".
+  void Make(const std::string& name, const std::string& subject,
+            const std::string& extensions) const {
+    Sign(name, "server.key", extensions, "30", subject);
+  }
+
   /// mosquitto's lines for a listener with this certificate.
   [[nodiscard]] std::vector<std::string> Listener(const std::string& certificate = "server.crt",
                                                   std::vector<std::string> more = {}) const;
@@ -32,7 +39,7 @@ class Certificates {
   Certificates();
   void Openssl(std::vector<std::string> arguments) const;
   void Sign(const std::string& name, const std::string& key, const std::string& extensions,
-            const std::string& days) const;
+            const std::string& days, const std::string& subject = {}) const;
 
   fleetpub::testing::TemporaryFolder folder_;
 };
@@ -66,10 +73,11 @@ inline void Certificates::Openssl(std::vector<std::string> arguments) const {
 }
 
 inline void Certificates::Sign(const std::string& name, const std::string& key,
-                               const std::string& extensions, const std::string& days) const {
+                               const std::string& extensions, const std::string& days,
+                               const std::string& subject) const {
   folder_.Write(name + ".ext", extensions);
-  Openssl({"req", "-new", "-key", key, "-passin", "pass:secret", "-subj", "/CN=" + name, "-out",
-           name + ".csr"});
+  Openssl({"req", "-new", "-key", key, "-passin", "pass:secret", "-subj",
+           "/CN=" + (subject.empty() ? name : subject), "-out", name + ".csr"});
   Openssl({"x509", "-req", "-in", name + ".csr", "-CA", "ca.crt", "-CAkey", "ca.key",
            "-CAcreateserial", "-days", days, "-extfile", name + ".ext", "-out", name + ".crt"});
 }
