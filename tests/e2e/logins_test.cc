@@ -70,7 +70,6 @@ TEST_F(Logins, OfAProfileGoToItsBrokerAlone) {
   const auto north = Guarded("ann");
   const auto other = Guarded("ann");
   const std::string url = other->Url();
-  const std::string port = std::to_string(other->port());
   Configure("[profile.north]\n" + BrokerLine(*north) + Login());
   const std::string why = "username of profile north";
   ExpectRefused(*other, Pause({"--profile", "north", "-b", url}), why);
