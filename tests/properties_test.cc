@@ -12,14 +12,14 @@
 #include "base/text.h"
 #include "base/time.h"
 #include "cli/batch_line.h"
-#include "cli/option_set.h"
+#include "cli/parser/option_set.h"
 #include "cli/targets.h"
-#include "dispatch/validate.h"
+#include "delivery/validate.h"
 #include "ledger/ledger_support.h"
 #include "mqtt/broker_url.h"
-#include "vda5050/instant_actions.h"
-#include "vda5050/robot_address.h"
-#include "vda5050/robot_pattern.h"
+#include "vda5050/messages/instant_actions.h"
+#include "vda5050/model/robot_address.h"
+#include "vda5050/model/robot_pattern.h"
 
 namespace fleetpub {
 namespace {
@@ -64,7 +64,8 @@ TEST(AnyRobotAddress, MeansThatRobotAloneWhereverItIsReadBack) {
     RC_ASSERT(set.Parse("pause", arguments) == cli::OptionSet::Asked::kRun);
     RC_ASSERT(options.words == std::vector{word});
     cli::Output output({.quiet = true});
-    const auto read = cli::ReadWords(options.words, {cli::GlobalOptions(), output, cli::Config()});
+    const auto read =
+        cli::ParseTargetSpec(options.words, {cli::GlobalOptions(), output, cli::Config()});
     RC_ASSERT(read.has_value());
     RC_ASSERT(read->patterns.empty() && read->set.empty());
     RC_ASSERT(read->robots == std::vector{robot});
@@ -149,9 +150,9 @@ TEST(AnyInstantAction, IsValidOnceItIsBuilt) {
       const auto command = vda5050::BuildInstantActions({*LevelName(), *LevelName()},
                                                         {.version = version}, {{action}});
       if (!command) RC_FAIL(command.error().message);
-      const auto findings = dispatch::Validate(*command, registry);
+      const auto findings = delivery::Validate(*command, registry);
       if (!findings) RC_FAIL(findings.error().message);
-      if (!findings->errors.empty()) RC_FAIL(dispatch::Describe(*findings));
+      if (!findings->errors.empty()) RC_FAIL(delivery::Describe(*findings));
     }));
   }
 }

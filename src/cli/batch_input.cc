@@ -10,8 +10,8 @@
 namespace fleetpub::cli {
 namespace {
 
-using dispatch::Command;
-using dispatch::Verdict;
+using delivery::Command;
+using delivery::CommandStatus;
 
 constexpr std::size_t kLongestLine = base::JsonLimits{}.bytes;
 // More text than that is not read before what there is has left.
@@ -24,22 +24,22 @@ std::string ReferenceOf(std::size_t line, const LineOrigin& origin) {
 
 }  // namespace
 
-void BatchResults::Show(const dispatch::Report& report) {
+void BatchResults::Show(const delivery::Report& report) {
   const ExitCode code = CodeOf(report);
   worst_ = Worse(worst_, code);
   output_.JsonLine("{" + report.reference + R"(,"exitCode":)" +
                    std::to_string(static_cast<int>(code)) + ReportJson(report).replace(0, 1, ","));
 }
 
-dispatch::Report BadLineReport(std::string reference, const LineOrigin& origin,
+delivery::Report BadLineReport(std::string reference, const LineOrigin& origin,
                                const Error& error) {
-  dispatch::Report report;
+  delivery::Report report;
   report.reference = std::move(reference);
   report.target = origin.target;
   report.message = error.message;
   // Whatever is wrong with a line, the line is wrong; unless it could not even be read.
   const bool is_line = error.kind == ErrorKind::kInvalid || error.kind == ErrorKind::kUsage;
-  report.verdict = is_line ? Verdict::kInvalid : Verdict::kError;
+  report.status = is_line ? CommandStatus::kInvalid : CommandStatus::kError;
   report.error = is_line ? ErrorKind::kInvalid : error.kind;
   return report;
 }

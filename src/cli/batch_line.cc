@@ -10,10 +10,10 @@
 
 #include "base/json.h"
 #include "base/text.h"
-#include "dispatch/validate.h"
-#include "soar/confirmation.h"
-#include "vda5050/preflight.h"
-#include "vda5050/prepared_message.h"
+#include "delivery/validate.h"
+#include "soar/acknowledgement_tracker.h"
+#include "vda5050/messages/user_message.h"
+#include "vda5050/rules/preflight.h"
 
 namespace fleetpub::cli {
 namespace {
@@ -21,7 +21,7 @@ namespace {
 using base::FindMember;
 using base::Printable;
 using base::StringMember;
-using dispatch::Command;
+using delivery::Command;
 using Value = base::JsonValue;
 using vda5050::Dialect;
 using vda5050::RobotAddress;
@@ -255,10 +255,9 @@ struct Request {
         vda5050::BuildInstantActions(robot, dialect, std::span(&action, 1), HeaderIdOf(line));
     if (!command || !wait_for) return command;
     const ledger::ActionRef& sent = command->actions.front();
-    auto confirmation =
-        vda5050::ConfirmInstantAction(robot, dialect, sent.type, sent.id, *wait_for);
-    if (!confirmation) return Fail(std::move(confirmation.error()));
-    command->confirmation = std::move(*confirmation);
+    auto tracker = vda5050::TrackInstantAction(robot, dialect, sent.type, sent.id, *wait_for);
+    if (!tracker) return Fail(std::move(tracker.error()));
+    command->tracker = std::move(*tracker);
     return command;
   }
 
@@ -268,14 +267,14 @@ struct Request {
     if (!topic) return Fail(topic.error());
     const Value& payload = *FindMember(line, "payload");
     const Value* restamp = FindMember(line, "restamp");
-    const auto foreign = restamp != nullptr && restamp->IsTrue() ? vda5050::ForeignHeader::kReplace
-                                                                 : vda5050::ForeignHeader::kRefuse;
+    const auto foreign = restamp != nullptr && restamp->IsTrue() ? vda5050::HeaderMismatch::kReplace
+                                                                 : vda5050::HeaderMismatch::kRefuse;
     auto command =
-        vda5050::BuildPrepared(robot, dialect, *topic, payload, foreign, HeaderIdOf(line));
+        vda5050::BuildUserMessage(robot, dialect, *topic, payload, foreign, HeaderIdOf(line));
     if (!command || !wait_for) return command;
-    auto confirmation = vda5050::ConfirmPrepared(robot, dialect, *topic, payload, *wait_for);
-    if (!confirmation) return Fail(std::move(confirmation.error()));
-    command->confirmation = std::move(*confirmation);
+    auto tracker = vda5050::TrackUserMessage(robot, dialect, *topic, payload, *wait_for);
+    if (!tracker) return Fail(std::move(tracker.error()));
+    command->tracker = std::move(*tracker);
     return command;
   }
 };
@@ -328,7 +327,7 @@ struct SoarRequest {
     if (!destination) return Fail(destination.error());
     Command command = soar::BuildMessage(type, *destination, sender, payload);
     if (!wait_for) return command;
-    command.confirmation = soar::ConfirmMessage(
+    command.tracker = soar::TrackAcknowledgements(
         {.message_id = command.actions.front().id,
          .topics = soar::AcknowledgementTopics(*destination, sender.prefix, sender.source),
          .prefix = sender.prefix,
@@ -392,9 +391,9 @@ Result<LineCommands> LineParser::ForEach(const Value& line, const Request& reque
 }
 
 Status LineParser::Validate(const Command& command, std::vector<std::string>& warnings) {
-  const auto findings = dispatch::Validate(command, registry_);
+  const auto findings = delivery::Validate(command, registry_);
   if (!findings) return Fail(findings.error());
-  if (!findings->errors.empty()) return Wrong(dispatch::Describe(*findings));
+  if (!findings->errors.empty()) return Wrong(delivery::Describe(*findings));
   for (const std::string& warning : command.warnings) {
     warnings.push_back(fmt::format("{}: {}", Printable(command.target), warning));
   }

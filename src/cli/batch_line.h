@@ -9,11 +9,11 @@
 
 #include "base/result.h"
 #include "cli/targets.h"
-#include "dispatch/command.h"
+#include "message/command.h"
 #include "schema/schema.h"
 #include "soar/message.h"
-#include "vda5050/confirmation.h"
-#include "vda5050/instant_actions.h"
+#include "vda5050/messages/instant_actions.h"
+#include "vda5050/tracking/action_tracker.h"
 
 namespace fleetpub::cli {
 
@@ -37,7 +37,7 @@ struct LineOrigin {
 };
 
 struct LineCommands {
-  std::vector<dispatch::Command> commands;  ///< valid, one for each target
+  std::vector<delivery::Command> commands;  ///< valid, one for each target
   std::vector<std::string> warnings;
 };
 
@@ -52,7 +52,7 @@ class LineParser {
  private:
   template <class Request>
   Result<LineCommands> ForEach(const base::JsonValue& line, const Request& request);
-  Status Validate(const dispatch::Command& command, std::vector<std::string>& warnings);
+  Status Validate(const delivery::Command& command, std::vector<std::string>& warnings);
 
   LineDefaults defaults_;
   schema::Registry registry_;

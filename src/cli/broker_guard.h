@@ -4,7 +4,7 @@
 #include <span>
 
 #include "base/result.h"
-#include "cli/global_options.h"
+#include "cli/options/global_options.h"
 #include "mqtt/broker_url.h"
 
 namespace fleetpub::cli {

@@ -6,30 +6,30 @@
 #include <utility>
 
 #include "base/text.h"
-#include "dispatch/send.h"
+#include "delivery/send.h"
 
 namespace fleetpub::cli {
 namespace {
 
-using dispatch::Command;
-using dispatch::Verdict;
+using delivery::Command;
+using delivery::CommandStatus;
 using vda5050::Dialect;
 using vda5050::PreflightFindings;
 
 // The end of a command to a robot that will not answer: it is told, not waited for.
-class NotAwaited final : public dispatch::Confirmation {
+class NotAwaited final : public delivery::ResponseTracker {
  public:
   explicit NotAwaited(std::string why) {
-    progress_.verdict = Verdict::kOffline;
+    progress_.status = CommandStatus::kOffline;
     progress_.message = std::move(why);
   }
   [[nodiscard]] std::vector<std::string> Topics() const override { return {}; }
   void Published(std::uint32_t /*header_id*/) override { progress_.ended = true; }
-  void Receive(const dispatch::Incoming& /*message*/) override {}
-  [[nodiscard]] const dispatch::Progress& progress() const override { return progress_; }
+  void Receive(const delivery::Incoming& /*message*/) override {}
+  [[nodiscard]] const delivery::Progress& progress() const override { return progress_; }
 
  private:
-  dispatch::Progress progress_;
+  delivery::Progress progress_;
 };
 
 std::string AwaySentence(const ListedRobot& robot) {
@@ -66,47 +66,47 @@ Status CommandMaker::Judge(const std::vector<const ListedRobot*>& robots) {
 
 Status CommandMaker::Make(const ListedRobot& robot, Made& made) {
   const auto message = sending_.make_message();
-  const vda5050::RosterEntry& entry = robot.second;
-  if (entry.factsheet) message->Suit(*entry.factsheet);
+  const vda5050::RobotEntry& entry = robot.second;
+  if (entry.factsheet) message->ApplyLimits(*entry.factsheet);
   const bool is_set = sending_.targets.IsSet();
-  bool is_away =
+  bool is_offline =
       entry.connection && !entry.IsOnline() && entry.connection->connection_state != "HIBERNATING";
   if (check_ || entry.automatic) {
     PreflightFindings findings = FindingsOn(robot, *message);
-    is_away = is_away || findings.unreachable;
+    is_offline = is_offline || findings.unreachable;
     if (!findings.refusals.empty()) {
       const bool offline = is_set && findings.unreachable;
-      made.refused.push_back(ReportOn(robot, offline ? Verdict::kOffline : Verdict::kRefused,
-                                      ErrorKind::kPreflight,
-                                      "not sent: " + findings.refusals.front()));
+      made.refused.push_back(
+          ReportOn(robot, offline ? CommandStatus::kOffline : CommandStatus::kRefused,
+                   ErrorKind::kPreflight, "not sent: " + findings.refusals.front()));
       return {};
     }
     // The result says it, then.
-    const bool is_told = is_set && is_away && findings.unreachable;
+    const bool is_told = is_set && is_offline && findings.unreachable;
     if (is_told) findings.warnings.erase(findings.warnings.begin());
     for (std::string& warning : findings.warnings) made.warnings.push_back(std::move(warning));
   }
-  return AddCommand(robot, *message, is_set && is_away, made);
+  return AddCommand(robot, *message, is_set && is_offline, made);
 }
 
-Status CommandMaker::AddCommand(const ListedRobot& robot, const RobotMessage& message, bool is_away,
-                                Made& made) {
+Status CommandMaker::AddCommand(const ListedRobot& robot, const RobotMessage& message,
+                                bool is_offline, Made& made) {
   const auto& [address, entry] = robot;
   const auto dialect = DialectFor(robot);
   auto command = message.Build(address, *dialect, sending_.header_id);
   auto warnings = command ? ValidateCommand(*command, registry_) : Fail(command.error());
   if (!warnings) {
-    made.refused.push_back(ReportOn(robot, Verdict::kInvalid, warnings.error().kind,
+    made.refused.push_back(ReportOn(robot, CommandStatus::kInvalid, warnings.error().kind,
                                     "not sent: " + warnings.error().message));
     return {};
   }
   for (std::string& warning : *warnings) made.warnings.push_back(std::move(warning));
-  if (is_away) {
-    command->confirmation = std::make_shared<NotAwaited>(AwaySentence(robot));
+  if (is_offline) {
+    command->tracker = std::make_shared<NotAwaited>(AwaySentence(robot));
   } else if (sending_.waiting.wait_for) {
-    auto confirmation = message.Confirm(address, *dialect, *command, *sending_.waiting.wait_for);
-    if (!confirmation) return Fail(std::move(confirmation.error()));
-    command->confirmation = std::move(*confirmation);
+    auto tracker = message.Confirm(address, *dialect, *command, *sending_.waiting.wait_for);
+    if (!tracker) return Fail(std::move(tracker.error()));
+    command->tracker = std::move(*tracker);
   }
   made.commands.push_back(*std::move(command));
   return {};
@@ -147,13 +147,13 @@ PreflightFindings CommandMaker::FindingsOn(const ListedRobot& robot,
   return findings;
 }
 
-dispatch::Report CommandMaker::ReportOn(const ListedRobot& robot, Verdict verdict, ErrorKind kind,
-                                        std::string message) const {
+delivery::Report CommandMaker::ReportOn(const ListedRobot& robot, CommandStatus status,
+                                        ErrorKind kind, std::string message) const {
   const auto& [address, entry] = robot;
   const auto command = sending_.make_message()->Build(address, *entry.Spoken(), sending_.header_id);
-  dispatch::Report report = command ? dispatch::ReportOn(*command) : dispatch::Report();
+  delivery::Report report = command ? delivery::ReportOn(*command) : delivery::Report();
   report.target = address.ToString();
-  report.verdict = verdict;
+  report.status = status;
   report.error = kind;
   report.message = std::move(message);
   return report;

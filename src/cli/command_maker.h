@@ -11,8 +11,8 @@
 #include "base/result.h"
 #include "cli/robot_sending.h"
 #include "cli/roll_call.h"
-#include "dispatch/command.h"
-#include "dispatch/report.h"
+#include "message/command.h"
+#include "message/report.h"
 #include "schema/schema.h"
 
 namespace fleetpub::cli {
@@ -37,22 +37,22 @@ class CommandMaker {
   [[nodiscard]] Status Judge(const std::vector<const ListedRobot*>& robots);
 
   struct Made {
-    std::vector<dispatch::Command> commands;
-    std::vector<dispatch::Report> refused;
+    std::vector<delivery::Command> commands;
+    std::vector<delivery::Report> refused;
     std::vector<std::string> warnings;
   };
   /// Adds to `made`. Errors: what an option's value makes impossible for all.
   [[nodiscard]] Status Make(const ListedRobot& robot, Made& made);
 
   /// A report on a robot that gets nothing.
-  [[nodiscard]] dispatch::Report ReportOn(const ListedRobot& robot, dispatch::Verdict verdict,
+  [[nodiscard]] delivery::Report ReportOn(const ListedRobot& robot, delivery::CommandStatus status,
                                           ErrorKind kind, std::string message) const;
 
  private:
   [[nodiscard]] vda5050::PreflightFindings FindingsOn(const ListedRobot& robot,
                                                       const RobotMessage& message) const;
   [[nodiscard]] std::shared_ptr<const vda5050::Dialect> DialectFor(const ListedRobot& robot);
-  Status AddCommand(const ListedRobot& robot, const RobotMessage& message, bool is_away,
+  Status AddCommand(const ListedRobot& robot, const RobotMessage& message, bool is_offline,
                     Made& made);
 
   const RobotSending& sending_;

@@ -6,7 +6,7 @@
 
 namespace fleetpub::cli {
 
-std::vector<std::string> CommandedBefore(const Context& context, std::string_view protocol) {
+std::vector<std::string> RecentTargets(const Context& context, std::string_view protocol) {
   const auto ledger = OpenLedger(context, ledger::OpenMode::kReadOnly);
   if (!ledger) return {};
   constexpr int kNewestRows = 1'000;

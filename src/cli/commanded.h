@@ -5,13 +5,13 @@
 #include <string_view>
 #include <vector>
 
-#include "cli/global_options.h"
+#include "cli/options/global_options.h"
 
 namespace fleetpub::cli {
 
 /// The targets of the ledger's newest rows in this protocol (`vda5050`, `soar`), each once. None
 /// when there is no ledger, or none that can be read.
-[[nodiscard]] std::vector<std::string> CommandedBefore(const Context& context,
-                                                       std::string_view protocol);
+[[nodiscard]] std::vector<std::string> RecentTargets(const Context& context,
+                                                     std::string_view protocol);
 
 }  // namespace fleetpub::cli

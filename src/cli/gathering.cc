@@ -8,10 +8,10 @@
 
 #include "base/text.h"
 #include "base/time.h"
-#include "cli/option_set.h"
+#include "cli/parser/option_set.h"
 #include "cli/targets.h"
-#include "dispatch/collect.h"
-#include "mqtt/paho_transport.h"
+#include "delivery/retained.h"
+#include "mqtt/paho/paho_transport.h"
 
 namespace fleetpub::cli {
 namespace {
@@ -22,7 +22,7 @@ using vda5050::RobotAddress;
 using vda5050::RobotView;
 
 struct Patience {
-  dispatch::CollectOptions discover;
+  delivery::RetainedOptions discover;
   std::chrono::milliseconds state_wait{};
 };
 
@@ -66,7 +66,7 @@ Status Gather(mqtt::Transport& transport, const Patience& patience, FleetView& v
   const auto filters = view.Filters();
   if (!filters) return Fail(filters.error());
   const auto start = steady_clock::now();
-  auto ok = dispatch::CollectAll(
+  auto ok = delivery::ReadAllRetained(
       transport, *filters, patience.discover,
       [&](const mqtt::Message& message) { Take(message, view); }, [&] { return view.size(); });
   if (ok) ok = AwaitStates(transport, start + patience.state_wait, view);

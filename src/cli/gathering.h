@@ -4,9 +4,9 @@
 #include <string>
 
 #include "base/result.h"
-#include "cli/global_options.h"
 #include "cli/listening.h"
-#include "vda5050/fleet_view.h"
+#include "cli/options/global_options.h"
+#include "vda5050/reports/fleet_view.h"
 
 namespace fleetpub::cli {
 

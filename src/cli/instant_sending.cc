@@ -2,10 +2,10 @@
 
 #include <memory>
 
-#include "cli/option_set.h"
+#include "cli/parser/option_set.h"
 #include "cli/robot_sending.h"
-#include "vda5050/confirmation.h"
-#include "vda5050/preflight.h"
+#include "vda5050/rules/preflight.h"
+#include "vda5050/tracking/action_tracker.h"
 
 namespace fleetpub::cli {
 namespace {
@@ -21,7 +21,7 @@ class InstantMessage final : public RobotMessage {
     if (!has_given_id_) action_.id = vda5050::SuitableActionId(nullptr);
   }
 
-  [[nodiscard]] Result<dispatch::Command> Build(
+  [[nodiscard]] Result<delivery::Command> Build(
       const RobotAddress& robot, const Dialect& dialect,
       std::optional<std::uint32_t> header_id) const override {
     return vda5050::BuildInstantActions(robot, dialect, {&action_, 1}, header_id);
@@ -37,16 +37,16 @@ class InstantMessage final : public RobotMessage {
     return vda5050::CheckRobot(robot, dialect, {&named, 1}, known, bytes);
   }
 
-  [[nodiscard]] Result<std::unique_ptr<dispatch::Confirmation>> Confirm(
-      const RobotAddress& robot, const Dialect& dialect, const dispatch::Command& command,
+  [[nodiscard]] Result<std::unique_ptr<delivery::ResponseTracker>> Confirm(
+      const RobotAddress& robot, const Dialect& dialect, const delivery::Command& command,
       vda5050::WaitFor wait_for) const override {
     const ledger::ActionRef& action = command.actions.front();
-    return vda5050::ConfirmInstantAction(robot, dialect, action.type, action.id, wait_for);
+    return vda5050::TrackInstantAction(robot, dialect, action.type, action.id, wait_for);
   }
 
   [[nodiscard]] bool IsAlikeForAll() const override { return true; }
 
-  void Suit(const vda5050::Factsheet& factsheet) override {
+  void ApplyLimits(const vda5050::Factsheet& factsheet) override {
     if (!has_given_id_) action_.id = vda5050::SuitableActionId(&factsheet);
   }
 
@@ -73,16 +73,16 @@ Result<ExitCode> SendInstantAction(const InstantSendingOptions& options, std::st
   if (!waiting) return Fail(waiting.error());
   auto targets = TargetsOf(options.targets, context);
   if (!targets) return Fail(std::move(targets.error()));
-  auto speaker = Speaker::For(options.instant.vda, context.config);
-  if (!speaker) return Fail(std::move(speaker.error()));
+  auto resolver = DialectResolver::For(options.instant.vda, context.config);
+  if (!resolver) return Fail(std::move(resolver.error()));
   const auto action = ActionOf(options.instant, type, std::move(parameters),
-                               targets->IsSet() ? 2 : targets->who.robots.size());
+                               targets->IsSet() ? 2 : targets->include.robots.size());
   if (!action) return Fail(action.error());
   const auto header_id = HeaderIdOf(options.instant.header_id);
   if (!header_id) return Fail(header_id.error());
   return SendToRobots({.targets = *std::move(targets),
-                       .speaker = *std::move(speaker),
-                       .harm = HarmOf(type),
+                       .resolver = *std::move(resolver),
+                       .needs_consent = ConsentFor(type),
                        .header_id = *header_id,
                        .make_message =
                            [&] {

@@ -6,12 +6,12 @@
 #include <vector>
 
 #include "base/result.h"
-#include "cli/exit_code.h"
+#include "cli/options/vda_options.h"
+#include "cli/options/wait_options.h"
+#include "cli/output/exit_code.h"
 #include "cli/sending.h"
 #include "cli/targets.h"
-#include "cli/vda_options.h"
-#include "cli/wait_options.h"
-#include "vda5050/parameter.h"
+#include "vda5050/catalogue/parameter.h"
 
 namespace fleetpub::cli {
 

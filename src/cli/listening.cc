@@ -4,9 +4,9 @@
 
 #include "base/text.h"
 #include "base/time.h"
-#include "cli/option_set.h"
+#include "cli/parser/option_set.h"
 #include "cli/targets.h"
-#include "mqtt/paho_transport.h"
+#include "mqtt/paho/paho_transport.h"
 
 namespace fleetpub::cli {
 
@@ -37,7 +37,7 @@ std::string NameOf(const FleetOptions& options) {
 Result<vda5050::FleetView> FleetViewOf(const FleetOptions& options, const Context& context) {
   const auto dialect = DialectOf(Configured(options.vda, context.config));
   if (!dialect) return Fail(dialect.error());
-  auto words = ReadWords(options.words, context);
+  auto words = ParseTargetSpec(options.words, context);
   if (!words) return Fail(std::move(words.error()));
   auto patterns = std::move(words->patterns);
   for (const vda5050::RobotAddress& robot : words->robots) {
@@ -46,7 +46,7 @@ Result<vda5050::FleetView> FleetViewOf(const FleetOptions& options, const Contex
   return vda5050::FleetView(dialect->topics, std::move(patterns));
 }
 
-dispatch::ConnectHook ConnectHookOf(mqtt::ConnectOptions options) {
+delivery::ConnectHook ConnectHookOf(mqtt::ConnectOptions options) {
   return [options = std::move(options)](mqtt::Deadline deadline) {
     mqtt::ConnectOptions timely = options;
     const auto left = std::chrono::ceil<milliseconds>(deadline - std::chrono::steady_clock::now());
@@ -55,10 +55,10 @@ dispatch::ConnectHook ConnectHookOf(mqtt::ConnectOptions options) {
   };
 }
 
-Result<dispatch::CollectOptions> DiscoverOf(const std::string& text) {
+Result<delivery::RetainedOptions> DiscoverOf(const std::string& text) {
   const auto quiet = base::ParseDuration(text, milliseconds(1));
   if (!quiet) return Fail(quiet.error());
-  dispatch::CollectOptions options;
+  delivery::RetainedOptions options;
   options.quiet = *quiet;
   options.most = std::max(options.most, *quiet);
   return options;

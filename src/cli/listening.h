@@ -6,12 +6,12 @@
 #include <vector>
 
 #include "base/result.h"
-#include "cli/global_options.h"
-#include "cli/vda_options.h"
-#include "dispatch/collect.h"
-#include "dispatch/connect_hook.h"
-#include "vda5050/fleet_view.h"
-#include "vda5050/robot_pattern.h"
+#include "cli/options/global_options.h"
+#include "cli/options/vda_options.h"
+#include "delivery/connect_hook.h"
+#include "delivery/retained.h"
+#include "vda5050/model/robot_pattern.h"
+#include "vda5050/reports/fleet_view.h"
 
 namespace fleetpub::cli {
 
@@ -37,9 +37,9 @@ void DeclareFleetOptions(OptionSet& set, FleetOptions& options);
                                                      const Context& context);
 
 /// Connects as these options say; at most the connect timeout and the deadline.
-[[nodiscard]] dispatch::ConnectHook ConnectHookOf(mqtt::ConnectOptions options);
+[[nodiscard]] delivery::ConnectHook ConnectHookOf(mqtt::ConnectOptions options);
 
 /// `--discover`: a number of milliseconds. Errors: ErrorKind::kUsage.
-[[nodiscard]] Result<dispatch::CollectOptions> DiscoverOf(const std::string& text);
+[[nodiscard]] Result<delivery::RetainedOptions> DiscoverOf(const std::string& text);
 
 }  // namespace fleetpub::cli

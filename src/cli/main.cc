@@ -15,10 +15,10 @@
 #include <new>
 
 #include "base/text.h"
-#include "cli/call.h"
-#include "cli/help.h"
-#include "cli/shell_completion.h"
-#include "cli/version.h"
+#include "cli/commands/version.h"
+#include "cli/parser/command_line.h"
+#include "cli/parser/help.h"
+#include "cli/parser/shell_completion.h"
 
 namespace fleetpub::cli {
 namespace {
@@ -38,7 +38,7 @@ ExitCode Complain(const Error& error, bool verbose) {
 }
 
 ExitCode Finish(const Result<ExitCode>& result, Output& output) {
-  if (!result) output.Complain(result.error());
+  if (!result) output.PrintError(result.error());
   const ExitCode code = result ? *result : CodeOf(result.error().kind);
   const auto flushed = output.Flush();
   if (flushed) return code;
@@ -47,7 +47,7 @@ ExitCode Finish(const Result<ExitCode>& result, Output& output) {
     output.Warn(flushed.error().message + ": fleetpub history shows them");
     return code;
   }
-  output.Complain(flushed.error());
+  output.PrintError(flushed.error());
   return code == ExitCode::kDone ? ExitCode::kLedger : code;
 }
 
@@ -64,14 +64,14 @@ bool IsMeantAsHost(const std::vector<std::string>& arguments) {
          !(help + 1)->starts_with('-');
 }
 
-ExitCode PrintHelp(const OptionSet& set, const Invocation& invocation,
+ExitCode PrintHelp(const OptionSet& set, const SubcommandMatch& match,
                    const std::vector<std::string>& arguments) {
   if (IsMeantAsHost(arguments)) {
     return Complain({ErrorKind::kUsage,
                      "-h asks for help and takes no word behind it: the broker's host is --host"},
                     false);
   }
-  return PrintText(invocation.name.empty() ? GeneralHelp(set) : CommandHelp(set, invocation));
+  return PrintText(match.name.empty() ? GeneralHelp(set) : CommandHelp(set, match));
 }
 
 ExitCode NoCommand() {
@@ -81,14 +81,14 @@ ExitCode NoCommand() {
 
 ExitCode RunMain(const std::vector<std::string>& arguments, const BuildInfo& build) {
   if (!arguments.empty() && arguments.front() == kCompleteWord) return PrintCandidates(arguments);
-  auto call = std::make_unique<Call>();
+  auto call = std::make_unique<CommandLine>();
   if (!call->Read(OptionSet::Extent::kMentioned, arguments) || !call->run) {
-    call = std::make_unique<Call>();
+    call = std::make_unique<CommandLine>();
     const auto asked = call->Read(OptionSet::Extent::kAll, arguments);
     if (!asked) return Complain(asked.error(), call->options.verbose);
     if (*asked == OptionSet::Asked::kVersion) return PrintText(VersionText(build) + "\n");
     if (*asked == OptionSet::Asked::kHelp) {
-      return PrintHelp(call->set(), call->invocation, arguments);
+      return PrintHelp(call->set(), call->match, arguments);
     }
     if (!call->run) return NoCommand();
   }

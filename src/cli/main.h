@@ -1,6 +1,6 @@
 #pragma once
 
-#include "cli/version.h"
+#include "cli/commands/version.h"
 
 namespace fleetpub::cli {
 

@@ -8,20 +8,20 @@
 #include "base/text.h"
 #include "cli/command_maker.h"
 #include "cli/commanded.h"
-#include "cli/dry_run.h"
-#include "cli/fleet_summary.h"
-#include "cli/interrupt.h"
 #include "cli/listening.h"
-#include "cli/reporter.h"
+#include "cli/output/dry_run.h"
+#include "cli/output/fleet_summary.h"
+#include "cli/output/interrupt.h"
+#include "cli/output/reporter.h"
 #include "cli/roll_call.h"
-#include "dispatch/stream.h"
-#include "mqtt/paho_transport.h"
+#include "delivery/command_session.h"
+#include "mqtt/paho/paho_transport.h"
 
 namespace fleetpub::cli {
 namespace {
 
-using dispatch::Report;
-using dispatch::Verdict;
+using delivery::CommandStatus;
+using delivery::Report;
 using std::chrono::milliseconds;
 using std::chrono::steady_clock;
 using vda5050::RobotAddress;
@@ -60,16 +60,17 @@ class Warnings {
 
 class RobotSender {
  public:
-  RobotSender(const RobotSending& sending, const Context& context, vda5050::Roster roster,
-              const Spared& spared, mqtt::Qos qos, dispatch::Pace pace)
+  RobotSender(const RobotSending& sending, const Context& context,
+              vda5050::RobotDirectory directory, const Excluded& excluded, mqtt::Qos qos,
+              delivery::RateLimiter pace)
       : sending_(sending),
         context_(context),
-        roster_(std::move(roster)),
-        spared_(spared),
+        directory_(std::move(directory)),
+        excluded_(excluded),
         maker_(sending, context),
         reporter_(context.output),
         warnings_(context.output),
-        pace_(pace) {
+        rate_limiter_(pace) {
     options_.qos = qos;
   }
 
@@ -82,7 +83,7 @@ class RobotSender {
           robot->second.WasHeard()
               ? "it sent no state within " + base::FormatElapsed(sending_.targets.state_wait)
               : "no message of it is at the broker";
-      Show(maker_.ReportOn(*robot, Verdict::kRefused, ErrorKind::kPreflight,
+      Show(maker_.ReportOn(*robot, CommandStatus::kRefused, ErrorKind::kPreflight,
                            fmt::format("not sent: {}, so --where cannot be decided", why)));
     }
     const auto start = steady_clock::now();
@@ -99,14 +100,14 @@ class RobotSender {
   Status Prepare() {
     const Targets& targets = sending_.targets;
     const bool any_automatic =
-        std::any_of(roster_.robots().begin(), roster_.robots().end(),
+        std::any_of(directory_.robots().begin(), directory_.robots().end(),
                     [](const ListedRobot& listed) { return listed.second.automatic; });
     const Waiting& waiting = sending_.waiting;
     const bool check = waiting.check || (targets.AreFound() && !waiting.no_check);
     check_ = check && (!sending_.options.dry_run || targets.AreFound());
     maker_.SetCheck(check_);
     if (!targets.AreFound()) {
-      robots_ = Choose(targets, roster_, context_.output).robots;
+      robots_ = Choose(targets, directory_, context_.output).robots;
       if (auto ok = Consent(); !ok) return ok;
     }
     // What is invalid anyway costs no connection.
@@ -114,7 +115,7 @@ class RobotSender {
       if (auto ok = Judge(); !ok) return ok;
     }
     if (!check_ && !any_automatic && !targets.AreFound()) return {};
-    if (auto ok = LookAround(); !ok) return ok;
+    if (auto ok = Discover(); !ok) return ok;
     if (targets.AreFound()) {
       if (auto ok = Consent(); !ok) return ok;
     }
@@ -124,48 +125,49 @@ class RobotSender {
   Status Consent() const {
     const bool is_many = sending_.targets.IsSet() && robots_.size() > 1;
     const bool is_agreed = sending_.options.yes || sending_.options.dry_run;
-    if (!is_many || is_agreed || sending_.harm == Harm::kNone) return {};
+    if (!is_many || is_agreed || sending_.needs_consent == NeedsConsent::kNo) return {};
     std::vector<RobotAddress> robots;
     robots.reserve(robots_.size());
     for (const ListedRobot* robot : robots_) robots.push_back(robot->first);
-    const std::string& set = sending_.targets.who.set;
+    const std::string& set = sending_.targets.include.set;
     return AskFor(robots, set.empty() ? "--where" : set);
   }
 
   Status Judge() {
     auto judged = maker_.Judge(robots_);
     if (judged) return judged;
-    return Fail(NothingSentToAny(Verdict::kInvalid, std::move(judged.error())));
+    return Fail(NothingSentToAny(CommandStatus::kInvalid, std::move(judged.error())));
   }
 
   // Collects what the robots have said of themselves.
-  Status LookAround() {
-    if (auto ok = Connect(); !ok) return Fail(NothingSentToAny(Verdict::kError, ok.error()));
+  Status Discover() {
+    if (auto ok = Connect(); !ok) return Fail(NothingSentToAny(CommandStatus::kError, ok.error()));
     const Targets& targets = sending_.targets;
-    RollCall call{check_, sending_.waiting.discover};
+    DiscoveryOptions call{check_, sending_.waiting.discover};
     call.discover.subscribe = connect_.connect_timeout;
-    auto called = CallRoll(*transport_, targets, call, roster_, context_.output);
-    if (!called) return Fail(NothingSentToAny(Verdict::kError, called.error()));
+    auto called = DiscoverRobots(*transport_, targets, call, directory_, context_.output);
+    if (!called) return Fail(NothingSentToAny(CommandStatus::kError, called.error()));
     if (auto ok = CheckExceptions(); !ok) {
-      return Fail(NothingSentToAny(Verdict::kError, std::move(ok.error())));
+      return Fail(NothingSentToAny(CommandStatus::kError, std::move(ok.error())));
     }
-    Chosen chosen = Choose(targets, roster_, context_.output);
+    Chosen chosen = Choose(targets, directory_, context_.output);
     robots_ = std::move(chosen.robots);
     unheard_ = std::move(chosen.unheard);
     if (robots_.empty() && unheard_.empty()) {
-      return Fail(NobodyChosen(*transport_, targets, sending_.speaker, roster_, call.discover));
+      return Fail(NobodyChosen(*transport_, targets, sending_.resolver, directory_, call.discover));
     }
     SuggestNames();
     return {};
   }
 
   Status CheckExceptions() const {
-    const auto idle = IdleException(sending_.targets, spared_, context_.config);
+    const auto idle = UnusedExclusion(sending_.targets, excluded_, context_.config);
     if (!idle) return {};
     std::string text =
         fmt::format("--except {} spares nobody: no such robot is among those that were found",
                     base::Printable(*idle));
-    if (sending_.harm != Harm::kNone) return Fail(ErrorKind::kPreflight, std::move(text));
+    if (sending_.needs_consent != NeedsConsent::kNo)
+      return Fail(ErrorKind::kPreflight, std::move(text));
     context_.output.Warn(text);
     return {};
   }
@@ -193,12 +195,11 @@ class RobotSender {
   std::set<std::string> KnownNames() {
     std::set<std::string> names;
     for (const RobotAddress& robot :
-         AllRobots(*transport_, sending_.speaker.common().topics, sending_.waiting.discover)) {
+         AllRobots(*transport_, sending_.resolver.common().topics, sending_.waiting.discover)) {
       names.insert(robot.ToString());
     }
     for (const auto& [robot, table] : context_.config.robots) names.insert(robot.ToString());
-    for (std::string& target : CommandedBefore(context_, "vda5050"))
-      names.insert(std::move(target));
+    for (std::string& target : RecentTargets(context_, "vda5050")) names.insert(std::move(target));
     return names;
   }
 
@@ -210,12 +211,12 @@ class RobotSender {
     auto transport = mqtt::ConnectPaho(connect_);
     if (!transport) return Fail(std::move(transport.error()));
     transport_ = *std::move(transport);
-    context_.output.Note(fmt::format("connected to {}", transport_->server().broker.ToString()));
+    context_.output.Debug(fmt::format("connected to {}", transport_->server().broker.ToString()));
     return {};
   }
 
   // The next ones; what cannot be sent is shown at once.
-  Result<std::vector<dispatch::Command>> Next(std::size_t most) {
+  Result<std::vector<delivery::Command>> Next(std::size_t most) {
     CommandMaker::Made made;
     const std::size_t end = std::min(robots_.size(), next_ + most);
     made.commands.reserve(end - next_);
@@ -233,10 +234,10 @@ class RobotSender {
     while (next_ < robots_.size()) {
       const auto commands = Next(options_.batch);
       if (!commands) return Fail(commands.error());
-      for (const dispatch::Command& command : *commands) {
+      for (const delivery::Command& command : *commands) {
         const auto report = dry_run->Report(command);
         if (!report) return Fail(report.error());
-        context_.output.Note(
+        context_.output.Debug(
             fmt::format("would be published to {}", base::Printable(command.topic)));
         context_.output.JsonLine(context_.output.json() ? ReportJson(*report) : report->payload);
       }
@@ -247,15 +248,16 @@ class RobotSender {
   // Errors: nothing was sent.
   Status Send() {
     auto ledger = OpenLedger(context_, ledger::OpenMode::kCreate);
-    if (!ledger) return Fail(NothingSentToAny(Verdict::kError, ledger.error()));
-    if (auto ok = Connect(); !ok) return Fail(NothingSentToAny(Verdict::kError, ok.error()));
+    if (!ledger) return Fail(NothingSentToAny(CommandStatus::kError, ledger.error()));
+    if (auto ok = Connect(); !ok) return Fail(NothingSentToAny(CommandStatus::kError, ok.error()));
     options_.acknowledge_timeout = connect_.connect_timeout;
     if (!sending_.waiting.wait_for)
       WarnOfSilentRefusals(connect_.version, options_.qos, context_.output);
     InterruptGuard::Begin(robots_.size());
     ProgressBar bar(sending_.targets.IsSet() ? robots_.size() : 0, context_.output);
     bar_ = sending_.targets.IsSet() && bar.IsPossible() ? &bar : nullptr;
-    dispatch::Stream stream(transport_, **ledger, options_, sending_.waiting.wait, HooksFor());
+    delivery::CommandSession stream(transport_, **ledger, options_, sending_.waiting.wait,
+                                    HooksFor());
     auto sent = SendAll(stream);
     bar_ = nullptr;
     if (transport_ != nullptr) transport_->Disconnect();
@@ -267,7 +269,7 @@ class RobotSender {
     return {};
   }
 
-  dispatch::StreamHooks HooksFor() {
+  delivery::SessionHooks HooksFor() {
     return {.report =
                 [this](const Report& report) {
                   Show(report);
@@ -286,15 +288,15 @@ class RobotSender {
             .again = [this] { context_.output.Warn("connected again"); }};
   }
 
-  Status SendAll(dispatch::Stream& stream) {
+  Status SendAll(delivery::CommandSession& stream) {
     while (next_ < robots_.size() || stream.waiting() > 0) {
       if (bar_ != nullptr) bar_->Draw(summary_);
       const auto now = steady_clock::now();
       const std::size_t room = kMostWaiting - std::min(kMostWaiting, stream.waiting());
-      const std::size_t most = std::min({options_.batch, pace_.Allowance(now), room});
+      const std::size_t most = std::min({options_.batch, rate_limiter_.Available(now), room});
       if (next_ == robots_.size() || most == 0) {
         const bool is_paced = next_ < robots_.size() && room > 0;
-        auto deadline = is_paced ? pace_.Next() : mqtt::Deadline::max();
+        auto deadline = is_paced ? rate_limiter_.Next() : mqtt::Deadline::max();
         if (bar_ != nullptr) deadline = std::min(deadline, now + kGlance);
         stream.Listen(deadline);
         continue;
@@ -305,14 +307,14 @@ class RobotSender {
         static_cast<void>(stream.Send({}));  // what has left is told of
         return Fail(commands.error());
       }
-      pace_.Took(commands->size(), now);
+      rate_limiter_.Consume(commands->size(), now);
       if (is_first && next_ == robots_.size()) {  // else one robot's topics may be forbidden
         if (auto ok = stream.Subscribe(*commands); !ok) {
-          return Fail(NothingSentToAny(Verdict::kError, ok.error()));
+          return Fail(NothingSentToAny(CommandStatus::kError, ok.error()));
         }
       }
-      using More = dispatch::Stream::More;
-      const bool follow = next_ < robots_.size() && pace_.Allowance(now) > 0;
+      using More = delivery::CommandSession::More;
+      const bool follow = next_ < robots_.size() && rate_limiter_.Available(now) > 0;
       const auto sent = stream.Send(*commands, follow ? More::kFollow : More::kNone);
       if (!sent && stream.lost()) GiveUpRest(sent.error());
     }
@@ -322,17 +324,17 @@ class RobotSender {
   // The connection is lost: the rest is not sent.
   void GiveUpRest(const Error& error) {
     for (; next_ < robots_.size(); ++next_) {
-      Show(maker_.ReportOn(*robots_[next_], Verdict::kError, error.kind,
+      Show(maker_.ReportOn(*robots_[next_], CommandStatus::kError, error.kind,
                            "not sent: " + error.message));
     }
   }
 
   // When nothing at all was sent, a person reads one sentence, a script an object per robot.
-  Error NothingSentToAny(Verdict verdict, Error error) const {
+  Error NothingSentToAny(CommandStatus status, Error error) const {
     if (context_.output.json()) {
       for (const ListedRobot* robot : robots_) {
         context_.output.Line(
-            ReportJson(maker_.ReportOn(*robot, verdict, error.kind, "not sent: " + error.message)));
+            ReportJson(maker_.ReportOn(*robot, status, error.kind, "not sent: " + error.message)));
       }
     }
     error.message = "nothing was sent: " + error.message;
@@ -353,18 +355,18 @@ class RobotSender {
   const RobotSending& sending_;
   const Context& context_;
   const InterruptGuard interrupt_;
-  vda5050::Roster roster_;
-  const Spared& spared_;
+  vda5050::RobotDirectory directory_;
+  const Excluded& excluded_;
   CommandMaker maker_;
   Reporter reporter_;
   Warnings warnings_;
   FleetSummary summary_;
-  dispatch::Pace pace_;
-  dispatch::SendOptions options_;
+  delivery::RateLimiter rate_limiter_;
+  delivery::SendOptions options_;
   mqtt::ConnectOptions connect_;
   std::unique_ptr<mqtt::Transport> transport_;
   bool check_ = false;
-  std::vector<const ListedRobot*> robots_;   // of the roster
+  std::vector<const ListedRobot*> robots_;   // of the directory
   std::vector<const ListedRobot*> unheard_;  // whether --where is true is not known
   std::size_t next_ = 0;
   ProgressBar* bar_ = nullptr;  // while something is sent
@@ -375,12 +377,12 @@ class RobotSender {
 Result<ExitCode> SendToRobots(const RobotSending& sending, const Context& context) {
   const auto qos = QosOf(sending.options.qos);
   if (!qos) return Fail(qos.error());
-  const auto pace = PaceOf(sending.options.rate);
+  const auto pace = ParseRate(sending.options.rate);
   if (!pace) return Fail(pace.error());
-  Spared spared;
-  auto roster = RosterOf(sending.targets, sending.speaker, spared);
-  if (!roster) return Fail(std::move(roster.error()));
-  return RobotSender(sending, context, *std::move(roster), spared, *qos, *pace).Run();
+  Excluded excluded;
+  auto directory = MakeDirectory(sending.targets, sending.resolver, excluded);
+  if (!directory) return Fail(std::move(directory.error()));
+  return RobotSender(sending, context, *std::move(directory), excluded, *qos, *pace).Run();
 }
 
 }  // namespace fleetpub::cli

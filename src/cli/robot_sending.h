@@ -9,14 +9,14 @@
 #include <vector>
 
 #include "base/result.h"
-#include "cli/exit_code.h"
+#include "cli/options/wait_options.h"
+#include "cli/output/exit_code.h"
 #include "cli/sending.h"
 #include "cli/targets.h"
-#include "cli/wait_options.h"
-#include "dispatch/command.h"
-#include "vda5050/confirmation.h"
-#include "vda5050/instant_actions.h"
-#include "vda5050/preflight.h"
+#include "message/command.h"
+#include "vda5050/messages/instant_actions.h"
+#include "vda5050/rules/preflight.h"
+#include "vda5050/tracking/action_tracker.h"
 
 namespace fleetpub::cli {
 
@@ -29,25 +29,25 @@ class RobotMessage {
   virtual ~RobotMessage() = default;
 
   /// Again when the dialect turns out to be another.
-  [[nodiscard]] virtual Result<dispatch::Command> Build(
+  [[nodiscard]] virtual Result<delivery::Command> Build(
       const vda5050::RobotAddress& robot, const vda5050::Dialect& dialect,
       std::optional<std::uint32_t> header_id) const = 0;
   [[nodiscard]] virtual vda5050::PreflightFindings Check(
       const vda5050::RobotAddress& robot, const vda5050::Dialect& dialect,
       const vda5050::KnownRobot& known) const = 0;
-  [[nodiscard]] virtual Result<std::unique_ptr<dispatch::Confirmation>> Confirm(
+  [[nodiscard]] virtual Result<std::unique_ptr<delivery::ResponseTracker>> Confirm(
       const vda5050::RobotAddress& robot, const vda5050::Dialect& dialect,
-      const dispatch::Command& command, vda5050::WaitFor wait_for) const = 0;
+      const delivery::Command& command, vda5050::WaitFor wait_for) const = 0;
   /// Whether, in one dialect, it is valid for every robot or for none.
   [[nodiscard]] virtual bool IsAlikeForAll() const { return false; }
   /// The robot's limits, before it is built for the last time.
-  virtual void Suit(const vda5050::Factsheet& /*factsheet*/) {}
+  virtual void ApplyLimits(const vda5050::Factsheet& /*factsheet*/) {}
 };
 
 struct RobotSending {
   Targets targets;
-  Speaker speaker;
-  Harm harm = Harm::kPossible;
+  DialectResolver resolver;
+  NeedsConsent needs_consent = NeedsConsent::kYes;
   std::optional<std::uint32_t> header_id;
   std::function<std::unique_ptr<RobotMessage>()> make_message;  ///< one for each robot
   SendingOptions options;

@@ -9,7 +9,7 @@
 
 #include "base/text.h"
 #include "base/time.h"
-#include "vda5050/discovery.h"
+#include "vda5050/reports/discovery.h"
 
 namespace fleetpub::cli {
 namespace {
@@ -17,10 +17,10 @@ namespace {
 using std::chrono::steady_clock;
 using vda5050::Condition;
 using vda5050::RobotAddress;
+using vda5050::RobotDirectory;
+using vda5050::RobotEntry;
 using vda5050::RobotFilter;
 using vda5050::RobotPattern;
-using vda5050::Roster;
-using vda5050::RosterEntry;
 
 bool Needs(const Targets& targets, std::string_view topic_name) {
   return std::any_of(targets.where.begin(), targets.where.end(), [&](const Condition& condition) {
@@ -64,15 +64,19 @@ Result<std::vector<std::string>> AnyTopics(const vda5050::TopicScheme& scheme,
 
 class Caller {
  public:
-  Caller(mqtt::Transport& transport, const Targets& targets, const RollCall& call, Roster& roster,
-         Output& output)
-      : transport_(transport), targets_(targets), call_(call), roster_(roster), output_(output) {}
+  Caller(mqtt::Transport& transport, const Targets& targets, const DiscoveryOptions& call,
+         RobotDirectory& directory, Output& output)
+      : transport_(transport),
+        targets_(targets),
+        call_(call),
+        directory_(directory),
+        output_(output) {}
 
   Status Run() {
     const auto start = steady_clock::now();
     auto ok = CallNamed();
-    if (ok && !targets_.who.patterns.empty()) ok = CallPatterns();
-    if (ok && NeedsFactsheets() && !targets_.who.patterns.empty()) ok = AskForFactsheets();
+    if (ok && !targets_.include.patterns.empty()) ok = CallPatterns();
+    if (ok && NeedsFactsheets() && !targets_.include.patterns.empty()) ok = AskForFactsheets();
     if (ok && Needs(targets_, "state")) ok = AwaitStates(start + targets_.state_wait);
     return ok;
   }
@@ -82,7 +86,7 @@ class Caller {
 
   void Take(const mqtt::Message& message) {
     const auto origin = message.retained ? vda5050::Origin::kRetained : vda5050::Origin::kLive;
-    roster_.Deliver(message.topic, message.payload, origin);
+    directory_.Deliver(message.topic, message.payload, origin);
   }
 
   // Those that are named outright, by topics of their own.
@@ -99,9 +103,9 @@ class Caller {
     constexpr std::array<std::string_view, 2> kTopics = {"factsheet", "connection"};
     const bool all = call_.check || !targets_.where.empty();
     Filters filters;
-    std::size_t wanted = roster_.online();
+    std::size_t wanted = directory_.online();
     const std::size_t known = wanted;
-    for (const auto& [robot, entry] : roster_.robots()) {
+    for (const auto& [robot, entry] : directory_.robots()) {
       if (entry.WasHeard() || (!all && !entry.automatic)) continue;
       ++wanted;
       if (auto ok = filters.Add(topics_of(entry.base->topics, robot, kTopics)); !ok) return ok;
@@ -109,43 +113,43 @@ class Caller {
     if (wanted == known) return {};
     // A robot may have left messages under another version long ago: only ONLINE ends the search at
     // once.
-    return dispatch::Collect(transport_, filters.Take(), call_.discover,
-                             [&](const mqtt::Message& message) {
-                               Take(message);
-                               return roster_.online() >= wanted;
-                             });
+    return delivery::ReadRetained(transport_, filters.Take(), call_.discover,
+                                  [&](const mqtt::Message& message) {
+                                    Take(message);
+                                    return directory_.online() >= wanted;
+                                  });
   }
 
   // Connection messages alone: with the large ones the broker's queue would run over sooner.
   Status CallPatterns() {
     constexpr std::array<std::string_view, 1> kTopics = {"connection"};
     Filters filters;
-    for (const vda5050::TopicScheme& scheme : roster_.schemes()) {
-      for (const RobotPattern& pattern : targets_.who.patterns) {
+    for (const vda5050::TopicScheme& scheme : directory_.schemes()) {
+      for (const RobotPattern& pattern : targets_.include.patterns) {
         if (auto ok = filters.Add(scheme, pattern.Filter(), kTopics); !ok) return ok;
       }
     }
-    return dispatch::CollectAll(
+    return delivery::ReadAllRetained(
         transport_, filters.Take(), call_.discover,
         [&](const mqtt::Message& message) { Take(message); },
-        [&] { return roster_.robots().size(); });
+        [&] { return directory_.robots().size(); });
   }
 
   // Of those that have been found; 1.1 knows no factsheet.
   Status AskForFactsheets() {
     constexpr std::array<std::string_view, 1> kTopics = {"factsheet"};
     Filters filters;
-    std::set<const RosterEntry*> wanted;
-    for (const auto& [robot, entry] : roster_.robots()) {
+    std::set<const RobotEntry*> wanted;
+    for (const auto& [robot, entry] : directory_.robots()) {
       if (!entry.own || entry.own->version == vda5050::Version::k110 || entry.factsheet) continue;
       wanted.insert(&entry);
       if (auto ok = filters.Add(entry.base->topics, Exactly(robot), kTopics); !ok) return ok;
     }
     if (wanted.empty()) return {};
-    return dispatch::Collect(
+    return delivery::ReadRetained(
         transport_, filters.Take(), call_.discover, [&](const mqtt::Message& message) {
           const auto* entry =
-              roster_.Deliver(message.topic, message.payload, vda5050::Origin::kRetained);
+              directory_.Deliver(message.topic, message.payload, vda5050::Origin::kRetained);
           if (entry != nullptr && entry->factsheet) wanted.erase(entry);
           return wanted.empty();
         });
@@ -155,24 +159,24 @@ class Caller {
   Status AwaitStates(mqtt::Deadline end) {
     constexpr std::array<std::string_view, 1> kTopics = {"state"};
     Filters filters;
-    std::set<const RosterEntry*> silent;
-    for (const auto& [robot, entry] : roster_.robots()) {
+    std::set<const RobotEntry*> silent;
+    for (const auto& [robot, entry] : directory_.robots()) {
       if (!entry.IsOnline()) continue;
       silent.insert(&entry);
       if (auto ok = filters.Add(entry.base->topics, Exactly(robot), kTopics); !ok) return ok;
     }
     if (silent.empty()) return {};
-    output_.Tell(fmt::format("waiting up to {} for the states of {} robot{}",
+    output_.Info(fmt::format("waiting up to {} for the states of {} robot{}",
                              base::FormatElapsed(targets_.state_wait), silent.size(),
                              silent.size() == 1 ? "" : "s"));
     const auto left = std::max(end - steady_clock::now(), steady_clock::duration(0));
     const auto most = std::chrono::ceil<std::chrono::milliseconds>(left);
-    return dispatch::Collect(
+    return delivery::ReadRetained(
         transport_, filters.Take(), {.quiet = most, .most = most},
         [&](const mqtt::Message& message) {
           const auto origin =
               message.retained ? vda5050::Origin::kRetained : vda5050::Origin::kLive;
-          const auto* entry = roster_.Deliver(message.topic, message.payload, origin);
+          const auto* entry = directory_.Deliver(message.topic, message.payload, origin);
           const bool is_heard = entry != nullptr && (entry->state_heard || !entry->IsOnline());
           if (is_heard) silent.erase(entry);
           return silent.empty();
@@ -181,14 +185,14 @@ class Caller {
 
   mqtt::Transport& transport_;
   const Targets& targets_;
-  const RollCall& call_;
-  Roster& roster_;
+  const DiscoveryOptions& call_;
+  RobotDirectory& directory_;
   Output& output_;
 };
 
 enum class Answer { kYes, kNo, kUnheard, kAway };
 
-Answer Satisfies(const Targets& targets, const RosterEntry& entry) {
+Answer Satisfies(const Targets& targets, const RobotEntry& entry) {
   Answer answer = Answer::kYes;
   for (std::size_t i = 0; i < targets.where.size(); ++i) {
     const auto unmet = i < entry.unmet.size() ? entry.unmet[i] : std::nullopt;
@@ -202,7 +206,7 @@ Answer Satisfies(const Targets& targets, const RosterEntry& entry) {
 
 std::string WordsOf(const Targets& targets) {
   std::vector<std::string> words;
-  if (!targets.who.set.empty()) words.push_back(base::Printable(targets.who.set));
+  if (!targets.include.set.empty()) words.push_back(base::Printable(targets.include.set));
   for (const Condition& condition : targets.where) {
     words.push_back("--where " + base::Printable(vda5050::ToString(condition)));
   }
@@ -210,8 +214,8 @@ std::string WordsOf(const Targets& targets) {
 }
 
 // Why the first one of those that are meant was not chosen.
-std::string FirstReason(const Roster& roster) {
-  for (const auto& [robot, entry] : roster.robots()) {
+std::string FirstReason(const RobotDirectory& directory) {
+  for (const auto& [robot, entry] : directory.robots()) {
     for (const auto& unmet : entry.unmet) {
       if (!unmet || unmet->empty()) continue;
       return fmt::format("; of {}, {}", base::Printable(robot.ToString()), *unmet);
@@ -222,43 +226,44 @@ std::string FirstReason(const Roster& roster) {
 
 }  // namespace
 
-Result<Roster> RosterOf(const Targets& targets, const Speaker& speaker, Spared& spared) {
-  Roster::Admission admit;
-  if (!targets.who.patterns.empty()) {
+Result<RobotDirectory> MakeDirectory(const Targets& targets, const DialectResolver& resolver,
+                                     Excluded& excluded) {
+  RobotDirectory::Admission admit;
+  if (!targets.include.patterns.empty()) {
     admit = [&](const RobotAddress& robot)
         -> std::optional<std::pair<std::shared_ptr<const vda5050::Dialect>, bool>> {
       const auto matches = [&](const RobotPattern& pattern) { return pattern.Matches(robot); };
-      const auto& patterns = targets.who.patterns;
+      const auto& patterns = targets.include.patterns;
       if (std::none_of(patterns.begin(), patterns.end(), matches)) return std::nullopt;
       if (targets.IsExcepted(robot)) {
-        spared.insert(robot);
+        excluded.insert(robot);
         return std::nullopt;
       }
-      auto found = speaker.Found(robot);
+      auto found = resolver.Found(robot);
       if (!found) return std::nullopt;  // no table is wrong: Schemes() has read them all
       return std::pair(std::move(found->dialect), found->automatic);
     };
   }
-  Roster roster(targets.where, std::move(admit));
-  if (!targets.who.patterns.empty()) {
-    const auto schemes = speaker.Schemes();
+  RobotDirectory directory(targets.where, std::move(admit));
+  if (!targets.include.patterns.empty()) {
+    const auto schemes = resolver.Schemes();
     if (!schemes) return Fail(schemes.error());
-    for (const vda5050::TopicScheme& scheme : *schemes) roster.AddScheme(scheme);
+    for (const vda5050::TopicScheme& scheme : *schemes) directory.AddScheme(scheme);
   }
-  for (const RobotAddress& robot : targets.who.robots) {
-    auto addressed = targets.where.empty() ? speaker.Named(robot) : speaker.Found(robot);
+  for (const RobotAddress& robot : targets.include.robots) {
+    auto addressed = targets.where.empty() ? resolver.Named(robot) : resolver.Found(robot);
     if (!addressed) return Fail(std::move(addressed.error()));
-    roster.Add(robot, std::move(addressed->dialect), addressed->automatic);
+    directory.Add(robot, std::move(addressed->dialect), addressed->automatic);
   }
-  return roster;
+  return directory;
 }
 
-Status CallRoll(mqtt::Transport& transport, const Targets& targets, const RollCall& call,
-                Roster& roster, Output& output) {
-  return Caller(transport, targets, call, roster, output).Run();
+Status DiscoverRobots(mqtt::Transport& transport, const Targets& targets,
+                      const DiscoveryOptions& call, RobotDirectory& directory, Output& output) {
+  return Caller(transport, targets, call, directory, output).Run();
 }
 
-Chosen Choose(const Targets& targets, const Roster& roster, Output& output) {
+Chosen Choose(const Targets& targets, const RobotDirectory& directory, Output& output) {
   Chosen chosen;
   std::vector<RobotAddress> away;
   const auto consider = [&](const ListedRobot& listed) {
@@ -275,17 +280,17 @@ Chosen Choose(const Targets& targets, const Roster& roster, Output& output) {
   };
   std::set<RobotAddress> named;
   std::vector<RobotAddress> discovered;
-  for (const RobotAddress& robot : targets.who.robots) {
-    const auto found = roster.robots().find(robot);
-    if (!targets.who.patterns.empty()) named.insert(robot);
+  for (const RobotAddress& robot : targets.include.robots) {
+    const auto found = directory.robots().find(robot);
+    if (!targets.include.patterns.empty()) named.insert(robot);
     if (found->second.WasHeard() || targets.where.empty()) {
       consider(*found);
     } else {
       chosen.unheard.push_back(&*found);
     }
   }
-  if (!targets.who.patterns.empty()) {
-    for (const ListedRobot& listed : roster.robots()) {
+  if (!targets.include.patterns.empty()) {
+    for (const ListedRobot& listed : directory.robots()) {
       if (!listed.second.connection || named.contains(listed.first)) continue;
       discovered.push_back(listed.first);
       consider(listed);
@@ -299,38 +304,39 @@ Chosen Choose(const Targets& targets, const Roster& roster, Output& output) {
   return chosen;
 }
 
-std::optional<std::string> IdleException(const Targets& targets, const Spared& spared,
-                                         const Config& config) {
-  if (targets.who.patterns.empty()) return std::nullopt;
+std::optional<std::string> UnusedExclusion(const Targets& targets, const Excluded& excluded,
+                                           const Config& config) {
+  if (targets.include.patterns.empty()) return std::nullopt;
   for (const RobotAddress& robot : targets.except.robots) {
     const bool is_configured =
         config.robots.contains(robot) ||
         std::any_of(config.group_robots.begin(), config.group_robots.end(), [&](const auto& group) {
           return std::find(group.second.begin(), group.second.end(), robot) != group.second.end();
         });
-    if (!is_configured && !spared.contains(robot)) return robot.ToString();
+    if (!is_configured && !excluded.contains(robot)) return robot.ToString();
   }
   for (const RobotPattern& pattern : targets.except.patterns) {
-    const bool spares = std::any_of(spared.begin(), spared.end(), [&](const RobotAddress& robot) {
-      return pattern.Matches(robot);
-    });
+    const bool spares =
+        std::any_of(excluded.begin(), excluded.end(),
+                    [&](const RobotAddress& robot) { return pattern.Matches(robot); });
     if (!spares) return pattern.manufacturer + "/" + pattern.serial_number;
   }
   return std::nullopt;
 }
 
-Error NobodyChosen(mqtt::Transport& transport, const Targets& targets, const Speaker& speaker,
-                   const Roster& roster, const dispatch::CollectOptions& discover) {
+Error NobodyChosen(mqtt::Transport& transport, const Targets& targets,
+                   const DialectResolver& resolver, const RobotDirectory& directory,
+                   const delivery::RetainedOptions& discover) {
   const auto meant =
-      std::count_if(roster.robots().begin(), roster.robots().end(),
+      std::count_if(directory.robots().begin(), directory.robots().end(),
                     [](const ListedRobot& listed) { return listed.second.connection.has_value(); });
   const std::string nobody = fmt::format("nothing was sent: no robot matches {}", WordsOf(targets));
   if (meant > 0) {
     return {ErrorKind::kPreflight,
             fmt::format("{}: {} robot{} heard, none satisfies every --where{}", nobody, meant,
-                        meant == 1 ? " was" : "s were", FirstReason(roster))};
+                        meant == 1 ? " was" : "s were", FirstReason(directory))};
   }
-  const auto all = AllRobots(transport, speaker.common().topics, discover);
+  const auto all = AllRobots(transport, resolver.common().topics, discover);
   const std::string heard = all.empty() ? "it knows no robot: none has left a connection message"
                                         : fmt::format("it knows {} robot{}: {}", all.size(),
                                                       all.size() == 1 ? "" : "s", ListOf(all));
@@ -342,13 +348,13 @@ Error NobodyChosen(mqtt::Transport& transport, const Targets& targets, const Spe
 }
 
 std::vector<RobotAddress> AllRobots(mqtt::Transport& transport, const vda5050::TopicScheme& scheme,
-                                    const dispatch::CollectOptions& discover) {
+                                    const delivery::RetainedOptions& discover) {
   constexpr std::array<std::string_view, 1> kConnection = {"connection"};
   const auto filters = vda5050::DiscoveryFilters(scheme, {}, kConnection);
   if (!filters) return {};
   std::set<RobotAddress> robots;
   const auto collected =
-      dispatch::Collect(transport, *filters, discover, [&](const mqtt::Message& message) {
+      delivery::ReadRetained(transport, *filters, discover, [&](const mqtt::Message& message) {
         const auto levels = vda5050::ReadTopic(scheme, message.topic);
         if (levels && !message.payload.empty()) robots.insert(levels->robot);
         return false;

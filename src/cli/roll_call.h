@@ -8,17 +8,17 @@
 #include <vector>
 
 #include "base/result.h"
-#include "cli/global_options.h"
+#include "cli/options/global_options.h"
 #include "cli/targets.h"
-#include "dispatch/collect.h"
+#include "delivery/retained.h"
 #include "mqtt/transport.h"
-#include "vda5050/roster.h"
+#include "vda5050/reports/roster.h"
 
 namespace fleetpub::cli {
 
-using ListedRobot = std::map<vda5050::RobotAddress, vda5050::RosterEntry>::value_type;
+using ListedRobot = std::map<vda5050::RobotAddress, vda5050::RobotEntry>::value_type;
 
-/// Robots of a roster. Valid as long as that.
+/// Robots of a directory. Valid as long as that.
 struct Chosen {
   std::vector<const ListedRobot*>
       robots;  ///< named ones in their order, then the found ones by name
@@ -26,43 +26,48 @@ struct Chosen {
 };
 
 /// Robots that the patterns have found and an exception spares.
-using Spared = std::set<vda5050::RobotAddress>;
+using Excluded = std::set<vda5050::RobotAddress>;
 
-/// A roster with the robots that are named outright, of which nothing is known yet. `targets`,
-/// `speaker` and `spared`, which fills as robots are found, must outlive it. Errors:
+/// A directory with the robots that are named outright, of which nothing is known yet. `targets`,
+/// `resolver` and `excluded`, which fills as robots are found, must outlive it. Errors:
 /// ErrorKind::kUsage.
-[[nodiscard]] Result<vda5050::Roster> RosterOf(const Targets& targets, const Speaker& speaker,
-                                               Spared& spared);
+[[nodiscard]] Result<vda5050::RobotDirectory> MakeDirectory(const Targets& targets,
+                                                            const DialectResolver& resolver,
+                                                            Excluded& excluded);
 
-struct RollCall {
+struct DiscoveryOptions {
   bool check = false;  ///< of all; else only of those whose dialect is wanted
-  dispatch::CollectOptions discover;
+  delivery::RetainedOptions discover;
 };
 
-/// Gathers what is retained of the roster's robots and of those that the patterns find, and, where
+/// Gathers what is retained of the directory's robots and of those that the patterns find, and, where
 /// a condition needs them, the states of those that are online. Errors: ErrorKind::kBroker, kUsage
 /// (a topic template).
-[[nodiscard]] Status CallRoll(mqtt::Transport& transport, const Targets& targets,
-                              const RollCall& call, vda5050::Roster& roster, Output& output);
+[[nodiscard]] Status DiscoverRobots(mqtt::Transport& transport, const Targets& targets,
+                                    const DiscoveryOptions& call,
+                                    vda5050::RobotDirectory& directory, Output& output);
 
 /// The first exception that spares nobody of those that the patterns have found: a misspelt one
 /// would command whom it should spare. One that the configuration names may just be away.
-[[nodiscard]] std::optional<std::string> IdleException(const Targets& targets, const Spared& spared,
-                                                       const Config& config);
+[[nodiscard]] std::optional<std::string> UnusedExclusion(const Targets& targets,
+                                                         const Excluded& excluded,
+                                                         const Config& config);
 
 /// Those that are meant, and satisfy the conditions. Robots without a connection message are meant
 /// only when they are named outright. Warns of robots that are offline and whose state is not
 /// known. Nobody at all is not an error.
-[[nodiscard]] Chosen Choose(const Targets& targets, const vda5050::Roster& roster, Output& output);
+[[nodiscard]] Chosen Choose(const Targets& targets, const vda5050::RobotDirectory& directory,
+                            Output& output);
 
 /// Why nobody was chosen: what was heard instead. ErrorKind::kPreflight, or the connection's.
 [[nodiscard]] Error NobodyChosen(mqtt::Transport& transport, const Targets& targets,
-                                 const Speaker& speaker, const vda5050::Roster& roster,
-                                 const dispatch::CollectOptions& discover);
+                                 const DialectResolver& resolver,
+                                 const vda5050::RobotDirectory& directory,
+                                 const delivery::RetainedOptions& discover);
 
 /// The names of all robots that the broker knows. Nothing when it cannot be asked.
 [[nodiscard]] std::vector<vda5050::RobotAddress> AllRobots(
     mqtt::Transport& transport, const vda5050::TopicScheme& scheme,
-    const dispatch::CollectOptions& discover);
+    const delivery::RetainedOptions& discover);
 
 }  // namespace fleetpub::cli

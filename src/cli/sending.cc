@@ -5,23 +5,23 @@
 #include <charconv>
 
 #include "base/text.h"
-#include "cli/dry_run.h"
-#include "cli/interrupt.h"
 #include "cli/listening.h"
-#include "cli/option_set.h"
-#include "cli/output.h"
-#include "cli/reporter.h"
-#include "dispatch/converse.h"
-#include "dispatch/send.h"
-#include "dispatch/validate.h"
-#include "mqtt/paho_transport.h"
+#include "cli/output/dry_run.h"
+#include "cli/output/interrupt.h"
+#include "cli/output/output.h"
+#include "cli/output/reporter.h"
+#include "cli/parser/option_set.h"
+#include "delivery/converse.h"
+#include "delivery/send.h"
+#include "delivery/validate.h"
+#include "mqtt/paho/paho_transport.h"
 
 namespace fleetpub::cli {
 namespace {
 
-using dispatch::Command;
-using dispatch::Report;
-using dispatch::Verdict;
+using delivery::Command;
+using delivery::CommandStatus;
+using delivery::Report;
 
 Result<ExitCode> ShowOnly(const std::vector<Command>& commands, const Context& context) {
   auto dry_run = DryRun::Open(context);
@@ -29,7 +29,7 @@ Result<ExitCode> ShowOnly(const std::vector<Command>& commands, const Context& c
   for (const Command& command : commands) {
     const auto report = dry_run->Report(command);
     if (!report) return Fail(report.error());
-    context.output.Note(fmt::format("would be published to {}", base::Printable(command.topic)));
+    context.output.Debug(fmt::format("would be published to {}", base::Printable(command.topic)));
     context.output.JsonLine(context.output.json() ? ReportJson(*report) : report->payload);
   }
   return ExitCode::kDone;
@@ -45,15 +45,15 @@ Result<mqtt::Qos> QosOf(const std::string& text) {
               fmt::format("--qos takes 0, 1 or 2, not '{}'", base::Printable(text)));
 }
 
-Result<dispatch::Pace> PaceOf(const std::string& text) {
-  if (text.empty()) return dispatch::Pace();
+Result<delivery::RateLimiter> ParseRate(const std::string& text) {
+  if (text.empty()) return delivery::RateLimiter();
   double rate = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), rate);
   constexpr double kSlowest = 1e-3;
   constexpr double kFastest = 1e6;
   if (error == std::errc() && end == text.data() + text.size() && rate >= kSlowest &&
       rate <= kFastest) {
-    return dispatch::Pace(rate);
+    return delivery::RateLimiter(rate);
   }
   return Fail(ErrorKind::kUsage, fmt::format("--rate takes messages per second, from 0.001 to "
                                              "1000000, not '{}'",
@@ -96,25 +96,25 @@ class Sender {
     auto transport = mqtt::ConnectPaho(connect_);
     if (!transport) return Fail(transport.error());
     transport_ = std::move(*transport);
-    context_.output.Note(fmt::format("connected to {}", transport_->server().broker.ToString()));
+    context_.output.Debug(fmt::format("connected to {}", transport_->server().broker.ToString()));
     return {};
   }
 
   Status Send(ledger::Ledger& ledger, Status& trouble) {
-    trouble = dispatch::Send(outgoing_.commands, *transport_, ledger, options_, sink_, sent_);
+    trouble = delivery::Send(outgoing_.commands, *transport_, ledger, options_, sink_, sent_);
     return {};
   }
 
   Status Converse(ledger::Ledger& ledger, Status& trouble) {
     Output& output = context_.output;
-    const dispatch::StreamHooks hooks{
+    const delivery::SessionHooks hooks{
         .report = sink_,
         .sent = sent_,
         .connect = ConnectHookOf(connect_),
         .lost =
             [&output](const Error& error) { output.Warn(error.message + ": connecting again"); },
         .again = [&output] { output.Warn("connected again"); }};
-    return dispatch::Converse(outgoing_.commands, transport_, ledger, options_, *outgoing_.wait,
+    return delivery::Converse(outgoing_.commands, transport_, ledger, options_, *outgoing_.wait,
                               hooks, trouble);
   }
 
@@ -124,12 +124,12 @@ class Sender {
   const Context& context_;
   Reporter reporter_;
   InterruptGuard interrupt_;
-  dispatch::SendOptions options_;
-  dispatch::ReportSink sink_ = [this](const Report& report) {
+  delivery::SendOptions options_;
+  delivery::ReportSink sink_ = [this](const Report& report) {
     reporter_.Show(report);
     context_.output.FlushNow();
   };
-  dispatch::SentHook sent_ = [this] {
+  delivery::SentHook sent_ = [this] {
     InterruptGuard::CountSent();
     context_.output.SomethingWasSent();
   };
@@ -138,12 +138,12 @@ class Sender {
 }  // namespace
 
 // When nothing at all was sent, a person reads one sentence, a script an object per target.
-Error NothingSent(const std::vector<Command>& commands, Verdict verdict, Error error,
+Error NothingSent(const std::vector<Command>& commands, CommandStatus status, Error error,
                   const Context& context) {
   if (context.output.json()) {
     for (const Command& command : commands) {
-      Report report = dispatch::ReportOn(command);
-      report.verdict = verdict;
+      Report report = delivery::ReportOn(command);
+      report.status = status;
       report.error = error.kind;
       report.message = "not sent: " + error.message;
       context.output.Line(ReportJson(report));
@@ -162,11 +162,11 @@ void WarnOfSilentRefusals(mqtt::ProtocolVersion version, mqtt::Qos qos, Output& 
 
 Result<std::vector<std::string>> ValidateCommand(const Command& command,
                                                  schema::Registry& registry) {
-  const auto findings = dispatch::Validate(command, registry);
+  const auto findings = delivery::Validate(command, registry);
   if (!findings) return Fail(findings.error());
   if (!findings->errors.empty()) {
     return Fail(ErrorKind::kInvalid,
-                fmt::format("{}: {}", command.target, dispatch::Describe(*findings)));
+                fmt::format("{}: {}", command.target, delivery::Describe(*findings)));
   }
   std::vector<std::string> warnings;
   for (const std::string& warning : command.warnings) {
@@ -217,7 +217,7 @@ Result<ExitCode> SendCommands(Outgoing outgoing, const SendingOptions& options,
   for (const Command& command : commands) {
     const auto warnings = ValidateCommand(command, registry);
     if (!warnings) {
-      return Fail(NothingSent(commands, Verdict::kInvalid, warnings.error(), context));
+      return Fail(NothingSent(commands, CommandStatus::kInvalid, warnings.error(), context));
     }
     for (const std::string& warning : *warnings) context.output.Warn(warning);
   }
@@ -225,7 +225,7 @@ Result<ExitCode> SendCommands(Outgoing outgoing, const SendingOptions& options,
   const auto connect = ConnectOptionsOf(context);
   if (!connect) return Fail(connect.error());
   auto code = Sender(outgoing, *connect, *qos, context).Run();
-  if (!code) return Fail(NothingSent(commands, Verdict::kError, code.error(), context));
+  if (!code) return Fail(NothingSent(commands, CommandStatus::kError, code.error(), context));
   return code;
 }
 

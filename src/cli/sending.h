@@ -8,12 +8,12 @@
 #include <vector>
 
 #include "base/result.h"
-#include "cli/exit_code.h"
-#include "cli/global_options.h"
-#include "dispatch/command.h"
-#include "dispatch/follow.h"
-#include "dispatch/pace.h"
-#include "dispatch/report.h"
+#include "cli/options/global_options.h"
+#include "cli/output/exit_code.h"
+#include "delivery/pending_commands.h"
+#include "delivery/rate_limiter.h"
+#include "message/command.h"
+#include "message/report.h"
 #include "mqtt/transport.h"
 #include "schema/schema.h"
 
@@ -39,12 +39,12 @@ void DeclareQos(OptionSet& set, std::string& qos);
 [[nodiscard]] Result<mqtt::Qos> QosOf(const std::string& text);
 
 /// `--rate`. Errors: ErrorKind::kUsage.
-[[nodiscard]] Result<dispatch::Pace> PaceOf(const std::string& text);
+[[nodiscard]] Result<delivery::RateLimiter> ParseRate(const std::string& text);
 
 /// What is to be sent, and how.
 struct Outgoing {
-  std::vector<dispatch::Command> commands;
-  std::optional<dispatch::WaitOptions> wait;  ///< for the commands' confirmations
+  std::vector<delivery::Command> commands;
+  std::optional<delivery::WaitOptions> wait;  ///< for the commands' trackers
 };
 
 /// Says what an acknowledgement is worth when nobody waits for the robots: over MQTT 3.1.1 a broker
@@ -53,7 +53,7 @@ void WarnOfSilentRefusals(mqtt::ProtocolVersion version, mqtt::Qos qos, Output& 
 
 /// Checks a command and returns what is to be warned of, with its target's name before it. Errors:
 /// kInvalid, naming the target.
-[[nodiscard]] Result<std::vector<std::string>> ValidateCommand(const dispatch::Command& command,
+[[nodiscard]] Result<std::vector<std::string>> ValidateCommand(const delivery::Command& command,
                                                                schema::Registry& registry);
 
 /// Sends all of the commands, or none when one of them is invalid. Prints a result for each.
@@ -61,7 +61,8 @@ void WarnOfSilentRefusals(mqtt::ProtocolVersion version, mqtt::Qos qos, Output& 
                                             const Context& context);
 
 /// When nothing at all was sent, a person reads one sentence, a script an object per target.
-[[nodiscard]] Error NothingSent(const std::vector<dispatch::Command>& commands,
-                                dispatch::Verdict verdict, Error error, const Context& context);
+[[nodiscard]] Error NothingSent(const std::vector<delivery::Command>& commands,
+                                delivery::CommandStatus status, Error error,
+                                const Context& context);
 
 }  // namespace fleetpub::cli

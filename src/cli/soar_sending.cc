@@ -6,8 +6,8 @@
 
 #include "base/text.h"
 #include "base/time.h"
-#include "cli/option_set.h"
-#include "soar/confirmation.h"
+#include "cli/parser/option_set.h"
+#include "soar/acknowledgement_tracker.h"
 
 namespace fleetpub::cli {
 namespace {
@@ -18,7 +18,7 @@ class LevelTeller {
   LevelTeller(std::string target, Output& output) : target_(std::move(target)), output_(output) {}
 
   void operator()(const soar::Acknowledgement& said, std::chrono::nanoseconds after) const {
-    output_.Tell(fmt::format("{}: {}  {}", base::Printable(said.from.empty() ? target_ : said.from),
+    output_.Info(fmt::format("{}: {}  {}", base::Printable(said.from.empty() ? target_ : said.from),
                              soar::NameOf(said.level), base::FormatElapsed(after)));
   }
 
@@ -49,11 +49,11 @@ Result<ExitCode> SendSoarMessage(const SoarSendingOptions& options, soar::Messag
   const auto waiting = SoarWaitingOf(options.waiting, *destination);
   if (!waiting) return Fail(waiting.error());
 
-  dispatch::Command command = soar::BuildMessage(type, *destination, *sender, payload);
+  delivery::Command command = soar::BuildMessage(type, *destination, *sender, payload);
   Outgoing outgoing;
   if (waiting->wait_for) {
     outgoing.wait = waiting->wait;
-    command.confirmation = soar::ConfirmMessage(
+    command.tracker = soar::TrackAcknowledgements(
         {.message_id = command.actions.front().id,
          .topics = waiting->topics.empty()
                        ? soar::AcknowledgementTopics(*destination, sender->prefix, sender->source)

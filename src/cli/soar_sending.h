@@ -4,9 +4,9 @@
 #include <string_view>
 
 #include "base/result.h"
-#include "cli/exit_code.h"
+#include "cli/options/soar_options.h"
+#include "cli/output/exit_code.h"
 #include "cli/sending.h"
-#include "cli/soar_options.h"
 
 namespace fleetpub::cli {
 

@@ -12,7 +12,7 @@
 #include "base/line_reader.h"
 #include "base/text.h"
 #include "base/time.h"
-#include "cli/option_set.h"
+#include "cli/parser/option_set.h"
 
 namespace fleetpub::cli {
 namespace {
@@ -153,7 +153,7 @@ class WordReader {
     return Fail(ErrorKind::kUsage, "standard input names no target: one per line is expected");
   }
 
-  RobotWords Take() { return std::move(words_); }
+  TargetSpec Take() { return std::move(words_); }
 
  private:
   Status TakeRobot(const std::string& word) {
@@ -185,7 +185,7 @@ class WordReader {
   }
 
   const Context& context_;
-  RobotWords words_;
+  TargetSpec words_;
   std::set<RobotAddress> known_;
 };
 
@@ -203,10 +203,10 @@ Result<std::vector<vda5050::Condition>> ConditionsOf(const std::vector<std::stri
 }
 
 // A misspelt exception would command whom it should spare.
-void WarnOfIdleExceptions(const Targets& targets, const Context& context) {
-  if (!targets.who.patterns.empty()) return;  // whom they spare is known to the broker only
+void WarnOfUnusedExclusions(const Targets& targets, const Context& context) {
+  if (!targets.include.patterns.empty()) return;  // whom they spare is known to the broker only
   for (const RobotAddress& robot : targets.except.robots) {
-    const auto& named = targets.who.robots;
+    const auto& named = targets.include.robots;
     if (std::find(named.begin(), named.end(), robot) != named.end()) continue;
     context.output.Warn(
         fmt::format("--except {}: it is not among the targets", base::Printable(robot.ToString())));
@@ -259,17 +259,17 @@ VdaOptions Configured(VdaOptions given, const Config& config, const RobotAddress
   return Completed(std::move(given), [&](std::string_view key) { return config.Find(robot, key); });
 }
 
-Result<Speaker> Speaker::For(const VdaOptions& given, const Config& config) {
-  Speaker speaker(given, config);
+Result<DialectResolver> DialectResolver::For(const VdaOptions& given, const Config& config) {
+  DialectResolver resolver(given, config);
   const VdaOptions common = Configured(given, config);
   auto dialect = Shared(common, {});
   if (!dialect) return Fail(std::move(dialect.error()));
-  speaker.common_ = *std::move(dialect);
-  speaker.automatic_ = common.IsAutomatic();
-  return speaker;
+  resolver.common_ = *std::move(dialect);
+  resolver.automatic_ = common.IsAutomatic();
+  return resolver;
 }
 
-Result<AddressedRobot> Speaker::Named(RobotAddress robot) const {
+Result<AddressedRobot> DialectResolver::Named(RobotAddress robot) const {
   if (!config_->robots.contains(robot))
     return AddressedRobot{std::move(robot), common_, automatic_};
   const VdaOptions own = Configured(given_, *config_, robot);
@@ -278,13 +278,13 @@ Result<AddressedRobot> Speaker::Named(RobotAddress robot) const {
   return AddressedRobot{std::move(robot), *std::move(dialect), own.IsAutomatic()};
 }
 
-Result<AddressedRobot> Speaker::Found(RobotAddress robot) const {
+Result<AddressedRobot> DialectResolver::Found(RobotAddress robot) const {
   auto found = Named(std::move(robot));
   if (found && found->dialect->assumed) found->automatic = true;
   return found;
 }
 
-Result<std::vector<vda5050::TopicScheme>> Speaker::Schemes() const {
+Result<std::vector<vda5050::TopicScheme>> DialectResolver::Schemes() const {
   std::vector<vda5050::TopicScheme> schemes = {common_->topics};
   for (const auto& [robot, table] : config_->robots) {
     const auto own = Named(robot);
@@ -297,7 +297,7 @@ Result<std::vector<vda5050::TopicScheme>> Speaker::Schemes() const {
   return schemes;
 }
 
-void Speaker::Assume(vda5050::Version version) {
+void DialectResolver::Assume(vda5050::Version version) {
   assumed_ = version;
   if (!common_->assumed) return;
   Dialect dialect = *common_;
@@ -321,7 +321,7 @@ Result<RobotAddress> RobotOf(const std::string& word, const Config& config) {
                                              base::Printable(word), robots->size()));
 }
 
-Result<RobotWords> ReadWords(const std::vector<std::string>& words, const Context& context) {
+Result<TargetSpec> ParseTargetSpec(const std::vector<std::string>& words, const Context& context) {
   WordReader reader(context);
   for (const std::string& word : words) {
     if (auto ok = reader.Take(word); !ok) return Fail(std::move(ok.error()));
@@ -345,7 +345,7 @@ Result<Targets> TargetsOf(const TargetOptions& options, const Context& context) 
   const auto state_wait = base::ParseDuration(options.state_wait);
   if (!state_wait) return Fail(state_wait.error());
   targets.state_wait = *state_wait;
-  auto except = ReadWords(options.except, context);
+  auto except = ParseTargetSpec(options.except, context);
   if (!except) return Fail(std::move(except.error()));
   targets.except = *std::move(except);
 
@@ -356,15 +356,15 @@ Result<Targets> TargetsOf(const TargetOptions& options, const Context& context) 
       return Fail(std::move(ok.error()));
     }
   }
-  targets.who = reader.Take();
+  targets.include = reader.Take();
   if (options.all) {
-    targets.who.patterns.emplace_back();
-    targets.who.set = "--all";
+    targets.include.patterns.emplace_back();
+    targets.include.set = "--all";
   }
-  WarnOfIdleExceptions(targets, context);
-  std::erase_if(targets.who.robots,
+  WarnOfUnusedExclusions(targets, context);
+  std::erase_if(targets.include.robots,
                 [&](const RobotAddress& robot) { return targets.IsExcepted(robot); });
-  if (targets.who.robots.empty() && targets.who.patterns.empty()) {
+  if (targets.include.robots.empty() && targets.include.patterns.empty()) {
     return Fail(ErrorKind::kUsage, "nothing was sent: --except leaves no target");
   }
   return targets;
@@ -372,7 +372,7 @@ Result<Targets> TargetsOf(const TargetOptions& options, const Context& context) 
 
 Result<std::vector<RobotAddress>> RobotsOf(const std::vector<std::string>& words,
                                            const Context& context) {
-  auto read = ReadWords(words, context);
+  auto read = ParseTargetSpec(words, context);
   if (!read) return Fail(std::move(read.error()));
   if (!read->patterns.empty()) {
     return Fail(ErrorKind::kUsage,
@@ -385,12 +385,12 @@ Result<std::vector<RobotAddress>> RobotsOf(const std::vector<std::string>& words
   return std::move(read->robots);
 }
 
-Harm HarmOf(std::string_view action_type) {
+NeedsConsent ConsentFor(std::string_view action_type) {
   constexpr std::array<std::string_view, 3> kHarmless = {"startPause", "stateRequest",
                                                          "factsheetRequest"};
   const bool harmless =
       std::find(kHarmless.begin(), kHarmless.end(), action_type) != kHarmless.end();
-  return harmless ? Harm::kNone : Harm::kPossible;
+  return harmless ? NeedsConsent::kNo : NeedsConsent::kYes;
 }
 
 std::string ListOf(std::span<const RobotAddress> robots) {

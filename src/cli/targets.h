@@ -11,11 +11,11 @@
 #include <vector>
 
 #include "base/result.h"
-#include "cli/global_options.h"
-#include "cli/vda_options.h"
-#include "vda5050/condition.h"
-#include "vda5050/instant_actions.h"
-#include "vda5050/robot_pattern.h"
+#include "cli/options/global_options.h"
+#include "cli/options/vda_options.h"
+#include "vda5050/messages/instant_actions.h"
+#include "vda5050/model/robot_pattern.h"
+#include "vda5050/reports/condition.h"
 
 namespace fleetpub::cli {
 
@@ -38,10 +38,10 @@ struct AddressedRobot {
 };
 
 /// How each robot is spoken to at first, as flags and configuration say.
-class Speaker {
+class DialectResolver {
  public:
   /// Errors: ErrorKind::kUsage.
-  [[nodiscard]] static Result<Speaker> For(const VdaOptions& given, const Config& config);
+  [[nodiscard]] static Result<DialectResolver> For(const VdaOptions& given, const Config& config);
 
   /// One that was named outright. Errors: ErrorKind::kUsage, in the robot's own table.
   [[nodiscard]] Result<AddressedRobot> Named(vda5050::RobotAddress robot) const;
@@ -58,7 +58,8 @@ class Speaker {
   [[nodiscard]] const vda5050::Dialect& common() const { return *common_; }
 
  private:
-  Speaker(VdaOptions given, const Config& config) : given_(std::move(given)), config_(&config) {}
+  DialectResolver(VdaOptions given, const Config& config)
+      : given_(std::move(given)), config_(&config) {}
 
   VdaOptions given_;
   const Config* config_;
@@ -68,15 +69,15 @@ class Speaker {
 };
 
 /// Robots, and patterns whose robots only the broker knows.
-struct RobotWords {
+struct TargetSpec {
   std::vector<vda5050::RobotAddress> robots;  ///< in the order given, each once
   std::vector<vda5050::RobotPattern> patterns;
   std::string set;  ///< the first word that may mean several; empty: none
 };
 
 struct Targets {
-  RobotWords who;
-  RobotWords except;
+  TargetSpec include;
+  TargetSpec except;
   std::vector<vda5050::Condition> where;
   std::chrono::milliseconds state_wait{};
 
@@ -93,8 +94,8 @@ struct Targets {
 
 /// Words without `-`. One that is named twice outright counts once, with a warning. Errors:
 /// ErrorKind::kUsage.
-[[nodiscard]] Result<RobotWords> ReadWords(const std::vector<std::string>& words,
-                                           const Context& context);
+[[nodiscard]] Result<TargetSpec> ParseTargetSpec(const std::vector<std::string>& words,
+                                                 const Context& context);
 
 /// Reads standard input when that is asked. The excepted ones are taken out of those that are
 /// named. Errors: ErrorKind::kUsage; kLedger: standard input cannot be read.
@@ -110,11 +111,11 @@ struct Targets {
 [[nodiscard]] VdaOptions Configured(VdaOptions given, const Config& config,
                                     const vda5050::RobotAddress& robot);
 
-enum class Harm { kNone, kPossible };
+enum class NeedsConsent { kNo, kYes };
 
 /// Whether this instant action may go to many robots unasked: to stop is never wrong, to ask
 /// changes nothing.
-[[nodiscard]] Harm HarmOf(std::string_view action_type);
+[[nodiscard]] NeedsConsent ConsentFor(std::string_view action_type);
 
 /// Asks on a terminal whether all of these are meant; `set` is the word that stands for them.
 /// Errors: ErrorKind::kUsage: refused, or nobody is there to be asked.

@@ -15,8 +15,8 @@
 #include <string_view>
 
 #include "base/account.h"
-#include "ledger/sqlite_error.h"
-#include "ledger/sqlite_ledger.h"
+#include "ledger/sqlite/sqlite_error.h"
+#include "ledger/sqlite/sqlite_ledger.h"
 
 namespace fleetpub::ledger {
 namespace {

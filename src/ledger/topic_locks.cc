@@ -17,7 +17,7 @@
 #include "base/time.h"
 #include "ledger/backoff.h"
 #include "ledger/ledger_files.h"
-#include "ledger/sqlite_error.h"
+#include "ledger/sqlite/sqlite_error.h"
 
 namespace fleetpub::ledger {
 namespace {

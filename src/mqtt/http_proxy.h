@@ -7,7 +7,7 @@
 #include <string_view>
 
 #include "base/result.h"
-#include "mqtt/dial.h"
+#include "mqtt/tcp_connect.h"
 
 namespace fleetpub::mqtt {
 

@@ -49,23 +49,23 @@ class ChainWalk {
  public:
   explicit ChainWalk(const Vetted& vetted) : vetted_(vetted) {}
 
-  enum class Verdict { kFine, kCycle, kTooLong };
+  enum class CommandStatus { kFine, kCycle, kTooLong };
 
-  Verdict Walk(const Value& schema, int level) {
-    if (level > kLongestChain) return Verdict::kTooLong;
+  CommandStatus Walk(const Value& schema, int level) {
+    if (level > kLongestChain) return CommandStatus::kTooLong;
     const auto [entry, is_new] = below_.emplace(&schema, kOpen);
-    if (!is_new && entry->second == kOpen) return Verdict::kCycle;
+    if (!is_new && entry->second == kOpen) return CommandStatus::kCycle;
     if (!is_new) {
-      return level + entry->second > kLongestChain ? Verdict::kTooLong : Verdict::kFine;
+      return level + entry->second > kLongestChain ? CommandStatus::kTooLong : CommandStatus::kFine;
     }
     int longest = 0;
-    Verdict verdict = Verdict::kFine;
+    CommandStatus status = CommandStatus::kFine;
     ForEachApplied(schema, [&](const Value& applied) {
-      if (verdict == Verdict::kFine) verdict = Walk(applied, level + 1);
-      if (verdict == Verdict::kFine) longest = std::max(longest, below_[&applied] + 1);
+      if (status == CommandStatus::kFine) status = Walk(applied, level + 1);
+      if (status == CommandStatus::kFine) longest = std::max(longest, below_[&applied] + 1);
     });
     below_[&schema] = longest;
-    return verdict;
+    return status;
   }
 
  private:
@@ -163,22 +163,22 @@ auto ReferenceTable::Resolve(std::size_t index) -> Checked<Found> {
 
 auto ReferenceTable::CheckChains(std::span<const Value* const> schemas) const -> Checked<void> {
   ChainWalk walk(vetted_);
-  const auto refuse = [](const Reference& reference, ChainWalk::Verdict verdict) {
+  const auto refuse = [](const Reference& reference, ChainWalk::CommandStatus status) {
     const std::string place = base::Printable(reference.place);
     return tl::unexpected(
-        verdict == ChainWalk::Verdict::kCycle
+        status == ChainWalk::CommandStatus::kCycle
             ? fmt::format("{} leads in a circle through nothing but references", place)
             : fmt::format(
                   "{} belongs to a chain of more than {} schemas for one and the same value", place,
                   kLongestChain));
   };
   for (const Reference& reference : references_) {
-    const auto verdict = walk.Walk(*reference.schema, 0);
-    if (verdict != ChainWalk::Verdict::kFine) return refuse(reference, verdict);
+    const auto status = walk.Walk(*reference.schema, 0);
+    if (status != ChainWalk::CommandStatus::kFine) return refuse(reference, status);
   }
   for (const Value* schema : schemas) {  // a chain that begins above all references
-    const auto verdict = walk.Walk(*schema, 0);
-    if (verdict != ChainWalk::Verdict::kFine) return refuse(references_.front(), verdict);
+    const auto status = walk.Walk(*schema, 0);
+    if (status != ChainWalk::CommandStatus::kFine) return refuse(references_.front(), status);
   }
   return {};
 }

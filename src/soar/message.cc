@@ -57,10 +57,10 @@ Result<std::string> PlanningConfigurationOf(std::string_view json,
   return PayloadOf(kType, members);
 }
 
-dispatch::Command BuildMessage(MessageType type, const Destination& destination,
+delivery::Command BuildMessage(MessageType type, const Destination& destination,
                                const Sender& sender, std::string_view payload) {
   const std::string id = base::RandomUuid();
-  dispatch::Command command;
+  delivery::Command command;
   command.target = destination.name;
   command.protocol = "soar";
   command.version = kFormatVersion;

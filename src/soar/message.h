@@ -6,7 +6,7 @@
 #include <string_view>
 
 #include "base/result.h"
-#include "dispatch/command.h"
+#include "message/command.h"
 #include "soar/destination.h"
 #include "soar/field.h"
 #include "soar/message_type.h"
@@ -42,7 +42,7 @@ struct Sender {
 
 /// The message with all seven header fields, a hole for the timestamp and a fresh message_ID, which
 /// is the id of its only action.
-[[nodiscard]] dispatch::Command BuildMessage(MessageType type, const Destination& destination,
+[[nodiscard]] delivery::Command BuildMessage(MessageType type, const Destination& destination,
                                              const Sender& sender, std::string_view payload);
 
 }  // namespace fleetpub::soar

@@ -1,4 +1,4 @@
-// The floor of commanding with confirmation: a raw socket, ready packets, no ledger, no validation,
+// The floor of commanding with tracker: a raw socket, ready packets, no ledger, no validation,
 // no JSON.
 //
 //   raw_commander PORT COUNT

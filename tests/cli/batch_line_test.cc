@@ -24,7 +24,7 @@ TEST(BatchLine, MakesAnActionForEachTarget) {
   EXPECT_EQ(line->commands[1].topic, "uagv/v2/K/2/instantActions");
   EXPECT_THAT(line->commands[1].payload.rest, HasSubstr(R"({"key":"y","value":-2})"));
   EXPECT_NE(line->commands[0].actions[0].id, line->commands[1].actions[0].id);
-  EXPECT_THAT(line->commands[0].confirmation, IsNull());
+  EXPECT_THAT(line->commands[0].tracker, IsNull());
 }
 
 TEST(BatchLine, SpeaksToEachRobotInItsOwnWay) {
@@ -68,10 +68,10 @@ TEST(BatchLine, WaitsAsTheLineSaysElseAsAllDo) {
   const auto with = [](std::string_view wait) {
     return R"({"target":"K/1","action":"startPause")" + std::string(wait) + "}";
   };
-  EXPECT_THAT(Parsed(with(""))->commands[0].confirmation, IsNull());
-  EXPECT_THAT(Parsed(with(R"(,"wait":"accepted")"))->commands[0].confirmation, NotNull());
-  EXPECT_THAT(Parsed(with(""), waits)->commands[0].confirmation, NotNull());
-  EXPECT_THAT(Parsed(with(R"(,"wait":false)"), waits)->commands[0].confirmation, IsNull());
+  EXPECT_THAT(Parsed(with(""))->commands[0].tracker, IsNull());
+  EXPECT_THAT(Parsed(with(R"(,"wait":"accepted")"))->commands[0].tracker, NotNull());
+  EXPECT_THAT(Parsed(with(""), waits)->commands[0].tracker, NotNull());
+  EXPECT_THAT(Parsed(with(R"(,"wait":false)"), waits)->commands[0].tracker, IsNull());
 }
 
 TEST(BatchLine, SaysWhatIsWrong) {

@@ -12,7 +12,7 @@
 #include "support/broken_broker.h"
 #include "support/operator.h"
 #include "support/terminal.h"
-#include "vda5050/robot_address.h"
+#include "vda5050/model/robot_address.h"
 
 namespace fleetpub::testing {
 namespace {

@@ -128,7 +128,7 @@ TEST_F(Logins, OutsideOfProfilesGoToAllThatAreConfigured) {
 
 TEST_F(Logins, ByCertificateStayToo) {
   const auto& files = Certificates::Get();
-  const Mosquitto other(files.Listener());
+  const Mosquitto other(files.Subscription());
   const Mosquitto plain;
   Configure("[profile.north]\nbroker = \"mqtts://north.example\"\ncafile = \"" + files / "ca.crt" +
             "\"\ncert = \"" + files / "client.crt" + "\"\nkey = \"" + files / "client.key" +
@@ -143,7 +143,7 @@ TEST_F(Logins, ByCertificateStayToo) {
 }
 
 TEST_F(Logins, AreNotSentUnverifiedBecauseAnotherBrokersMayBe) {
-  const Mosquitto other(Certificates::Get().Listener());
+  const Mosquitto other(Certificates::Get().Subscription());
   const std::string url = other.Url("mqtts", "localhost");
   Configure(
       "[profile.north]\nbroker = \"mqtts://north.example\"\nallow_insecure = true\n"
@@ -176,8 +176,8 @@ TEST_F(Logins, AProfileThatIsNamedMeansItsBroker) {
 
 TEST_F(Logins, StayInTheListThatIsEncrypted) {
   const auto& files = Certificates::Get();
-  const Mosquitto wrong(files.Listener("other.crt"));
-  const Mosquitto right(files.Listener());
+  const Mosquitto wrong(files.Subscription("other.crt"));
+  const Mosquitto right(files.Subscription());
   const Mosquitto plain;
   const std::vector<std::string> with = {"-u", "ann", "--cafile", files / "ca.crt"};
   const auto pause = [&](std::vector<std::string> more) {

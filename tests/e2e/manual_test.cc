@@ -7,7 +7,7 @@
 #include <regex>
 #include <set>
 
-#include "dispatch/verdict.h"
+#include "message/command_status.h"
 #include "support/document.h"
 #include "support/operator.h"
 
@@ -146,8 +146,8 @@ TEST(TheManual, DocumentsEveryExitCodeAndNoOther) {
 }
 
 TEST(TheManual, DocumentsEveryStatusAndNoOther) {
-  const std::set<std::string> statuses(dispatch::kVerdictNames.begin(),
-                                       dispatch::kVerdictNames.end());
+  const std::set<std::string> statuses(delivery::kCommandStatusNames.begin(),
+                                       delivery::kCommandStatusNames.end());
   EXPECT_EQ(statuses.size(), 14U);
   EXPECT_EQ(Matches(Chapter("JSON"), std::regex("\n\\| `([A-Z_]+)` \\|")), statuses);
 }

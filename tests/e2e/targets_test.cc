@@ -68,8 +68,8 @@ TEST_F(Targets, PatternsExceptionsAndNamesMayStandBesideEachOther) {
   // An exception swallows no target behind it.
   const Finished order = Fleetpub({"pause", "--except", "KIT/0002", "KIT/*", "-o", "json"});
   EXPECT_THAT(Results(order), ElementsAre("KIT/0001 SENT 1.1.0", "KIT/0003 SENT 1.1.0"));
-  const Finished spared = Fleetpub({"pause", "KIT/0001", "--except", "KIT/0001"});
-  EXPECT_EQ(spared.exit_code, 2);
+  const Finished excluded = Fleetpub({"pause", "KIT/0001", "--except", "KIT/0001"});
+  EXPECT_EQ(excluded.exit_code, 2);
   const Finished idle = Fleetpub({"pause", "KIT/0001", "--except", "KIT/1", "--vda", "1.1"});
   EXPECT_THAT(idle.errors, HasSubstr("--except KIT/1: it is not among the targets"));
 }
@@ -89,7 +89,7 @@ TEST_F(Targets, AMisspeltExceptionCommandsNobody) {
     EXPECT_EQ(run.exit_code, 0) << run.errors;
     EXPECT_THAT(run.output, AllOf(HasSubstr("KIT/0001"), ::testing::Not(HasSubstr("KIT/0002"))));
   }
-  // To stop one too many is no harm.
+  // To stop one too many is no needs_consent.
   const Finished stop = Fleetpub({"pause", "KIT/*", "--except", "KIT/O002"});
   EXPECT_EQ(stop.exit_code, 0);
   EXPECT_THAT(stop.errors, HasSubstr("spares nobody"));

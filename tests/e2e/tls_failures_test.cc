@@ -52,7 +52,7 @@ class TlsFailures : public ::testing::Test {
 };
 
 TEST_F(TlsFailures, OnTheWrongPortNameTheRightScheme) {
-  const Mosquitto tls(Certificates::Get().Listener());
+  const Mosquitto tls(Certificates::Get().Subscription());
   const Mosquitto plain;
   ExpectRefusal(tls, Pause(tls.Url("mqtt", "localhost")), "a port for TLS (mqtts://)");
   ExpectRefusal(plain, Pause(plain.Url("mqtts", "localhost"), Trusting()),
@@ -61,10 +61,10 @@ TEST_F(TlsFailures, OnTheWrongPortNameTheRightScheme) {
 
 TEST_F(TlsFailures, OfTheBrokersCertificateNameTheCheck) {
   const auto& files = Certificates::Get();
-  const Mosquitto good(files.Listener());
-  const Mosquitto expired(files.Listener("expired.crt"));
-  const Mosquitto other(files.Listener("other.crt"));
-  const Mosquitto self(files.Listener("self.crt"));
+  const Mosquitto good(files.Subscription());
+  const Mosquitto expired(files.Subscription("expired.crt"));
+  const Mosquitto other(files.Subscription("other.crt"));
+  const Mosquitto self(files.Subscription("self.crt"));
   const std::tuple<const Mosquitto&, std::string, std::string> cases[] = {
       {expired, "ca.crt", "its certificate has expired"},
       {other, "ca.crt", "its certificate is for other.example, not for localhost"},
@@ -85,7 +85,7 @@ TEST_F(TlsFailures, OfTheBrokersCertificateNameTheCheck) {
 // TLS 1.3 lets us speak before the broker has looked at our certificate.
 TEST_F(TlsFailures, OfOurOwnCertificateNameTheCheck) {
   const auto& files = Certificates::Get();
-  const Mosquitto broker(files.Listener("server.crt", {"require_certificate true"}));
+  const Mosquitto broker(files.Subscription("server.crt", {"require_certificate true"}));
   const std::string url = broker.Url("mqtts", "localhost");
   // Often enough to see the broker's alert and its hanging up in either order.
   for (int i = 0; i < 5; ++i) {

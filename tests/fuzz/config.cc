@@ -1,8 +1,8 @@
 // A configuration file, and any other TOML.
-#include "cli/config.h"
+#include "config/config.h"
 
 #include "base/json.h"
-#include "cli/toml_text.h"
+#include "config/toml_text.h"
 #include "fuzz.h"
 
 using namespace fleetpub;
@@ -12,8 +12,8 @@ FUZZ(text) {
   if (const auto read = cli::ReadConfig(text, "/f/c.toml", config); !read) {
     fuzz::Require(read.error().kind == ErrorKind::kUsage && !read.error().message.empty());
   } else {
-    static_cast<void>(cli::Settle("north", config));
-    static_cast<void>(cli::Settle(std::nullopt, config));
+    static_cast<void>(cli::Resolve("north", config));
+    static_cast<void>(cli::Resolve(std::nullopt, config));
   }
   const auto json = cli::TomlToJson(text);
   fuzz::Require(!json || base::ParseJson(*json, {.bytes = 1U << 30U, .depth = 1000}));

@@ -2,7 +2,7 @@
 // version.
 #include "base/json.h"
 #include "fuzz.h"
-#include "vda5050/conformance.h"
+#include "vda5050/rules/conformance.h"
 
 using namespace fleetpub;
 

@@ -1,5 +1,5 @@
 // `-P key=text`, `-P key:=json`, and the lists of SoAR's options.
-#include "vda5050/parameter.h"
+#include "vda5050/catalogue/parameter.h"
 
 #include "base/json.h"
 #include "fuzz.h"

@@ -2,8 +2,8 @@
 // the check before sending.
 #include "base/text.h"
 #include "fuzz.h"
-#include "vda5050/fleet_view.h"
-#include "vda5050/preflight.h"
+#include "vda5050/reports/fleet_view.h"
+#include "vda5050/rules/preflight.h"
 
 using namespace fleetpub;
 

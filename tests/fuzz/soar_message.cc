@@ -2,7 +2,7 @@
 // schema.
 #include "base/json.h"
 #include "fuzz.h"
-#include "soar/confirmation.h"
+#include "soar/acknowledgement_tracker.h"
 #include "soar/message.h"
 
 using namespace fleetpub;
@@ -13,11 +13,11 @@ FUZZ(text) {
   const auto [topic, payload] = fuzz::Cut(text, '\n');
   const auto acknowledgement = soar::ReadAcknowledgement(topic, payload, {});
   if (acknowledgement) {
-    auto confirmation =
-        soar::ConfirmMessage({.message_id = acknowledgement->message_id, .topics = {"#"}});
-    confirmation->Published(0);
-    confirmation->Receive({topic, payload});
-    fuzz::Require(confirmation->progress().seen);
+    auto tracker =
+        soar::TrackAcknowledgements({.message_id = acknowledgement->message_id, .topics = {"#"}});
+    tracker->Published(0);
+    tracker->Receive({topic, payload});
+    fuzz::Require(tracker->progress().seen);
   }
   const auto document = base::ParseJson(payload);
   if (document) static_cast<void>((*schema)->Validate(*document));

@@ -3,8 +3,8 @@
 #include "base/time.h"
 #include "fuzz.h"
 #include "soar/destination.h"
-#include "vda5050/condition.h"
-#include "vda5050/robot_pattern.h"
+#include "vda5050/model/robot_pattern.h"
+#include "vda5050/reports/condition.h"
 
 using namespace fleetpub;
 

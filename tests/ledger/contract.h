@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "ledger/ledger_support.h"
-#include "ledger/postgres_ledger.h"
+#include "ledger/postgres/postgres_ledger.h"
 #include "support/postgres.h"
 
 namespace fleetpub::ledger {

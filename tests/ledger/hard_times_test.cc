@@ -9,7 +9,7 @@
 #include <cerrno>
 
 #include "ledger/ledger_support.h"
-#include "ledger/sqlite_database.h"
+#include "ledger/sqlite/sqlite_database.h"
 
 namespace fleetpub::ledger {
 namespace {

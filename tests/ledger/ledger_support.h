@@ -16,7 +16,7 @@
 #include <utility>
 #include <vector>
 
-#include "ledger/sqlite_ledger.h"
+#include "ledger/sqlite/sqlite_ledger.h"
 #include "support/temporary_folder.h"
 
 namespace fleetpub::ledger {

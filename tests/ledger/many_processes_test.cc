@@ -9,7 +9,7 @@
 #include <thread>
 
 #include "ledger/contract.h"
-#include "ledger/sqlite_database.h"
+#include "ledger/sqlite/sqlite_database.h"
 
 namespace fleetpub::ledger {
 namespace {

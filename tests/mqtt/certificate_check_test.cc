@@ -31,7 +31,7 @@ class Broker {
   explicit Broker(const Shown& shown)
       : mosquitto_((
             Certificates::Get().Make("shown", shown.subject, shown.extensions),
-            Certificates::Get().Listener(
+            Certificates::Get().Subscription(
                 "shown.crt", shown.scheme == "wss" ? std::vector<std::string>{"protocol websockets"}
                                                    : std::vector<std::string>()))),
         login_(To(mosquitto_.Url(shown.scheme, shown.host))) {

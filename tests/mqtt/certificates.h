@@ -32,8 +32,8 @@ class Certificates {
   }
 
   /// mosquitto's lines for a listener with this certificate.
-  [[nodiscard]] std::vector<std::string> Listener(const std::string& certificate = "server.crt",
-                                                  std::vector<std::string> more = {}) const;
+  [[nodiscard]] std::vector<std::string> Subscription(const std::string& certificate = "server.crt",
+                                                      std::vector<std::string> more = {}) const;
 
  private:
   Certificates();
@@ -82,8 +82,8 @@ inline void Certificates::Sign(const std::string& name, const std::string& key,
            "-CAcreateserial", "-days", days, "-extfile", name + ".ext", "-out", name + ".crt"});
 }
 
-inline std::vector<std::string> Certificates::Listener(const std::string& certificate,
-                                                       std::vector<std::string> more) const {
+inline std::vector<std::string> Certificates::Subscription(const std::string& certificate,
+                                                           std::vector<std::string> more) const {
   more.insert(more.end(), {"allow_anonymous true", "cafile " + *this / "ca.crt",
                            "certfile " + *this / certificate, "keyfile " + *this / "server.key"});
   return more;

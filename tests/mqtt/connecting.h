@@ -9,8 +9,8 @@
 #include <string>
 #include <utility>
 
-#include "mqtt/paho_sockets.h"
-#include "mqtt/paho_transport.h"
+#include "mqtt/paho/paho_sockets.h"
+#include "mqtt/paho/paho_transport.h"
 #include "mqtt/transport.h"
 
 namespace fleetpub::mqtt {

@@ -24,7 +24,7 @@ using ::testing::Not;
 BrokenBroker::Behaviour Tunnel(std::uint16_t port, std::string& request) {
   return [port, &request](int client) {
     request = ReadSome(client);
-    const auto broker = Dial(Lookup("127.0.0.1", port, Soon()).value(), Soon());
+    const auto broker = TcpConnect(Lookup("127.0.0.1", port, Soon()).value(), Soon());
     WriteTo(client, "HTTP/1.1 200 Connection established\r\nVia: test\r\n\r\n");
     std::thread back([&] {
       while (WaitFor(broker->get(), POLLIN, Soon()) != 0) {

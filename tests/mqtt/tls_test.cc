@@ -49,14 +49,14 @@ void ExpectTraffic(const ConnectOptions& options, std::size_t large_size = 1 << 
 }
 
 TEST(Tls, CarriesTraffic) {
-  const Mosquitto broker(Certificates::Get().Listener());
+  const Mosquitto broker(Certificates::Get().Subscription());
   ExpectTraffic(Trusting(broker.Url("mqtts", "localhost")));
   ExpectTraffic(V5(Trusting(broker.Url("mqtts", "localhost"))));
 }
 
 // Paho goes on reading while it writes a message in parts, which it does only on TLS.
 TEST(Tls, KeepsAnAcknowledgementThatComesDuringPublishing) {
-  const Mosquitto broker(Certificates::Get().Listener());
+  const Mosquitto broker(Certificates::Get().Subscription());
   const auto master = Connected(Trusting(broker.Url("mqtts", "localhost")));
   const auto sent = master->Publish({"t", std::string(16 << 20, 'x'), Qos::kAtLeastOnce}, Soon());
   ASSERT_TRUE(sent) << sent.error().message;
@@ -67,17 +67,17 @@ TEST(Tls, KeepsAnAcknowledgementThatComesDuringPublishing) {
 }
 
 TEST(Tls, ChecksAnAddressInNumbersToo) {
-  const Mosquitto broker(Certificates::Get().Listener());
+  const Mosquitto broker(Certificates::Get().Subscription());
   EXPECT_TRUE(ConnectPaho(Trusting(broker.Url("mqtts", "127.0.0.1"))));
 }
 
 TEST(Tls, ConnectsFiftyTimes) {
-  const Mosquitto broker(Certificates::Get().Listener());
+  const Mosquitto broker(Certificates::Get().Subscription());
   for (int i = 0; i < 50; ++i) ASSERT_TRUE(ConnectPaho(Trusting(broker.Url("mqtts", "localhost"))));
 }
 
 TEST(Tls, TrustsNoUnknownAuthority) {
-  const Mosquitto broker(Certificates::Get().Listener());
+  const Mosquitto broker(Certificates::Get().Subscription());
   ConnectOptions options = To(broker.Url("mqtts", "localhost"));
   EXPECT_THAT(Refusal(options).message,
               HasSubstr("not trusted here: name that authority's certificate"));
@@ -88,7 +88,7 @@ TEST(Tls, TrustsNoUnknownAuthority) {
 }
 
 TEST(Tls, NamesTheHostsOfAnotherCertificate) {
-  const Mosquitto broker(Certificates::Get().Listener("other.crt"));
+  const Mosquitto broker(Certificates::Get().Subscription("other.crt"));
   ConnectOptions options = Trusting(broker.Url("mqtts", "localhost"));
   EXPECT_THAT(Refusal(options).message,
               HasSubstr("its certificate is for other.example, not for localhost"));
@@ -97,20 +97,20 @@ TEST(Tls, NamesTheHostsOfAnotherCertificate) {
 }
 
 TEST(Tls, SendsNoPasswordToAnotherHost) {
-  const Mosquitto broker(Certificates::Get().Listener("other.crt"));
+  const Mosquitto broker(Certificates::Get().Subscription("other.crt"));
   EXPECT_FALSE(ConnectPaho(Trusting(broker.Url("mqtts", "localhost"))));
   EXPECT_THAT(broker.Log(), Not(HasSubstr("New client connected")));
 }
 
 TEST(Tls, SaysThatTheCertificateHasExpired) {
-  const Mosquitto broker(Certificates::Get().Listener("expired.crt"));
+  const Mosquitto broker(Certificates::Get().Subscription("expired.crt"));
   EXPECT_THAT(Refusal(Trusting(broker.Url("mqtts", "localhost"))).message,
               HasSubstr("has expired"));
 }
 
 TEST(Tls, ShowsACertificateOfItsOwn) {
   const auto& files = Certificates::Get();
-  const Mosquitto broker(files.Listener("server.crt", {"require_certificate true"}));
+  const Mosquitto broker(files.Subscription("server.crt", {"require_certificate true"}));
   ConnectOptions options = Trusting(broker.Url("mqtts", "localhost"));
   EXPECT_EQ(Refusal(options).kind, ErrorKind::kBroker);
   options.tls.cert_file = files / "client.crt";
@@ -123,7 +123,7 @@ TEST(Tls, ShowsACertificateOfItsOwn) {
 }
 
 TEST(Tls, SaysWhichFileIsWrong) {
-  const Mosquitto broker(Certificates::Get().Listener());
+  const Mosquitto broker(Certificates::Get().Subscription());
   ConnectOptions options = Trusting(broker.Url("mqtts", "localhost"));
   options.tls.ca_file = "/nowhere/ca.crt";
   EXPECT_EQ(Refusal(options).message,
@@ -228,7 +228,7 @@ TEST(WebSocket, CarriesTraffic) {
 }
 
 TEST(WebSocket, CarriesTrafficOverTls) {
-  const Mosquitto broker(Certificates::Get().Listener("server.crt", {"protocol websockets"}));
+  const Mosquitto broker(Certificates::Get().Subscription("server.crt", {"protocol websockets"}));
   ExpectTraffic(Trusting(broker.Url("wss", "localhost")), kLargeForWebSockets);
   EXPECT_FALSE(ConnectPaho(To(broker.Url("wss", "localhost"))));
 }

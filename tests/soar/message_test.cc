@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 
 #include "base/json.h"
-#include "dispatch/validate.h"
+#include "delivery/validate.h"
 
 namespace fleetpub::soar {
 namespace {
@@ -53,7 +53,7 @@ TEST(SoarMessage, IsACommandThatCountsNoHeaderIds) {
   const auto another = BuildMessage(MessageType::kAcknowledgement, Eco1(), {}, Acknowledged());
   EXPECT_NE(another.actions[0].id, command.actions[0].id);
   schema::Registry registry;
-  EXPECT_THAT(dispatch::Validate(command, registry)->errors, IsEmpty());
+  EXPECT_THAT(delivery::Validate(command, registry)->errors, IsEmpty());
 }
 
 TEST(SoarMessage, SaysThatItIsABroadcast) {

@@ -1,0 +1,44 @@
+// `fleetpub fleet [PATTERN]`: the robots known to the broker, and how they are.
+#include <memory>
+
+#include "base/time.h"
+#include "cli/gathering.h"
+#include "cli/output/fleet_table.h"
+#include "cli/parser/option_set.h"
+#include "cli/parser/subcommand.h"
+
+namespace fleetpub::cli {
+namespace {
+
+using vda5050::FleetView;
+using vda5050::RobotView;
+
+void Show(const FleetView& view, Output& output) {
+  const auto robots = view.robots();
+  if (output.json()) {
+    for (const RobotView* robot : robots) output.Line("{" + FleetJson(*robot) + "}");
+    return;
+  }
+  std::vector<Row> rows;
+  const auto now = base::WallTime::clock::now();
+  rows.reserve(robots.size());
+  for (const RobotView* robot : robots) rows.push_back(FleetRow(*robot, now));
+  PrintTable(FleetColumns(), rows, output);
+}
+
+Result<ExitCode> RunFleet(const GatheringOptions& options, const Context& context) {
+  const auto view = GatherFleet(options, context);
+  if (!view) return Fail(view.error());
+  Show(*view, context.output);
+  return ExitCode::kDone;
+}
+
+}  // namespace
+
+Run DeclareFleet(OptionSet& set) {
+  const auto options = std::make_shared<GatheringOptions>();
+  DeclareGatheringOptions(set, *options);
+  return [options](const Context& context) { return RunFleet(*options, context); };
+}
+
+}  // namespace fleetpub::cli

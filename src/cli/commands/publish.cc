@@ -1,0 +1,238 @@
+// `fleetpub publish TOPIC TARGET… -f FILE` sends a prepared message; `fleetpub respond` makes the
+// one that answers a robot's request.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <memory>
+
+#include "base/file.h"
+#include "base/json.h"
+#include "base/text.h"
+#include "base/time.h"
+#include "cli/options/vda_options.h"
+#include "cli/parser/option_set.h"
+#include "cli/parser/subcommand.h"
+#include "cli/robot_sending.h"
+#include "vda5050/messages/user_message.h"
+
+namespace fleetpub::cli {
+namespace {
+
+using vda5050::Dialect;
+using vda5050::RobotAddress;
+
+// What both commands take.
+struct UserMessageOptions {
+  std::string header_id;
+  VdaOptions vda;
+  SendingOptions sending;
+  WaitingOptions waiting;
+};
+
+struct PublishOptions : UserMessageOptions {
+  std::string topic;
+  TargetOptions targets;
+  std::string file;
+  bool restamp = false;
+};
+
+struct RespondOptions : UserMessageOptions {
+  std::string target;
+  std::string request;
+  std::string grant;
+  std::string lease_expiry;
+};
+
+class UserMessage final : public RobotMessage {
+ public:
+  UserMessage(std::string_view topic, std::shared_ptr<const base::JsonDocument> message,
+              vda5050::HeaderMismatch foreign)
+      : topic_(topic), message_(std::move(message)), foreign_(foreign) {}
+
+  [[nodiscard]] Result<delivery::Command> Build(
+      const RobotAddress& robot, const Dialect& dialect,
+      std::optional<std::uint32_t> header_id) const override {
+    return vda5050::BuildUserMessage(robot, dialect, topic_, *message_, foreign_, header_id);
+  }
+
+  [[nodiscard]] vda5050::PreflightFindings Check(const RobotAddress& robot, const Dialect& dialect,
+                                                 const vda5050::KnownRobot& known) const override {
+    const auto command = Build(robot, dialect, std::nullopt);
+    const std::size_t bytes =
+        command ? command->payload.Render(0, base::WallTime::clock::now()).size() : 0;
+    const auto actions = topic_ == "instantActions" ? vda5050::ActionsIn(*message_, dialect)
+                                                    : std::vector<vda5050::InstantAction>();
+    return vda5050::CheckRobot(robot, dialect, actions, known, bytes);
+  }
+
+  [[nodiscard]] Result<std::unique_ptr<delivery::ResponseTracker>> Confirm(
+      const RobotAddress& robot, const Dialect& dialect, const delivery::Command& /*command*/,
+      vda5050::WaitFor wait_for) const override {
+    return vda5050::TrackUserMessage(robot, dialect, topic_, *message_, wait_for);
+  }
+
+ private:
+  std::string_view topic_;
+  std::shared_ptr<const base::JsonDocument> message_;
+  vda5050::HeaderMismatch foreign_;
+};
+
+void DeclareUserMessage(OptionSet& set, UserMessageOptions& options) {
+  set.AddOption("--header-id", options.header_id, "The headerId, above the topic's last [the next]")
+      .Type("N")
+      .Group("Message");
+  DeclareSendingOptions(set, options.sending);
+  DeclareManyOptions(set, options.sending);
+  DeclareWaitingOptions(set, options.waiting);
+  DeclareVdaOptions(set, options.vda);
+}
+
+Result<ExitCode> Send(std::string_view topic, const TargetOptions& target_options,
+                      base::JsonDocument message, vda5050::HeaderMismatch foreign,
+                      const UserMessageOptions& options, const Context& context) {
+  WaitingOptions waiting_options = options.waiting;
+  // An order may take hours: that the robot has it is what one usually waits for.
+  if (topic == "order" && waiting_options.wait && waiting_options.wait_for.empty()) {
+    waiting_options.wait_for = "accepted";
+  }
+  auto waiting = WaitingOf(waiting_options);
+  if (!waiting) return Fail(std::move(waiting.error()));
+  auto targets = TargetsOf(target_options, context);
+  if (!targets) return Fail(std::move(targets.error()));
+  auto resolver = DialectResolver::For(options.vda, context.config);
+  if (!resolver) return Fail(std::move(resolver.error()));
+  if (const auto said = vda5050::VersionSaidBy(message)) resolver->Assume(*said);
+  const auto header_id = HeaderIdOf(options.header_id);
+  if (!header_id) return Fail(header_id.error());
+
+  if (waiting->wait_for) {  // what cannot be waited for costs no connection
+    const RobotAddress anybody{"KIT", "0001"};
+    const RobotAddress& first =
+        targets->include.robots.empty() ? anybody : targets->include.robots.front();
+    const auto possible =
+        vda5050::TrackUserMessage(first, resolver->common(), topic, message, *waiting->wait_for);
+    if (!possible) return Fail(possible.error());
+  }
+  const auto shared = std::make_shared<const base::JsonDocument>(std::move(message));
+  return SendToRobots(
+      {.targets = *std::move(targets),
+       .resolver = *std::move(resolver),
+       .needs_consent = NeedsConsent::kYes,
+       .header_id = *header_id,
+       .make_message = [=] { return std::make_unique<UserMessage>(topic, shared, foreign); },
+       .options = options.sending,
+       .waiting = *waiting},
+      context);
+}
+
+Result<base::JsonDocument> ReadMessage(const std::string& file) {
+  const auto text = base::ReadFile(file);
+  if (!text) return Fail(text.error());
+  auto message = base::ParseJson(*text);
+  if (!message) {
+    message.error().message =
+        fmt::format("{}: {}", file == "-" ? "standard input" : file, message.error().message);
+  }
+  return message;
+}
+
+Result<ExitCode> RunPublish(const PublishOptions& options, const Context& context) {
+  if (options.topic.empty()) {
+    return Fail(ErrorKind::kUsage,
+                "name the topic and the robots: fleetpub publish order KIT/0001 -f order.json");
+  }
+  const auto topic = vda5050::PublishedTopic(options.topic);
+  if (!topic) return Fail(topic.error());
+  if (options.file.empty()) {
+    return Fail(ErrorKind::kUsage,
+                "name the file with the message: --file FILE, or - for standard "
+                "input");
+  }
+  const auto& words = options.targets.words;
+  if (options.file == "-" && std::find(words.begin(), words.end(), "-") != words.end()) {
+    return Fail(ErrorKind::kUsage,
+                "standard input is the message or the targets, not both: put one into a file");
+  }
+  auto message = ReadMessage(options.file);
+  if (!message) return Fail(std::move(message.error()));
+  const auto foreign =
+      options.restamp ? vda5050::HeaderMismatch::kReplace : vda5050::HeaderMismatch::kRefuse;
+  return Send(*topic, options.targets, std::move(*message), foreign, options, context);
+}
+
+// `30s` from now, or a time.
+Result<base::WallTime> LeaseOf(const std::string& text) {
+  if (const auto time = base::ParseDateTime(text)) return *time;
+  const auto duration = base::ParseDuration(text);
+  if (duration) return base::WallTime::clock::now() + *duration;
+  return Fail(ErrorKind::kUsage, fmt::format("--lease-expiry takes a duration such as 30s, or a "
+                                             "time such as 2026-11-22T20:15:00Z, not '{}'",
+                                             base::Printable(text)));
+}
+
+Result<ExitCode> RunRespond(const RespondOptions& options, const Context& context) {
+  if (options.grant.empty()) {
+    return Fail(ErrorKind::kUsage,
+                "name the robot, its request and the answer: fleetpub respond KIT/0001 request-1 "
+                "GRANTED; fleetpub requests lists the requests");
+  }
+  std::string grant;
+  for (const std::string_view known : {"GRANTED", "QUEUED", "REVOKED", "REJECTED"}) {
+    if (base::EqualsIgnoringCase(known, options.grant)) grant = known;
+  }
+  if (grant.empty()) {
+    return Fail(ErrorKind::kUsage, fmt::format("the answer is GRANTED, QUEUED, REVOKED or "
+                                               "REJECTED, not '{}'",
+                                               base::Printable(options.grant)));
+  }
+  if (!base::IsUtf8(options.request)) {
+    return Fail(ErrorKind::kInvalid, "the requestId is not valid UTF-8");
+  }
+  vda5050::RequestResponse response{
+      .request_id = options.request, .grant_type = grant, .lease_expiry = {}};
+  if (!options.lease_expiry.empty()) {
+    const auto lease = LeaseOf(options.lease_expiry);
+    if (!lease) return Fail(lease.error());
+    response.lease_expiry = *lease;
+  }
+  const auto robot = RobotOf(options.target, context.config);  // request ids are its own
+  if (!robot) return Fail(robot.error());
+  TargetOptions target;
+  target.words = {robot->ToString()};
+  return Send("responses", target, vda5050::ResponsesMessage(response),
+              vda5050::HeaderMismatch::kRefuse, options, context);
+}
+
+}  // namespace
+
+Run DeclarePublish(OptionSet& set) {
+  const auto options = std::make_shared<PublishOptions>();
+  set.AddOption("topic", options->topic, "order, instantActions, zoneSet or responses")
+      .Type("TOPIC");
+  DeclareTargetOptions(set, options->targets);
+  set.AddOption("-f,--file", options->file, "The message as JSON; - reads standard input")
+      .Type("FILE")
+      .Group("Message");
+  set.AddFlag("--restamp", options->restamp,
+              "Replace a version, manufacturer or serialNumber of another robot in the message")
+      .Group("Message");
+  DeclareUserMessage(set, *options);
+  return [options](const Context& context) { return RunPublish(*options, context); };
+}
+
+Run DeclareRespond(OptionSet& set) {
+  const auto options = std::make_shared<RespondOptions>();
+  set.AddOption("target", options->target, "The robot: manufacturer/serialNumber, or its alias")
+      .Type("TARGET");
+  set.AddOption("request", options->request, "Its requestId, as fleetpub requests lists it")
+      .Type("REQUEST");
+  set.AddOption("grant", options->grant, "GRANTED, QUEUED, REVOKED or REJECTED").Type("ANSWER");
+  set.AddOption("--lease-expiry", options->lease_expiry,
+                "Until when it is granted: 30s from now, or a time")
+      .Type("TIME")
+      .Group("Message");
+  DeclareUserMessage(set, *options);
+  return [options](const Context& context) { return RunRespond(*options, context); };
+}
+
+}  // namespace fleetpub::cli

@@ -1,0 +1,85 @@
+#include "cli/commands/soar_simulate.h"
+
+#include <fmt/format.h>
+
+#include "base/text.h"
+#include "base/time.h"
+#include "simulator/platform_runner.h"
+#include "soar/message.h"
+
+namespace fleetpub::cli {
+namespace {
+
+Result<robot::PlatformSettings> SettingsOf(const SoarSimulation& simulation) {
+  robot::PlatformSettings settings;
+  auto prefix = soar::ParsePrefix(simulation.prefix);
+  if (!prefix) return Fail(std::move(prefix.error()));
+  settings.prefix = *std::move(prefix);
+  settings.stop_at = soar::ParseLevel(simulation.stop_at);
+  if (!simulation.stop_at.empty() && !settings.stop_at) {
+    return Fail(ErrorKind::kUsage,
+                fmt::format("--stop-at takes c2_received, operator_approved_and_sent or executed, "
+                            "not '{}'",
+                            base::Printable(simulation.stop_at)));
+  }
+  const auto delay = base::ParseDuration(simulation.delay);
+  if (!delay) return Fail(delay.error());
+  settings.delay = *delay;
+  const auto interval = base::ParseDuration(simulation.status_interval);
+  if (!interval) return Fail(interval.error());
+  if (interval->count() == 0) {
+    return Fail(ErrorKind::kUsage, "--state-interval must be above zero");
+  }
+  settings.status_interval = *interval;
+  settings.silent = simulation.silent;
+  return settings;
+}
+
+void Show(std::string_view platform, const robot::Event& event, Output& output) {
+  const std::string line = base::Printable(fmt::format("{}: {}", platform, event.text));
+  if (event.kind == robot::Event::Kind::kFault) {
+    output.Warn(line);
+  } else {
+    output.Debug(line);
+  }
+}
+
+}  // namespace
+
+Result<ExitCode> RunSoarSimulation(const SoarSimulation& simulation, const Context& context) {
+  Output& output = context.output;
+  if (simulation.destinations.empty()) {
+    return Fail(ErrorKind::kUsage,
+                "name at least one platform, such as soar.planet-ocean.ecosub.eco1");
+  }
+  auto settings = SettingsOf(simulation);
+  if (!settings) return Fail(std::move(settings.error()));
+  schema::Registry registry(context.options.schema_directory);
+  const auto fleet = robot::PlatformFleet::Make(
+      *std::move(settings), simulation.destinations, registry,
+      [&](std::string_view name, const robot::Event& event) { Show(name, event, output); });
+  if (!fleet) return Fail(fleet.error());
+  auto connect = ConnectOptionsOf(context);
+  if (!connect) return Fail(std::move(connect.error()));
+
+  robot::RunOptions run{.connect = *std::move(connect)};
+  run.connect.properties = {};  // they are a command's; where a platform is does not expire
+  if (!simulation.duration.empty()) {
+    const auto duration = base::ParseDuration(simulation.duration);
+    if (!duration) return Fail(duration.error());
+    run.duration = *duration;
+  }
+  run.stopped = simulation.stopped;
+  run.on_lost = [&](const Error& error) { output.Warn(error.message + ": connecting again"); };
+  run.on_ready = [&] {
+    simulation.on_ready();
+    const std::size_t count = (*fleet)->size();
+    Print(stderr, fmt::format("fleetpub: {} platform{} online at {}, SoAR {}\n", count,
+                              count == 1 ? "" : "s", run.connect.brokers.front().ToString(),
+                              soar::kFormatVersion));
+  };
+  if (auto ended = robot::RunPlatforms(**fleet, run); !ended) return Fail(ended.error());
+  return ExitCode::kDone;
+}
+
+}  // namespace fleetpub::cli

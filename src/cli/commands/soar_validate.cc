@@ -1,0 +1,50 @@
+#include "cli/commands/soar_validate.h"
+
+#include <fmt/format.h>
+
+#include "base/json.h"
+#include "base/text.h"
+#include "soar/message.h"
+
+namespace fleetpub::cli {
+
+using base::FindMember;
+
+Result<SoarValidator> SoarValidator::Make(const std::string& message_type,
+                                          soar::Strictness strictness) {
+  const auto type = soar::ParseMessageType(message_type);
+  if (type || message_type.empty()) return SoarValidator(type, strictness);
+  return Fail(ErrorKind::kUsage,
+              fmt::format("--message-type takes one of {}, not '{}'", soar::MessageTypeNames(),
+                          base::Printable(message_type)));
+}
+
+delivery::Findings SoarValidator::Check(const base::JsonValue& message,
+                                        schema::Registry& registry) const {
+  const bool whole = !type_ || FindMember(message, "payload") != nullptr;
+  const auto schema =
+      registry.Find(whole ? std::string(soar::kMessageSchema) : soar::PayloadSchema(*type_));
+  if (!schema) return {{{"", schema.error().message}}, {}};
+  auto findings =
+      delivery::Check(message, **schema, [strictness = strictness_](const auto& checked) {
+        return soar::CheckMessage(checked, strictness);
+      });
+  if (!findings.satisfies_schema || !type_) return findings;
+  const auto& payload = whole ? *FindMember(message, "payload") : message;
+  const std::string_view found = base::StringMember(payload, "message_type");
+  if (found != NameOf(*type_)) {
+    findings.errors.push_back(
+        {whole ? "/payload/message_type" : "/message_type",
+         fmt::format("is {}, not {}", base::Printable(found), NameOf(*type_))});
+  }
+  return findings;
+}
+
+Result<bool> IsSoar(const std::string& protocol) {
+  if (base::EqualsIgnoringCase(protocol, "soar")) return true;
+  if (base::EqualsIgnoringCase(protocol, "vda5050")) return false;
+  return Fail(ErrorKind::kUsage,
+              fmt::format("--protocol takes vda5050 or soar, not '{}'", base::Printable(protocol)));
+}
+
+}  // namespace fleetpub::cli

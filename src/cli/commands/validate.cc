@@ -1,0 +1,265 @@
+// `fleetpub validate`: messages against a built-in schema or a given one, and against the rules of
+// the text.
+#include "delivery/validate.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <memory>
+
+#include "base/file.h"
+#include "base/json.h"
+#include "base/line_reader.h"
+#include "base/text.h"
+#include "cli/commands/soar_validate.h"
+#include "cli/commands/validate_live.h"
+#include "cli/parser/option_set.h"
+#include "cli/parser/subcommand.h"
+#include "schema/schema.h"
+#include "schema/schema_files.h"
+#include "vda5050/messages/user_message.h"
+#include "vda5050/rules/text_rules.h"
+
+namespace fleetpub::cli {
+namespace {
+
+using delivery::Findings;
+
+struct Options {
+  std::string file = "-";
+  std::string version;
+  std::string topic;
+  std::string schema_file;
+  std::string protocol = "vda5050";
+  std::string message_type;
+  bool lines = false;
+  bool strict = false;
+  LiveOptions live;
+};
+
+// A message's topic, told from a member that only this topic has, or has first in this order: a
+// position can stand in a state as well.
+struct Mark {
+  std::string_view member;
+  std::string_view topic;
+};
+constexpr std::array<Mark, 19> kMarks = {{
+    {"actions", "instantActions"},
+    {"instantActions", "instantActions"},
+    {"connectionState", "connection"},
+    {"nodes", "order"},
+    {"edges", "order"},
+    {"nodeStates", "state"},
+    {"edgeStates", "state"},
+    {"actionStates", "state"},
+    {"operatingMode", "state"},
+    {"typeSpecification", "factsheet"},
+    {"physicalParameters", "factsheet"},
+    {"protocolLimits", "factsheet"},
+    {"protocolFeatures", "factsheet"},
+    {"responses", "responses"},
+    {"zoneSet", "zoneSet"},
+    {"referenceStateHeaderId", "visualization"},
+    {"agvPosition", "visualization"},
+    {"mobileRobotPosition", "visualization"},
+    {"velocity", "visualization"},
+}};
+
+// Validates message after message; each schema is compiled once.
+class Validator {
+ public:
+  Validator(const Options& options, const Context& context)
+      : options_(options), registry_(context.options.schema_directory) {}
+
+  // Errors: the options or the schema, not a message.
+  Status Prepare() {
+    if (!options_.schema_file.empty()) return LoadFile();
+    if (auto soar = PrepareSoar(); !soar || soar_) return soar;
+    if (!options_.version.empty()) {
+      const auto version = vda5050::ParseVersion(options_.version);
+      if (!version) return Fail(version.error());
+      version_ = *version;
+    }
+    if (version_ && !options_.topic.empty()) {
+      const auto schema = registry_.Find(SchemaName(*version_, options_.topic));
+      if (!schema) return Fail(schema.error());
+    }
+    return {};
+  }
+
+  Findings Check(std::string_view text) {
+    const auto message = base::ParseJson(text);
+    if (!message) return OneError(message.error().message);
+    if (own_schema_) return delivery::Check(*message, *own_schema_, {});
+    if (soar_) return soar_->Check(*message, registry_);
+    const auto version = VersionOf(*message);
+    if (!version) return OneError(version.error().message);
+    const auto topic = TopicOf(*message);
+    if (!topic) return OneError(topic.error().message);
+    const auto schema = registry_.Find(SchemaName(*version, *topic));
+    if (!schema) return OneError(schema.error().message);
+    Findings findings =
+        delivery::Check(*message, **schema, vda5050::TextRulesFor(*topic, *version));
+    return options_.strict ? findings : Softened(std::move(findings));
+  }
+
+ private:
+  Status PrepareSoar() {
+    const auto is_soar = IsSoar(options_.protocol);
+    if (!is_soar) return Fail(is_soar.error());
+    if (!*is_soar && options_.message_type.empty()) return {};
+    if (!*is_soar) return Fail(ErrorKind::kUsage, "--message-type belongs to --protocol soar");
+    if (!options_.topic.empty()) {
+      return Fail(ErrorKind::kUsage, "--topic belongs to VDA 5050: name a --message-type");
+    }
+    const auto validator =
+        SoarValidator::Make(options_.message_type,
+                            options_.strict ? soar::Strictness::kRefuse : soar::Strictness::kWarn);
+    if (!validator) return Fail(validator.error());
+    soar_ = *validator;
+    return {};
+  }
+
+  Status LoadFile() {
+    const auto text =
+        schema::ReadSchemaFile(options_.schema_file, schema::FilesBeside(options_.schema_file));
+    if (!text) return Fail(text.error());
+    auto schema = schema::Schema::Compile(*text, options_.schema_file);
+    if (!schema) return Fail(std::move(schema.error()));
+    own_schema_ = std::move(*schema);
+    return {};
+  }
+
+  static Findings OneError(std::string message) { return {{{"", std::move(message)}}, {}}; }
+
+  static std::string SchemaName(vda5050::Version version, std::string_view topic) {
+    return fmt::format("vda5050/{}/{}", vda5050::FactsOf(version).name, topic);
+  }
+
+  // The text's rules are no schema rules: they warn here, and fail with --strict.
+  static Findings Softened(Findings findings) {
+    if (!findings.satisfies_schema) return findings;
+    std::move(findings.warnings.begin(), findings.warnings.end(),
+              std::back_inserter(findings.errors));
+    return {{}, std::move(findings.errors)};
+  }
+
+  [[nodiscard]] Result<vda5050::Version> VersionOf(const base::JsonValue& message) const {
+    if (version_) return *version_;
+    if (const auto said = vda5050::VersionSaidBy(message)) return *said;
+    return Fail(ErrorKind::kInvalid,
+                "its header does not say which VDA 5050 version it is: name it with --vda");
+  }
+
+  [[nodiscard]] Result<std::string> TopicOf(const base::JsonValue& message) const {
+    if (!options_.topic.empty()) return options_.topic;
+    for (const auto& [member, topic] : kMarks) {
+      if (base::FindMember(message, member) != nullptr) return std::string(topic);
+    }
+    return Fail(ErrorKind::kInvalid,
+                "it cannot be told which topic it belongs to: name it with --topic");
+  }
+
+  const Options& options_;
+  schema::Registry registry_;
+  std::optional<vda5050::Version> version_;
+  std::optional<schema::Schema> own_schema_;
+  std::optional<SoarValidator> soar_;
+};
+
+std::string ListJson(const std::vector<schema::Violation>& violations) {
+  std::string json;
+  for (const auto& [path, message] : violations) {
+    json += fmt::format(R"({}{{"path":{},"message":{}}})", json.empty() ? "" : ",",
+                        base::JsonString(path), base::JsonString(message));
+  }
+  return "[" + json + "]";
+}
+
+// Prints what was found in one message; `line` is 0 when the input is one message.
+void Show(const Findings& findings, const std::string& name, std::size_t line, Output& output) {
+  if (output.json()) {
+    const std::string number = line == 0 ? "" : fmt::format(R"("line":{},)", line);
+    return output.Line(fmt::format(R"({{{}"valid":{},"errors":{},"warnings":{}}})", number,
+                                   findings.errors.empty(), ListJson(findings.errors),
+                                   ListJson(findings.warnings)));
+  }
+  const std::string place = line == 0 ? name : fmt::format("{}:{}", name, line);
+  for (const auto& [path, message] : findings.errors) {
+    output.Line(fmt::format("{}: {}{}{}", place, path, path.empty() ? "" : ": ", message));
+  }
+  for (const auto& [path, message] : findings.warnings) {
+    output.Warn(fmt::format("{}: {}{}{}", place, path, path.empty() ? "" : ": ", message));
+  }
+  if (findings.errors.empty()) output.PeopleLine(fmt::format("{}: valid", place));
+}
+
+// Line by line, as they arrive and however many they are.
+Result<ExitCode> CheckLines(Validator& validator, const std::string& file, const std::string& name,
+                            Output& output) {
+  auto reader = base::LineReader::Open(file);
+  if (!reader) return Fail(std::move(reader.error()));
+  ExitCode code = ExitCode::kDone;
+  for (std::size_t number = 1;; ++number) {
+    const auto line = reader->Next();
+    if (!line) return Fail(line.error());
+    if (!*line) return code;
+    if ((*line)->find_first_not_of(" \t\r") == std::string_view::npos) continue;
+    const Findings findings = validator.Check(**line);
+    Show(findings, name, number, output);
+    if (!findings.errors.empty()) code = ExitCode::kInvalid;
+  }
+}
+
+Result<ExitCode> RunLive(const Options& options, const Context& context) {
+  if (options.lines || !options.schema_file.empty() || options.protocol != "vda5050" ||
+      !options.message_type.empty()) {
+    return Fail(ErrorKind::kUsage,
+                "--live goes with none of --lines, --schema, --protocol and --message-type");
+  }
+  return ValidateLive(options.live,
+                      {.pattern = options.file == "-" ? "" : options.file,
+                       .version = options.version,
+                       .topic = options.topic,
+                       .strict = options.strict},
+                      context);
+}
+
+Result<ExitCode> RunValidate(const Options& options, const Context& context) {
+  if (options.live.live) return RunLive(options, context);
+  if (!options.live.duration.empty() || options.live.count != 0) {
+    return Fail(ErrorKind::kUsage, "--for and --count belong to --live");
+  }
+  Validator validator(options, context);
+  if (auto ready = validator.Prepare(); !ready) return Fail(ready.error());
+  const std::string name = options.file == "-" ? "standard input" : options.file;
+  if (options.lines) return CheckLines(validator, options.file, name, context.output);
+  const auto content = base::ReadFile(options.file);
+  if (!content) return Fail(content.error());
+  const Findings findings = validator.Check(*content);
+  Show(findings, name, 0, context.output);
+  return findings.errors.empty() ? ExitCode::kDone : ExitCode::kInvalid;
+}
+
+}  // namespace
+
+Run DeclareValidate(OptionSet& set) {
+  const auto options = std::make_shared<Options>();
+  const auto add = [&](const char* names, std::string& value, const char* type, const char* help) {
+    return set.AddOption(names, value, help).Type(type).Group("Checking");
+  };
+  set.AddOption("file", options->file, "The message; - or nothing: standard input").Type("FILE");
+  add("--vda", options->version, "V", "Version [what the header says]").Variable("FLEETPUB_VDA");
+  add("--topic", options->topic, "TOPIC", "order, state, instantActions … [told from the message]");
+  add("--protocol", options->protocol, "NAME", "vda5050 or soar [vda5050]");
+  add("--message-type", options->message_type, "TYPE",
+      "With --protocol soar: the payload must be of this type, and may stand alone");
+  add("--schema", options->schema_file, "FILE", "A JSON Schema of your own (draft-07)");
+  set.AddFlag("--lines", options->lines, "One message per line (JSON Lines)").Group("Checking");
+  set.AddFlag("--strict", options->strict, "Rules of the specification's text are errors too")
+      .Group("Checking");
+  DeclareLive(set, options->live);
+  return [options](const Context& context) { return RunValidate(*options, context); };
+}
+
+}  // namespace fleetpub::cli

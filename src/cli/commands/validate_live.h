@@ -1,0 +1,37 @@
+// `fleetpub validate --live`: listens, and holds whatever is published against the schemas.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "base/result.h"
+#include "cli/options/global_options.h"
+#include "cli/options/vda_options.h"
+#include "cli/output/exit_code.h"
+
+namespace fleetpub::cli {
+
+class OptionSet;
+
+struct LiveOptions {
+  bool live = false;
+  std::string duration;
+  std::int64_t count = 0;  ///< 0: no end
+  VdaOptions vda;          ///< interface and topic template
+};
+
+/// What `validate` is told besides.
+struct LiveRequest {
+  std::string pattern;  ///< empty: everybody
+  std::string version;  ///< empty: as each header says
+  std::string topic;    ///< empty: all
+  bool strict = false;
+};
+
+void DeclareLive(OptionSet& set, LiveOptions& options);
+
+/// kInvalid when any message was, kUnconfirmed when there was none.
+[[nodiscard]] Result<ExitCode> ValidateLive(const LiveOptions& options, const LiveRequest& request,
+                                            const Context& context);
+
+}  // namespace fleetpub::cli

@@ -1,0 +1,229 @@
+// `fleetpub watch [PATTERN]`: the fleet, live. On a terminal redrawn in place; otherwise a line for
+// each change.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+#include <memory>
+#include <optional>
+#include <utility>
+
+#include "base/json.h"
+#include "base/text.h"
+#include "base/time.h"
+#include "base/width.h"
+#include "cli/listening.h"
+#include "cli/output/fleet_table.h"
+#include "cli/output/screen.h"
+#include "cli/parser/option_set.h"
+#include "cli/parser/subcommand.h"
+#include "cli/targets.h"
+#include "delivery/subscription.h"
+
+namespace fleetpub::cli {
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::seconds;
+using std::chrono::steady_clock;
+using vda5050::FleetView;
+using vda5050::RobotView;
+
+constexpr milliseconds kGlance{100};  // between two looks at the keyboard, and two drawings
+constexpr seconds kLongestStill{1};   // ages grow while nothing happens
+
+struct Options {
+  FleetOptions fleet;
+  std::string duration;
+};
+
+/// Shows what happens. Called on one thread.
+class Display {
+ public:
+  Display() = default;
+  Display(const Display&) = delete;
+  Display& operator=(const Display&) = delete;
+  virtual ~Display() = default;
+
+  virtual void Changed(const RobotView& robot) = 0;
+  virtual void Lost(const Error& error) = 0;
+  virtual void Again() = 0;
+  /// About every kGlance. False: the person has seen enough.
+  [[nodiscard]] virtual Result<bool> Refresh(const FleetView& view) = 0;
+};
+
+class LineDisplay final : public Display {
+ public:
+  explicit LineDisplay(Output& output) : output_(output) {}
+
+  // Only what is shown counts: a robot repeats its state every few seconds.
+  void Changed(const RobotView& robot) override {
+    const bool json = output_.json();
+    std::string line = json ? FleetJson(robot) : FleetLine(robot, output_);
+    std::string& last = lines_[robot.robot];
+    if (line == last) return;
+    if (last.empty()) WarnOfNames({&robot.robot, 1}, output_);
+    const auto now = base::WallTime::clock::now();
+    output_.Line(json ? fmt::format(R"({{"time":"{}",{}}})", base::FormatTimestamp(now), line)
+                      : fmt::format("{}  {}", base::FormatLocal(now), line));
+    Output::FlushNow();  // a signal may end us before the next Refresh()
+    last = std::move(line);
+  }
+
+  void Lost(const Error& error) override { output_.Warn(error.message + ": connecting again"); }
+  void Again() override { output_.Warn("connected again"); }
+
+  Result<bool> Refresh(const FleetView& /*view*/) override {
+    if (auto ok = output_.Flush(); !ok) return Fail(std::move(ok.error()));
+    return true;
+  }
+
+ private:
+  Output& output_;
+  std::map<vda5050::RobotAddress, std::string> lines_;
+};
+
+class ScreenDisplay final : public Display {
+ public:
+  ScreenDisplay(std::string title, Output& output) : title_(std::move(title)), output_(output) {}
+
+  void Changed(const RobotView& /*robot*/) override { is_stale_ = true; }
+  void Lost(const Error& error) override {
+    trouble_ = base::Printable(error.message) + ": connecting again";
+    is_stale_ = true;
+  }
+  void Again() override {
+    trouble_.clear();
+    is_stale_ = true;
+  }
+
+  Result<bool> Refresh(const FleetView& view) override {
+    for (char key = screen_.Key(); key != 0; key = screen_.Key()) {
+      if (key == 'q' || key == 'Q') return false;
+    }
+    const auto now = steady_clock::now();
+    if (screen_.WasDisturbed() || is_stale_ || now >= drawn_ + kLongestStill) {
+      Draw(view);
+      is_stale_ = false;
+      drawn_ = now;
+    }
+    return true;
+  }
+
+ private:
+  void Draw(const FleetView& view) {
+    constexpr std::size_t kFrame = 3;  // title, trouble, the table's header
+    const auto [rows, columns] = screen_.size();
+    if (std::exchange(columns_, columns) != columns) widths_.clear();
+    auto robots = view.robots();
+    const std::size_t room = rows > kFrame ? rows - kFrame : 0;
+    const std::size_t hidden = robots.size() > room ? robots.size() - room + 1 : 0;
+    std::vector<Row> table;
+    const auto now = base::WallTime::clock::now();
+    const std::size_t shown = robots.size() - std::min(hidden, robots.size());
+    for (std::size_t i = 0; i < shown; ++i) table.push_back(FleetRow(*robots[i], now));
+
+    const auto line = [&, width = columns](Tone tone, std::string_view text) {
+      return output_.Toned(tone, base::Shortened(width, text));
+    };
+    std::vector<std::string> lines = {line(Tone::kPlain, Title(robots, now)),
+                                      line(Tone::kBad, trouble_)};
+    const auto body = TableLines(FleetColumns(), table, columns, output_, &widths_);
+    lines.insert(lines.end(), body.begin(), body.end());
+    if (hidden > 0) {
+      lines.push_back(line(
+          Tone::kDim,
+          fmt::format("{} more are not shown: a larger window or fewer TARGETs help", hidden)));
+    }
+    lines.resize(std::min(lines.size(), rows));
+    screen_.Draw(lines);
+  }
+
+  [[nodiscard]] std::string Title(const std::vector<const RobotView*>& robots,
+                                  base::WallTime now) const {
+    const auto online = std::count_if(robots.begin(), robots.end(),
+                                      [](const RobotView* robot) { return robot->IsOnline(); });
+    // What matters most comes first: a narrow window cuts the rest.
+    return fmt::format("{} robot{}, {} online   q quits   {}   {}", robots.size(),
+                       robots.size() == 1 ? "" : "s", online, base::FormatLocal(now), title_);
+  }
+
+  std::string title_;
+  Output& output_;
+  std::string trouble_;
+  bool is_stale_ = true;
+  std::size_t columns_ = 0;
+  std::vector<std::size_t> widths_;  // of the table, which only grows until the window changes
+  steady_clock::time_point drawn_;
+  Screen screen_;
+};
+
+std::unique_ptr<Display> DisplayFor(const Options& o, const mqtt::ConnectOptions& connect,
+                                    const Context& context) {
+  // A trace on standard error would run over the screen.
+  if (context.output.json() || context.options.debug || !Screen::IsPossible()) {
+    EndQuietlyOnSignals();
+    return std::make_unique<LineDisplay>(context.output);
+  }
+  return std::make_unique<ScreenDisplay>(
+      fmt::format("{}   {}", connect.brokers.front().ToString(), NameOf(o.fleet)), context.output);
+}
+
+// Takes in what comes until the deadline.
+void Take(delivery::Subscription& listener, mqtt::Deadline deadline, FleetView& view,
+          Display& display) {
+  do {
+    const auto message = listener.Next(deadline);
+    if (!message) return;
+    const RobotView* robot =
+        view.Deliver(message->topic, message->payload,
+                     message->retained ? vda5050::Origin::kRetained : vda5050::Origin::kLive);
+    if (robot != nullptr) display.Changed(*robot);
+  } while (steady_clock::now() < deadline);
+}
+
+Result<steady_clock::time_point> EndOf(const std::string& duration) {
+  if (duration.empty()) return steady_clock::time_point::max();
+  const auto time = base::ParseDuration(duration);
+  if (!time) return Fail(time.error());
+  return steady_clock::now() + *time;
+}
+
+Result<ExitCode> RunWatch(const Options& o, const Context& context) {
+  auto view = FleetViewOf(o.fleet, context);
+  if (!view) return Fail(std::move(view.error()));
+  auto filters = view->Filters();
+  if (!filters) return Fail(std::move(filters.error()));
+  const auto end = EndOf(o.duration);
+  if (!end) return Fail(end.error());
+  const auto connect = ConnectOptionsOf(context);
+  if (!connect) return Fail(connect.error());
+
+  std::unique_ptr<Display> display;
+  auto listener = delivery::Subscription::Open(
+      *std::move(filters), ConnectHookOf(*connect),
+      {[&](const Error& error) { display->Lost(error); }, [&] { display->Again(); }}, *end);
+  if (!listener) return Fail(std::move(listener.error()));
+  display = DisplayFor(o, *connect, context);
+  while (steady_clock::now() < *end) {
+    Take(**listener, std::min(*end, steady_clock::now() + kGlance), *view, *display);
+    const auto goes_on = display->Refresh(*view);
+    if (!goes_on) return Fail(goes_on.error());
+    if (!*goes_on) break;
+  }
+  (*listener)->Disconnect();
+  return ExitCode::kDone;
+}
+
+}  // namespace
+
+Run DeclareWatch(OptionSet& set) {
+  const auto options = std::make_shared<Options>();
+  DeclareFleetOptions(set, options->fleet);
+  set.AddOption("--for", options->duration, "End after this time [on q or Ctrl-C]")
+      .Type("TIME")
+      .Group("Waiting");
+  return [options](const Context& context) { return RunWatch(*options, context); };
+}
+
+}  // namespace fleetpub::cli

@@ -1,0 +1,90 @@
+// The options that every command takes: broker, output, ledger, schemas.
+#pragma once
+
+#include <chrono>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "base/result.h"
+#include "cli/output/output.h"
+#include "config/config.h"
+#include "ledger/ledger.h"
+#include "ledger/options.h"
+#include "mqtt/transport.h"
+
+namespace fleetpub::cli {
+
+class OptionSet;
+
+struct GlobalOptions {
+  std::vector<std::string> brokers;
+  std::string host;
+  std::string port;
+  std::string username;
+  std::string password_file;
+  bool ask_password = false;
+  std::string client_id;
+  std::string keep_alive = "60";
+  std::string mqtt_version = "3.1.1";
+  std::vector<std::string> user_properties;
+  std::string message_expiry;
+  std::string connect_timeout = "10s";
+  std::string proxy;
+  std::string ca_file;
+  std::string ca_path;
+  std::string cert_file;
+  std::string key_file;
+  std::string key_password_file;
+  std::string ciphers;
+  std::vector<std::string> alpn;
+  bool insecure = false;
+
+  std::string format = "text";
+  bool quiet = false;
+  bool verbose = false;
+  bool debug = false;
+
+  std::string ledger;
+  bool no_history = false;
+  std::string schema_directory;
+  std::string header_id_start = "zero";  ///< zero, epoch
+
+  std::optional<std::string> config_file;
+  std::optional<std::string> profile;        ///< empty text: none
+  bool is_broker_by_flag = false;            ///< --broker, not only the environment
+  bool is_host_by_flag = false;              ///< --host or --port
+  std::vector<std::string_view> configured;  ///< the keys that the configuration has set
+};
+
+/// The help groups of global options; a command's own help leaves them out.
+[[nodiscard]] bool IsGlobalGroup(std::string_view group);
+
+/// Adds them to an App; `options` must outlive its parsing.
+void DeclareGlobalOptions(OptionSet& set, GlobalOptions& options);
+
+/// Once they are parsed: sets what neither flag nor environment gave. Errors: ErrorKind::kUsage (a
+/// login where everybody can read it).
+[[nodiscard]] Status ApplyConfig(const Config& config, OptionSet& set, GlobalOptions& options);
+
+/// What a running command needs of the outer world.
+struct Context {
+  const GlobalOptions& options;
+  Output& output;
+  const Config& config;
+};
+
+/// Brokers, credentials and TLS as the options, the environment and files say. May prompt for a
+/// password. Errors: ErrorKind::kUsage (also a profile whose broker somebody contradicts, and a
+/// login that is another broker's), kLedger (a password file that cannot be read).
+[[nodiscard]] Result<mqtt::ConnectOptions> ConnectOptionsOf(const Context& context);
+
+/// The file or the database that the options name. Errors: ErrorKind::kUsage (a URL that is none of
+/// PostgreSQL's, or holds a password), kLedger.
+[[nodiscard]] Result<std::unique_ptr<ledger::Ledger>> OpenLedger(const Context& context,
+                                                                 ledger::OpenMode mode);
+
+}  // namespace fleetpub::cli

@@ -1,0 +1,143 @@
+#include "cli/options/password.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/stat.h>
+#include <termios.h>
+#include <unistd.h>
+
+#include <array>
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
+
+#include "base/file.h"
+
+namespace fleetpub::cli {
+namespace {
+
+constexpr const char* kCredential = "fleetpub.password";
+constexpr const char* kLedgerCredential = "fleetpub.ledger_password";
+constexpr std::size_t kLongestPassword = 65'535;  // MQTT §3.1.3.5
+
+// Switches the terminal's echo off while it lives.
+class SilentTerminal {
+ public:
+  explicit SilentTerminal(int descriptor) : descriptor_(descriptor) {
+    if (tcgetattr(descriptor_, &before_) != 0) return;
+    termios silent = before_;
+    silent.c_lflag &= ~static_cast<tcflag_t>(ECHO);
+    changed_ = tcsetattr(descriptor_, TCSAFLUSH, &silent) == 0;
+  }
+  SilentTerminal(const SilentTerminal&) = delete;
+  SilentTerminal& operator=(const SilentTerminal&) = delete;
+  ~SilentTerminal() {
+    if (changed_) tcsetattr(descriptor_, TCSAFLUSH, &before_);
+  }
+
+ private:
+  int descriptor_;
+  bool changed_ = false;
+  termios before_{};
+};
+
+std::string FirstLine(std::string text) {
+  text.resize(std::min(text.find('\n'), text.size()));
+  if (text.ends_with('\r')) text.pop_back();
+  return text;
+}
+
+std::string ReadLine(int descriptor) {
+  std::string line;
+  char c = 0;
+  while (line.size() < kLongestPassword && read(descriptor, &c, 1) == 1 && c != '\n') line += c;
+  return line;
+}
+
+Result<std::string> Prompt() {
+  const int terminal = open("/dev/tty", O_RDWR | O_CLOEXEC);
+  if (terminal < 0) {
+    return Fail(ErrorKind::kUsage,
+                "--ask-password needs a terminal: without one use "
+                "--password-file or FLEETPUB_PASSWORD");
+  }
+  constexpr std::string_view kQuestion = "Password: ";
+  std::string password;
+  {
+    const SilentTerminal silent(terminal);
+    if (write(terminal, kQuestion.data(), kQuestion.size()) > 0) password = ReadLine(terminal);
+    if (write(terminal, "\n", 1) != 1) password.clear();
+  }
+  close(terminal);
+  return password;
+}
+
+std::optional<std::string> FromEnvironment() {
+  const char* value = std::getenv("FLEETPUB_PASSWORD");
+  if (value == nullptr) return std::nullopt;
+  std::string password = value;
+  ForgetVariable("FLEETPUB_PASSWORD");
+  return password;
+}
+
+std::optional<std::string> SystemdCredential(const char* name) {
+  const char* folder = std::getenv("CREDENTIALS_DIRECTORY");
+  if (folder == nullptr) return std::nullopt;
+  const std::filesystem::path file = std::filesystem::path(folder) / name;
+  std::error_code ignored;
+  if (!std::filesystem::exists(file, ignored)) return std::nullopt;
+  return file.string();
+}
+
+}  // namespace
+
+void ForgetVariable(const char* name) {
+  char* const value = std::getenv(name);
+  if (value == nullptr) return;
+  explicit_bzero(value, std::strlen(value));
+  unsetenv(name);
+}
+
+bool HasPasswordInEnvironment() {
+  return std::getenv("FLEETPUB_PASSWORD") != nullptr || SystemdCredential(kCredential);
+}
+
+Result<std::string> ReadPasswordFile(const std::string& path, Output& output) {
+  auto content = base::ReadFile(path, kLongestPassword + 2);
+  if (!content) return content;
+  struct stat status {};
+  if (stat(path.c_str(), &status) == 0 && S_ISREG(status.st_mode) &&
+      (status.st_mode & (S_IRGRP | S_IROTH)) != 0) {
+    output.Warn(fmt::format("{} can be read by others: chmod 600 {}", path, path));
+  }
+  return FirstLine(std::move(*content));
+}
+
+Result<std::optional<std::string>> FindLedgerPassword(Output& output) {
+  const auto file = SystemdCredential(kLedgerCredential);
+  if (!file || std::getenv("PGPASSWORD") != nullptr) return std::optional<std::string>();
+  auto password = ReadPasswordFile(*file, output);
+  if (!password) return Fail(std::move(password.error()));
+  return std::move(*password);
+}
+
+Result<std::optional<std::string>> FindPassword(const Context& context) {
+  const GlobalOptions& options = context.options;
+  std::optional<std::string> from_environment = FromEnvironment();
+  if (options.ask_password) {
+    auto password = Prompt();
+    if (!password) return Fail(std::move(password.error()));
+    return std::move(*password);
+  }
+  std::string file = options.password_file;
+  if (file.empty()) {
+    if (from_environment) return from_environment;
+    file = SystemdCredential(kCredential).value_or("");
+  }
+  if (file.empty()) return std::optional<std::string>();
+  auto password = ReadPasswordFile(file, context.output);
+  if (!password) return Fail(std::move(password.error()));
+  return std::move(*password);
+}
+
+}  // namespace fleetpub::cli

@@ -1,0 +1,32 @@
+// Where passwords come from: never from the argument list, which every user of the machine can
+// read.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "base/result.h"
+#include "cli/options/global_options.h"
+
+namespace fleetpub::cli {
+
+/// The first of: the prompt of --ask-password, --password-file, FLEETPUB_PASSWORD (removed from the
+/// environment once read), the systemd credential `fleetpub.password`. Nothing when there is none.
+[[nodiscard]] Result<std::optional<std::string>> FindPassword(const Context& context);
+
+/// Takes a variable out of the environment and out of memory, where /proc shows it to the same
+/// user.
+void ForgetVariable(const char* name);
+
+/// Whether the environment brings a password: FLEETPUB_PASSWORD or a systemd credential. It goes
+/// before the configuration's password_file, as the environment goes before the configuration.
+[[nodiscard]] bool HasPasswordInEnvironment();
+
+/// The systemd credential `fleetpub.ledger_password`, unless PGPASSWORD says otherwise; nothing:
+/// libpq finds it. Errors: ErrorKind::kLedger.
+[[nodiscard]] Result<std::optional<std::string>> FindLedgerPassword(Output& output);
+
+/// The file's first line. Warns when others may read the file. Errors: ErrorKind::kLedger.
+[[nodiscard]] Result<std::string> ReadPasswordFile(const std::string& path, Output& output);
+
+}  // namespace fleetpub::cli

@@ -1,0 +1,54 @@
+// The options of everything that speaks VDA 5050: which version, how the robot's topics and header
+// look.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/result.h"
+#include "vda5050/messages/instant_actions.h"
+
+namespace fleetpub::cli {
+
+class OptionSet;
+
+struct VdaOptions {
+  std::string version;  ///< empty: 3.0.0, assumed; `auto`: as each robot's own messages say
+  std::string interface_name;
+  std::string topic_template;
+  std::string actions_key;
+  std::string header_version;
+  std::string header_manufacturer;
+  std::string header_serial;
+
+  [[nodiscard]] bool IsAutomatic() const { return version == "auto"; }
+};
+
+/// What one instant action may be given on the command line, besides its parameters.
+struct InstantOptions {
+  std::vector<std::string> assignments;  ///< `-P`
+  std::optional<std::string> id;
+  std::string descriptor;
+  std::string blocking_type;
+  std::string header_id;
+  VdaOptions vda;
+};
+
+void DeclareVdaOptions(OptionSet& set, VdaOptions& options);
+void DeclareInstantOptions(OptionSet& set, InstantOptions& options);
+
+[[nodiscard]] Result<vda5050::Dialect> DialectOf(const VdaOptions& options);
+
+/// The action that the options describe, without an id when none was given. `targets` is how many
+/// robots get it.
+[[nodiscard]] Result<vda5050::InstantAction> ActionOf(const InstantOptions& options,
+                                                      std::string_view type,
+                                                      std::vector<vda5050::Parameter> parameters,
+                                                      std::size_t targets);
+
+/// `--header-id`; nothing when it was not given.
+[[nodiscard]] Result<std::optional<std::uint32_t>> HeaderIdOf(const std::string& text);
+
+}  // namespace fleetpub::cli

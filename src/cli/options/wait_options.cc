@@ -1,0 +1,84 @@
+#include "cli/options/wait_options.h"
+
+#include <fmt/format.h>
+
+#include "base/text.h"
+#include "base/time.h"
+#include "cli/listening.h"
+#include "cli/parser/option_set.h"
+
+namespace fleetpub::cli {
+namespace {
+
+constexpr const char* kWaiting = "Waiting";
+
+Result<std::optional<vda5050::WaitFor>> WaitForOf(const WaitingOptions& options) {
+  using Result = fleetpub::Result<std::optional<vda5050::WaitFor>>;
+  if (options.wait_for.empty()) {
+    return options.wait ? Result(vda5050::WaitFor::kFinished) : Result(std::nullopt);
+  }
+  if (base::EqualsIgnoringCase(options.wait_for, "finished")) return vda5050::WaitFor::kFinished;
+  if (base::EqualsIgnoringCase(options.wait_for, "accepted")) return vda5050::WaitFor::kAccepted;
+  return Fail(ErrorKind::kUsage, fmt::format("--wait-for takes accepted or finished, not '{}'",
+                                             base::Printable(options.wait_for)));
+}
+
+}  // namespace
+
+void DeclareWaitOptions(OptionSet& set, WaitingOptions& options) {
+  set.AddFlag("-w,--wait", options.wait, "Wait until the robot says so (--wait-for)")
+      .Group(kWaiting);
+  set.AddOption(
+         "--wait-for", options.wait_for,
+         "accepted: the robot lists it; finished: it is done [orders: accepted, else finished]")
+      .Type("END")
+      .Group(kWaiting);
+  set.AddOption("-W,--timeout", options.timeout,
+                "How long to wait in total [35s to be seen, then 10m]")
+      .Type("TIME")
+      .Group(kWaiting);
+}
+
+void DeclareWaitingOptions(OptionSet& set, WaitingOptions& options) {
+  DeclareWaitOptions(set, options);
+  set.AddOption("--resend", options.resend,
+                "Send again up to N times what no robot has seen, with the same actionId [0]")
+      .Type("N")
+      .InRange(0, 100)
+      .Group(kWaiting);
+  set.AddFlag("--check", options.check,
+              "Look first whether the robot is online and supports the action [with --wait]")
+      .Group(kWaiting);
+  set.AddFlag("--no-check", options.no_check, "Send without looking").Group(kWaiting);
+  set.AddOption("--discover", options.discover,
+                "Silence in ms after which a retained message is not there [300]")
+      .Type("MS")
+      .Group(kWaiting);
+}
+
+Result<Waiting> WaitingOf(const WaitingOptions& options) {
+  Waiting waiting;
+  const auto wait_for = WaitForOf(options);
+  if (!wait_for) return Fail(wait_for.error());
+  waiting.wait_for = *wait_for;
+  if (!waiting.wait_for && (!options.timeout.empty() || options.resend > 0)) {
+    return Fail(ErrorKind::kUsage, "--timeout and --resend belong to waiting: add --wait");
+  }
+  if (!options.timeout.empty()) {
+    const auto total = base::ParseDuration(options.timeout);
+    if (!total) return Fail(total.error());
+    waiting.wait.total = *total;
+  }
+  waiting.wait.resend = options.resend;
+  if (options.check && options.no_check) {
+    return Fail(ErrorKind::kUsage, "--check and --no-check exclude each other");
+  }
+  waiting.check = options.check || (waiting.wait_for && !options.no_check);
+  waiting.no_check = options.no_check;
+  const auto discover = DiscoverOf(options.discover);
+  if (!discover) return Fail(discover.error());
+  waiting.discover = *discover;
+  return waiting;
+}
+
+}  // namespace fleetpub::cli

@@ -1,0 +1,49 @@
+#include "cli/output/dry_run.h"
+
+#include <fmt/format.h>
+
+#include <utility>
+
+#include "delivery/send.h"
+
+namespace fleetpub::cli {
+
+Result<DryRun> DryRun::Open(const Context& context) {
+  auto ledger = OpenLedger(context, ledger::OpenMode::kReadOnly);
+  if (!ledger) return Fail(std::move(ledger.error()));
+  return DryRun(std::move(*ledger));
+}
+
+DryRun::DryRun(std::unique_ptr<ledger::Ledger> ledger) : ledger_(std::move(ledger)) {}
+
+Result<delivery::Report> DryRun::Report(const delivery::Command& command) {
+  delivery::Report report = delivery::ReportOn(command);
+  report.status = delivery::CommandStatus::kDryRun;
+  if (command.payload.counted) {
+    const auto id = NextId(command);
+    if (!id) return Fail(id.error());
+    report.header_id = *id;
+  }
+  report.payload =
+      command.payload.Render(report.header_id.value_or(0), base::WallTime::clock::now());
+  return report;
+}
+
+Result<std::uint32_t> DryRun::NextId(const delivery::Command& command) {
+  auto found = next_ids_.find(command.topic);
+  if (found == next_ids_.end()) {
+    auto next = ledger_->PeekNext(command.topic);
+    if (!next) return next;
+    found = next_ids_.emplace(command.topic, *next).first;
+  }
+  if (!command.header_id) return found->second++;
+  if (*command.header_id < found->second) {
+    return Fail(ErrorKind::kUsage,
+                fmt::format("--header-id {} is not above the last one on {}: the next is {}",
+                            *command.header_id, command.topic, found->second));
+  }
+  found->second = *command.header_id + 1;
+  return *command.header_id;
+}
+
+}  // namespace fleetpub::cli

@@ -1,0 +1,33 @@
+// What would be sent, with the header ids that would be next.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <string>
+
+#include "base/result.h"
+#include "cli/options/global_options.h"
+#include "message/command.h"
+#include "message/report.h"
+
+namespace fleetpub::cli {
+
+class DryRun {
+ public:
+  /// Reads the ledger, if there is one.
+  [[nodiscard]] static Result<DryRun> Open(const Context& context);
+
+  /// As of now; the topic's next command would get the id behind this one's. Errors:
+  /// ErrorKind::kUsage (an id asked for that is not above the last one), kLedger.
+  [[nodiscard]] Result<delivery::Report> Report(const delivery::Command& command);
+
+ private:
+  explicit DryRun(std::unique_ptr<ledger::Ledger> ledger);
+  [[nodiscard]] Result<std::uint32_t> NextId(const delivery::Command& command);
+
+  std::unique_ptr<ledger::Ledger> ledger_;
+  std::map<std::string, std::uint32_t> next_ids_;  // by topic
+};
+
+}  // namespace fleetpub::cli

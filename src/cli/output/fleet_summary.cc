@@ -1,0 +1,147 @@
+#include "cli/output/fleet_summary.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "base/json.h"
+#include "base/text.h"
+#include "base/time.h"
+
+namespace fleetpub::cli {
+namespace {
+
+using delivery::CommandStatus;
+using Fate = FleetSummary::Fate;
+using std::chrono::milliseconds;
+using std::chrono::nanoseconds;
+using std::chrono::steady_clock;
+
+constexpr std::size_t kNamed = 50;
+constexpr std::size_t kSlowNamed = 5;
+
+// In the order of FleetSummary::Fate.
+constexpr std::array<std::string_view, FleetSummary::kFates> kFateNames = {
+    "finished", "sent", "failed", "silent", "offline", "refused", "errors"};
+
+std::string SecondsJson(nanoseconds elapsed) {
+  return fmt::format("{:.3f}", static_cast<double>(elapsed.count()) / 1e6);
+}
+
+}  // namespace
+
+FleetSummary::Fate FleetSummary::FateOf(CommandStatus status) {
+  switch (status) {
+    case CommandStatus::kAccepted:
+    case CommandStatus::kFinished:
+      return Fate::kFinished;
+    case CommandStatus::kDryRun:
+    case CommandStatus::kSent:
+    case CommandStatus::kPublished:
+      return Fate::kSent;
+    case CommandStatus::kFailed:
+    case CommandStatus::kRejected:
+    case CommandStatus::kRetriable:
+    case CommandStatus::kVanished:
+      return Fate::kFailed;
+    case CommandStatus::kTimeout:
+      return Fate::kSilent;
+    case CommandStatus::kOffline:
+      return Fate::kOffline;
+    case CommandStatus::kRefused:
+    case CommandStatus::kInvalid:
+      return Fate::kRefused;
+    case CommandStatus::kError:
+      return Fate::kError;
+  }
+  return Fate::kError;
+}
+
+void FleetSummary::Add(const delivery::Report& report) {
+  const Fate fate = FateOf(report.status);
+  const auto index = static_cast<std::size_t>(fate);
+  ++counts_[index];
+  elapsed_.push_back(std::chrono::duration<float>(report.elapsed).count());
+  if (fate == Fate::kFinished) {
+    const auto place = std::find_if(slowest_.begin(), slowest_.end(),
+                                    [&](const Slow& slow) { return slow.first < report.elapsed; });
+    slowest_.insert(place, {report.elapsed, report.target});
+    if (slowest_.size() > kSlowNamed) slowest_.pop_back();
+  } else if (fate != Fate::kSent && names_[index].size() < kNamed) {
+    names_[index].push_back(report.target);
+  }
+}
+
+std::string FleetSummary::Counts() const {
+  std::vector<std::string> parts;
+  for (std::size_t i = 0; i < kFates; ++i) {
+    if (counts_[i] > 0) parts.push_back(fmt::format("{} {}", counts_[i], kFateNames[i]));
+  }
+  return base::Join(parts, ", ");
+}
+
+std::vector<FleetSummary::Slow> FleetSummary::TheSlow() const {
+  std::vector<float> sorted = elapsed_;
+  if (sorted.empty()) return {};
+  const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
+  std::nth_element(sorted.begin(), middle, sorted.end());
+  const float limit = std::max(1.0F, 3 * *middle);
+  std::vector<Slow> slow = slowest_;
+  std::erase_if(slow, [&](const Slow& one) {
+    return std::chrono::duration<float>(one.first).count() < limit;
+  });
+  return slow;
+}
+
+std::vector<std::string> FleetSummary::Lines(nanoseconds elapsed) const {
+  std::vector<std::string> lines = {fmt::format("{} robot{}: {}  {}", robots(),
+                                                robots() == 1 ? "" : "s", Counts(),
+                                                base::FormatElapsed(elapsed))};
+  for (std::size_t i = 0; i < kFates; ++i) {
+    if (names_[i].empty()) continue;
+    std::vector<std::string> names;
+    for (const std::string& name : names_[i]) names.push_back(base::Printable(name));
+    std::sort(names.begin(), names.end());
+    const std::size_t more = counts_[i] - names.size();
+    lines.push_back(fmt::format("  {:<8} {}{}", kFateNames[i], base::Join(names, ", "),
+                                more > 0 ? fmt::format(" and {} more", more) : ""));
+  }
+  std::vector<std::string> slow;
+  for (const auto& [took, name] : TheSlow()) {
+    slow.push_back(fmt::format("{} {}", base::Printable(name), base::FormatElapsed(took)));
+  }
+  if (!slow.empty()) lines.push_back(fmt::format("  {:<8} {}", "slow", base::Join(slow, ", ")));
+  return lines;
+}
+
+std::string FleetSummary::Json(nanoseconds elapsed, ExitCode code) const {
+  std::string json = fmt::format(R"({{"summary":{{"robots":{})", robots());
+  for (std::size_t i = 0; i < kFates; ++i) {
+    json += fmt::format(R"(,"{}":{})", kFateNames[i], counts_[i]);
+  }
+  std::vector<std::string> slow;
+  for (const auto& [took, name] : TheSlow()) {
+    slow.push_back(fmt::format(R"({{"target":{},"elapsedMs":{}}})", base::JsonString(name),
+                               SecondsJson(took)));
+  }
+  return json + fmt::format(R"(,"slow":[{}],"elapsedMs":{},"exitCode":{}}}}})",
+                            base::Join(slow, ","), SecondsJson(elapsed), static_cast<int>(code));
+}
+
+ProgressBar::ProgressBar(std::size_t total, Output& output)
+    : output_(output),
+      total_(total),
+      possible_(output.CanPass()),
+      next_(steady_clock::now() + milliseconds(500)) {}
+
+void ProgressBar::Draw(const FleetSummary& summary) {
+  const auto now = steady_clock::now();
+  if (!possible_ || now < next_) return;
+  next_ = now + milliseconds(100);
+  constexpr std::size_t kWidth = 24;
+  const std::size_t done = total_ == 0 ? kWidth : summary.robots() * kWidth / total_;
+  output_.Pass(fmt::format("[{:<{}}] {} of {}  {}", std::string(std::min(done, kWidth), '='),
+                           kWidth, summary.robots(), total_, summary.Counts()));
+}
+
+}  // namespace fleetpub::cli

@@ -1,0 +1,168 @@
+#include "cli/output/fleet_table.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <optional>
+
+#include "base/json.h"
+#include "base/text.h"
+
+namespace fleetpub::cli {
+namespace {
+
+using base::JsonString;
+using vda5050::RobotState;
+using vda5050::RobotView;
+using vda5050::Shown;
+
+constexpr std::string_view kUnknown = "-";
+constexpr std::size_t kLongestText = 40;  // of what a robot may write at any length
+
+std::string TextOr(std::string_view text, std::string_view otherwise) {
+  return text.empty() ? std::string(otherwise) : Shown(text, kLongestText);
+}
+
+Cell Target(const RobotView& robot) { return {base::Printable(robot.robot.ToString())}; }
+
+Cell VersionOf(const RobotView& robot) {
+  if (robot.version) return {std::string(vda5050::FactsOf(*robot.version).name)};
+  return {TextOr(robot.header_version, kUnknown)};
+}
+
+Cell Connection(const RobotView& robot) {
+  const bool is_known = !robot.connection_state.empty();
+  const Tone tone = !is_known ? Tone::kPlain : robot.IsOnline() ? Tone::kGood : Tone::kBad;
+  return {TextOr(robot.connection_state, kUnknown), tone};
+}
+
+Cell Since(const RobotView& robot, base::WallTime now) {
+  const auto time = base::ParseDateTime(robot.connection_timestamp);
+  if (!time) return {std::string(kUnknown)};
+  return {AgeText(std::max(now - *time, std::chrono::system_clock::duration::zero()))};
+}
+
+Cell Mode(const RobotView& robot) {
+  return {TextOr(robot.state ? robot.state->operating_mode : "", kUnknown)};
+}
+
+std::string YesNo(const std::optional<bool>& value) {
+  return !value ? std::string(kUnknown) : *value ? "yes" : "no";
+}
+
+Cell Driving(const RobotView& robot) {
+  return {YesNo(robot.state ? robot.state->driving : std::nullopt)};
+}
+
+Cell Paused(const RobotView& robot) {
+  return {YesNo(robot.state ? robot.state->paused : std::nullopt)};
+}
+
+Cell Battery(const RobotView& robot) {
+  const auto charge = robot.state ? robot.state->battery_charge : std::nullopt;
+  std::string text = charge ? fmt::format("{:.0f}%", *charge) : std::string(kUnknown);
+  if (robot.state && robot.state->charging == true) text += " charging";
+  return {text};
+}
+
+Cell Order(const RobotView& robot) {
+  return {robot.state ? TextOr(robot.state->order_id, "none") : std::string(kUnknown)};
+}
+
+Cell Errors(const RobotView& robot) {
+  if (!robot.state) return {std::string(kUnknown)};
+  const vda5050::RobotError* worst = vda5050::WorstError(robot.state->errors);
+  if (worst == nullptr) return {"0"};
+  return {fmt::format("{} {}", robot.state->errors.size(), TextOr(worst->level, kUnknown)),
+          Tone::kBad};
+}
+
+std::string TextOrNull(std::string_view text) { return text.empty() ? "null" : JsonString(text); }
+
+std::string TruthOrNull(const std::optional<bool>& value) {
+  return value ? fmt::format("{}", *value) : "null";
+}
+
+std::string ErrorsJson(const std::vector<vda5050::RobotError>& errors) {
+  std::string json;
+  for (const vda5050::RobotError& error : errors) {
+    json += fmt::format(R"({}{{"errorType":{},"errorLevel":{},"errorDescription":{}}})",
+                        json.empty() ? "" : ",", JsonString(error.type), JsonString(error.level),
+                        JsonString(error.description));
+  }
+  return "[" + json + "]";
+}
+
+std::string StateJson(const std::optional<RobotState>& state) {
+  if (!state) {
+    return R"("operatingMode":null,"driving":null,"paused":null,"batteryCharge":null,)"
+           R"("charging":null,"orderId":null,"errors":null)";
+  }
+  return fmt::format(
+      R"("operatingMode":{},"driving":{},"paused":{},"batteryCharge":{},"charging":{},)"
+      R"("orderId":{},"errors":{})",
+      TextOrNull(state->operating_mode), TruthOrNull(state->driving), TruthOrNull(state->paused),
+      state->battery_charge ? fmt::format("{}", *state->battery_charge) : "null",
+      TruthOrNull(state->charging), JsonString(state->order_id), ErrorsJson(state->errors));
+}
+
+}  // namespace
+
+std::span<const Column> FleetColumns() {
+  // What an operator can do without comes last: eighty columns show the rest.
+  static constexpr std::array kColumns = {Column{.name = "TARGET", .least = 16},
+                                          Column{.name = "VERSION", .rank = 6},
+                                          Column{.name = "CONNECTION"},
+                                          Column{.name = "SINCE", .rank = 7},
+                                          Column{.name = "MODE", .rank = 3, .least = 10},
+                                          Column{.name = "DRIVING", .rank = 5},
+                                          Column{.name = "PAUSED", .rank = 1},
+                                          Column{.name = "BATTERY", .rank = 2},
+                                          Column{.name = "ORDER", .rank = 4, .least = 12},
+                                          Column{.name = "ERRORS"}};
+  return kColumns;
+}
+
+Row FleetRow(const RobotView& robot, base::WallTime now) {
+  return {Target(robot),  VersionOf(robot), Connection(robot), Since(robot, now), Mode(robot),
+          Driving(robot), Paused(robot),    Battery(robot),    Order(robot),      Errors(robot)};
+}
+
+std::string FleetLine(const RobotView& robot, const Output& output) {
+  const Cell connection = Connection(robot);
+  const Cell errors = Errors(robot);
+  return fmt::format("{}  {}  {}  {}  driving {}  paused {}  battery {}  order {}  errors {}",
+                     Target(robot).text, VersionOf(robot).text,
+                     output.Toned(connection.tone, connection.text), Mode(robot).text,
+                     Driving(robot).text, Paused(robot).text, Battery(robot).text,
+                     Order(robot).text, output.Toned(errors.tone, errors.text));
+}
+
+std::string FleetJson(const RobotView& robot) {
+  const std::string_view version =
+      robot.version ? vda5050::FactsOf(*robot.version).name : std::string_view();
+  return fmt::format(
+      R"("target":{},"manufacturer":{},"serialNumber":{},"version":{},"headerVersion":{},)"
+      R"("interface":{},"topicLevel":{},"connectionState":{},"connectionTimestamp":{},{})",
+      JsonString(robot.robot.ToString()), JsonString(robot.robot.manufacturer),
+      JsonString(robot.robot.serial_number), TextOrNull(version), TextOrNull(robot.header_version),
+      TextOrNull(robot.interface_name), TextOrNull(robot.topic_level),
+      TextOrNull(robot.connection_state), TextOrNull(robot.connection_timestamp),
+      StateJson(robot.state));
+}
+
+std::string AgeText(std::chrono::nanoseconds age) {
+  struct Unit {
+    std::chrono::seconds length;
+    const char* name;
+  };
+  constexpr std::array kUnits = {Unit{std::chrono::days(1), "d"}, Unit{std::chrono::hours(1), "h"},
+                                 Unit{std::chrono::minutes(1), "min"}};
+  for (const auto& [length, name] : kUnits) {
+    if (age >= length) return fmt::format("{} {}", age / length, name);
+  }
+  return fmt::format("{} s", age / std::chrono::seconds(1));
+}
+
+}  // namespace fleetpub::cli

@@ -1,0 +1,92 @@
+// What a person or a script gets to see. Results go to standard output, everything else to standard
+// error.
+#pragma once
+
+#include <cstddef>
+#include <cstdio>
+#include <string>
+#include <string_view>
+
+#include "base/result.h"
+#include "message/report.h"
+
+namespace fleetpub::cli {
+
+enum class Format { kText, kJson };
+
+/// What a word means, as its colour tells on a terminal.
+enum class Tone { kPlain, kGood, kBad, kDim };
+
+/// Unlike fmt::print() it does not throw when nothing can be written; of standard output
+/// Output::Flush() tells.
+void Print(std::FILE* stream, std::string_view text);
+
+/// The columns of the terminal behind a descriptor; without limit when it is none.
+[[nodiscard]] std::size_t TerminalWidth(int descriptor);
+
+class Output {
+ public:
+  struct Settings {
+    Format format = Format::kText;
+    bool quiet = false;    ///< no result lines in text format, no warnings
+    bool verbose = false;  ///< the details of errors, and what is done
+  };
+
+  explicit Output(Settings settings);
+
+  [[nodiscard]] Format format() const { return settings_.format; }
+  [[nodiscard]] bool json() const { return settings_.format == Format::kJson; }
+  [[nodiscard]] bool verbose() const { return settings_.verbose; }
+  [[nodiscard]] bool quiet() const { return settings_.quiet; }
+
+  /// A line of results on standard output.
+  void Line(std::string_view text);
+  /// The same, of JSON in either format: with nothing in it that a person would not see.
+  void JsonLine(std::string_view json);
+  /// The same when it is only for people: suppressed by `--quiet`.
+  void PeopleLine(std::string_view text);
+
+  void Warn(std::string_view text);
+  /// What happens meanwhile; on standard error, suppressed by `--quiet`.
+  void Tell(std::string_view text);
+  void Note(std::string_view text);  ///< with `--verbose` only
+  void Trace(std::string_view line);
+  void Complain(const Error& error);
+
+  /// Whether there is anyone to see a passing line: standard error is a terminal, and standard
+  /// output no pipe, whose other end may write to the same terminal at any time.
+  [[nodiscard]] bool CanPass() const;
+  /// A line on standard error that the next one replaces, such as a progress bar, no wider than the
+  /// terminal. It is cleared before anything else is written.
+  void Pass(std::string_view text);
+  void ClearPassing();
+  /// Whether one is shown. Safe in a signal handler.
+  [[nodiscard]] static bool HasPassing();
+
+  /// The text in colour when standard output is a terminal and NO_COLOR is not set.
+  [[nodiscard]] std::string Toned(Tone tone, std::string_view text) const;
+
+  /// Remembers that a command has left: from now on trouble with files changes no exit code.
+  void SomethingWasSent() { something_was_sent_ = true; }
+  [[nodiscard]] bool something_was_sent() const { return something_was_sent_; }
+
+  /// Shows what is buffered to whoever watches, without looking for errors.
+  static void FlushNow();
+
+  /// Writes out what is buffered. Nothing could be written (a full disk, a closed pipe): an error.
+  [[nodiscard]] Status Flush();
+
+ private:
+  Settings settings_;
+  bool colour_;
+  bool something_was_sent_ = false;
+};
+
+/// One result line for a person. `target_width` aligns several.
+[[nodiscard]] std::string ReportText(const delivery::Report& report, std::size_t target_width,
+                                     const Output& output);
+
+/// One result object (docs/manual.md, "JSON").
+[[nodiscard]] std::string ReportJson(const delivery::Report& report);
+
+}  // namespace fleetpub::cli

@@ -1,0 +1,25 @@
+#include "cli/output/reporter.h"
+
+#include <algorithm>
+
+#include "base/text.h"
+#include "base/width.h"
+
+namespace fleetpub::cli {
+
+void Reporter::Fit(const std::string& target) {
+  width_ = std::max(width_, base::WidthOf(base::Printable(target)));
+}
+
+void Reporter::Show(const delivery::Report& report) {
+  worst_ = Worse(worst_, CodeOf(report));
+  if (output_.json()) {
+    output_.Line(ReportJson(report));
+  } else if (report.error) {
+    output_.Line(ReportText(report, width_, output_));
+  } else {
+    output_.PeopleLine(ReportText(report, width_, output_));
+  }
+}
+
+}  // namespace fleetpub::cli

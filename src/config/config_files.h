@@ -1,0 +1,36 @@
+// Where configuration files are, and how they are read.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "base/result.h"
+#include "config/config.h"
+
+namespace fleetpub::cli {
+
+inline constexpr const char* kHostConfigFile = "/etc/fleetpub/config.toml";
+
+/// $HOME, else what the account says; empty: the user has none.
+[[nodiscard]] std::filesystem::path HomeFolder();
+
+/// $XDG_CONFIG_HOME/fleetpub/config.toml, else ~/.config/fleetpub/config.toml; empty: the user has
+/// no home.
+[[nodiscard]] std::filesystem::path UserConfigFile();
+
+enum class Missing { kIsAllowed, kIsAnError };
+
+/// Reads these files, later ones over earlier ones. Errors: ErrorKind::kUsage, with the place when
+/// there is one: a file that cannot be read, that everybody may write, or that is wrong.
+[[nodiscard]] Result<Config> LoadConfigFiles(std::span<const std::filesystem::path> files,
+                                             Missing missing,
+                                             const std::optional<std::string>& profile);
+
+/// The `file` (of --config), else the host's and the user's, which need not be there.
+[[nodiscard]] Result<Config> LoadConfig(const std::optional<std::string>& file,
+                                        const std::optional<std::string>& profile);
+
+}  // namespace fleetpub::cli

@@ -1,0 +1,296 @@
+// Reads one configuration file strictly: what is not understood is refused with its place, since a
+// misspelt key would otherwise be a setting that silently does not hold.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+
+#include "base/text.h"
+#include "config/config.h"
+#include "config/config_files.h"
+#include "config/config_settings.h"
+#include "config/toml_text.h"
+
+namespace fleetpub::cli {
+namespace {
+
+using Type = TomlValue::Type;
+
+constexpr std::string_view kAllowInsecure = "allow_insecure";
+
+std::string_view NameOf(Type type) {
+  switch (type) {
+    case Type::kText:
+      return "a text";
+    case Type::kInteger:
+    case Type::kNumber:
+      return "a number";
+    case Type::kBoolean:
+      return "true or false";
+    case Type::kTime:
+      return "a date or time";
+    case Type::kArray:
+      return "a list";
+    case Type::kTable:
+      return "a table";
+  }
+  return "something else";
+}
+
+std::string_view Wanted(SettingType type) {
+  switch (type) {
+    case SettingType::kText:
+    case SettingType::kPath:
+      return "a text in quotation marks";
+    case SettingType::kTexts:
+      return "a text in quotation marks or a list of such";
+    case SettingType::kFlag:
+      return "true or false";
+    case SettingType::kWhole:
+      return "a whole number";
+    case SettingType::kTextOrWhole:
+      return "a text in quotation marks or a whole number";
+  }
+  return "something else";
+}
+
+bool Suits(SettingType type, const TomlValue& value) {
+  switch (type) {
+    case SettingType::kText:
+    case SettingType::kPath:
+      return value.type == Type::kText;
+    case SettingType::kTexts:
+      return value.type == Type::kText ||
+             (value.type == Type::kArray && !value.items.empty() &&
+              std::all_of(value.items.begin(), value.items.end(),
+                          [](const TomlValue& item) { return item.type == Type::kText; }));
+    case SettingType::kFlag:
+      return value.type == Type::kBoolean;
+    case SettingType::kWhole:
+      return value.type == Type::kInteger;
+    case SettingType::kTextOrWhole:
+      return value.type == Type::kText || value.type == Type::kInteger;
+  }
+  return false;
+}
+
+bool IsSecret(std::string_view key) {
+  return key == "password" || key == "key_password" || key == "passwd" || key == "pass";
+}
+
+class Reader {
+ public:
+  Reader(const std::string& file, Config& config) : file_(file), config_(config) {}
+
+  Status Read(const TomlValue& document) {
+    ConfigSection own;
+    for (const TomlMember& member : document.members) {
+      Status ok;
+      if (member.name == "profile") {
+        ok = EachTable(member, [&](const TomlMember& m) { return ReadProfile(m); });
+      } else if (member.name == "robot") {
+        ok = EachTable(member, [&](const TomlMember& m) { return ReadRobot(m); });
+      } else if (member.name == "group") {
+        ok = ReadGroups(member);
+      } else if (member.name == "default_profile") {
+        ok = ReadDefaultProfile(member);
+      } else {
+        ok = ReadSetting(member, Settings(),
+                         {kAllowInsecure, "default_profile", "profile", "robot", "group"}, "", own);
+      }
+      if (!ok) return ok;
+    }
+    if (auto ok = CheckInsecure(own); !ok) return ok;
+    Lay(std::move(own), config_.settings);
+    return {};
+  }
+
+ private:
+  [[nodiscard]] ConfigPlace At(TomlPlace place) const { return {file_, place.line, place.column}; }
+
+  // A later file's keys go before an earlier one's.
+  static void Lay(ConfigSection over, ConfigSection& section) {
+    over.erase(std::string(kAllowInsecure));
+    for (auto& [key, value] : over) section.insert_or_assign(key, std::move(value));
+  }
+
+  template <typename Function>
+  Status EachTable(const TomlMember& tables, const Function& read) {
+    if (tables.value.type != Type::kTable) {
+      return Fail(ErrorAt(At(tables.place),
+                          fmt::format("{0} holds tables: write [{0}.NAME]", tables.name)));
+    }
+    for (const TomlMember& member : tables.value.members) {
+      if (member.value.type != Type::kTable) {
+        return Fail(
+            ErrorAt(At(member.place), fmt::format("{0}.{1} is a table: write [{0}.{1}]",
+                                                  tables.name, base::Printable(member.name))));
+      }
+      if (auto ok = read(member); !ok) return ok;
+    }
+    return {};
+  }
+
+  Status ReadSetting(const TomlMember& member, std::span<const Setting> known,
+                     std::vector<std::string_view> further, const std::string& profile,
+                     ConfigSection& section) {
+    const auto refuse = [&](std::string_view why) {
+      return Fail(
+          ErrorAt(At(member.place), fmt::format("{}: {}", base::Printable(member.name), why)));
+    };
+    if (member.name == kAllowInsecure && !further.empty()) {
+      if (!Suits(SettingType::kFlag, member.value)) return refuse("takes true or false");
+      section[member.name] = {{member.value.text}, At(member.place), profile};
+      return {};
+    }
+    const auto setting = std::find_if(known.begin(), known.end(),
+                                      [&](const Setting& s) { return s.key == member.name; });
+    if (setting == known.end()) {
+      if (IsSecret(member.name)) {
+        return refuse(
+            "a configuration file holds no password: put it into a file of its own "
+            "(chmod 600) and name that as password_file or key_password_file");
+      }
+      for (const Setting& s : known) further.push_back(s.key);
+      std::string name = member.name;
+      std::replace(name.begin(), name.end(), '-', '_');
+      const auto nearest = base::Nearest(name, further);
+      return refuse(nearest ? fmt::format("there is no such key: did you mean {}?", *nearest)
+                            : "there is no such key: fleetpub config init --stdout lists them");
+    }
+    if (!Suits(setting->type, member.value)) {
+      return refuse(fmt::format("takes {}, not {}", Wanted(setting->type),
+                                member.value.items.empty() && member.value.type == Type::kArray
+                                    ? "an empty list"
+                                    : NameOf(member.value.type)));
+    }
+    return Store(member, *setting, profile, section);
+  }
+
+  Status Store(const TomlMember& member, const Setting& setting, const std::string& profile,
+               ConfigSection& section) {
+    ConfigValue value{{}, At(member.place), profile};
+    const auto add = [&](const TomlValue& item) -> Status {
+      if (setting.check != nullptr) {
+        if (auto ok = setting.check(item.text); !ok) {
+          return Fail(
+              ErrorAt(At(item.place), fmt::format("{}: {}", setting.key, ok.error().message)));
+        }
+      }
+      value.texts.push_back(setting.type == SettingType::kPath ? PathOf(item.text) : item.text);
+      return {};
+    };
+    if (member.value.type == Type::kArray) {
+      for (const TomlValue& item : member.value.items) {
+        if (auto ok = add(item); !ok) return ok;
+      }
+    } else if (auto ok = add(member.value); !ok) {
+      return ok;
+    }
+    section[member.name] = std::move(value);
+    return {};
+  }
+
+  // Relative to the file, so that it means the same from every folder.
+  [[nodiscard]] std::string PathOf(const std::string& text) const {
+    if (text.empty() || text.find("://") != std::string::npos) return text;
+    if (text.starts_with("~/")) return (HomeFolder() / text.substr(2)).string();
+    return (std::filesystem::path(file_).parent_path() / text).string();
+  }
+
+  static Status CheckInsecure(const ConfigSection& section) {
+    const auto insecure = section.find("insecure");
+    if (insecure == section.end() || insecure->second.texts.front() != "true") return {};
+    const auto allowed = section.find(kAllowInsecure);
+    if (allowed != section.end() && allowed->second.texts.front() == "true") return {};
+    return Fail(ErrorAt(insecure->second.place,
+                        "insecure = true lets anyone be the broker, for everybody who uses this "
+                        "file: name the broker's authority as cafile, or write allow_insecure = "
+                        "true beside it"));
+  }
+
+  Status ReadDefaultProfile(const TomlMember& member) {
+    if (member.value.type != Type::kText) {
+      return Fail(ErrorAt(At(member.place), "default_profile: takes a text in quotation marks"));
+    }
+    config_.default_profile = {{member.value.text}, At(member.place), {}};
+    return {};
+  }
+
+  Status ReadProfile(const TomlMember& table) {
+    if (table.name.empty() || base::Printable(table.name) != table.name) {
+      return Fail(ErrorAt(At(table.place),
+                          "a profile's name is not empty and has no control "
+                          "character"));
+    }
+    ConfigSection own;
+    for (const TomlMember& member : table.value.members) {
+      auto ok = ReadSetting(member, Settings(), {kAllowInsecure}, table.name, own);
+      if (!ok) return ok;
+    }
+    if (auto ok = CheckInsecure(own); !ok) return ok;
+    Lay(std::move(own), config_.profiles[table.name]);
+    return {};
+  }
+
+  Status ReadRobot(const TomlMember& table) {
+    auto address = vda5050::ParseRobotAddress(table.name);
+    if (!address) {
+      return Fail(ErrorAt(
+          At(table.place),
+          fmt::format("{}: write [robot.\"manufacturer/serialNumber\"]", address.error().message)));
+    }
+    ConfigSection own;
+    for (const TomlMember& member : table.value.members) {
+      if (auto ok = ReadSetting(member, RobotSettings(), {}, "", own); !ok) return ok;
+    }
+    ConfiguredRobot& robot = config_.robots[*address];
+    robot.place = At(table.place);
+    Lay(std::move(own), robot.settings);
+    return {};
+  }
+
+  Status ReadGroups(const TomlMember& table) {
+    if (table.value.type != Type::kTable) {
+      return Fail(ErrorAt(At(table.place),
+                          "group is a table: write [group], and below it NAME = "
+                          "[\"KIT/0001\", \"alias\"]"));
+    }
+    for (const TomlMember& member : table.value.members) {
+      if (auto ok = CheckTargetName(member.name); !ok) {
+        return Fail(ErrorAt(At(member.place), ok.error().message));
+      }
+      if (member.value.type != Type::kArray || !Suits(SettingType::kTexts, member.value)) {
+        return Fail(ErrorAt(At(member.place),
+                            fmt::format("group {} takes a list of robots, at least one: [\"KIT/"
+                                        "0001\", \"alias\"]",
+                                        member.name)));
+      }
+      ConfiguredGroup group{At(member.place), {}};
+      for (const TomlValue& item : member.value.items) {
+        group.members.push_back({{item.text}, At(item.place), {}});
+      }
+      config_.groups.insert_or_assign(member.name, std::move(group));
+    }
+    return {};
+  }
+
+  const std::string& file_;
+  Config& config_;
+};
+
+}  // namespace
+
+Status ReadConfig(std::string_view text, const std::string& file, Config& config) {
+  const auto document = ParseToml(text);
+  if (!document) {
+    return Fail(ErrorKind::kUsage,
+                fmt::format("{}:{}", base::Printable(file), document.error().message),
+                document.error().detail);
+  }
+  config.files.push_back(file);
+  return Reader(file, config).Read(*document);
+}
+
+}  // namespace fleetpub::cli

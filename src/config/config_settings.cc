@@ -1,0 +1,135 @@
+#include "config/config_settings.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+
+#include "base/text.h"
+#include "base/time.h"
+#include "ledger/postgres/postgres_url.h"
+#include "mqtt/broker_url.h"
+#include "vda5050/model/version.h"
+
+namespace fleetpub::cli {
+namespace {
+
+template <std::size_t N>
+Status CheckOneOf(const std::array<std::string_view, N>& words, const std::string& value) {
+  if (std::find(words.begin(), words.end(), value) != words.end()) return {};
+  const std::vector<std::string> known(words.begin(), words.end());
+  return Fail(ErrorKind::kUsage,
+              fmt::format("takes {}, not '{}'", base::Join(known, ", "), base::Printable(value)));
+}
+
+Status CheckBroker(const std::string& value) {
+  if (auto url = mqtt::ParseBrokerUrl(value); !url) return Fail(std::move(url.error()));
+  return {};
+}
+
+Status CheckVda(const std::string& value) {
+  if (value == "auto") return {};
+  if (auto version = vda5050::ParseVersion(value); !version) return Fail(version.error());
+  return {};
+}
+
+Status CheckDuration(const std::string& value) {
+  if (auto time = base::ParseDuration(value); !time) return Fail(time.error());
+  return {};
+}
+
+// The password would stand in a file that is shared and copied.
+Status CheckProxy(const std::string& value) {
+  if (value.find('@') == std::string::npos) return {};
+  return Fail(ErrorKind::kUsage,
+              "a proxy's login does not stand in a configuration file: set FLEETPUB_PROXY");
+}
+
+Status CheckLedger(const std::string& value) {
+  return ledger::IsUrl(value) ? ledger::CheckPostgresUrl(value) : Status();
+}
+
+Status CheckOutput(const std::string& value) {
+  return CheckOneOf(std::to_array<std::string_view>({"text", "json"}), value);
+}
+
+Status CheckQos(const std::string& value) {
+  return CheckOneOf(std::to_array<std::string_view>({"0", "1", "2"}), value);
+}
+
+Status CheckMqttVersion(const std::string& value) {
+  return CheckOneOf(std::to_array<std::string_view>({"3.1.1", "5"}), value);
+}
+
+Status CheckStart(const std::string& value) {
+  return CheckOneOf(std::to_array<std::string_view>({"zero", "epoch"}), value);
+}
+
+Status CheckActionsKey(const std::string& value) {
+  return CheckOneOf(std::to_array<std::string_view>({"actions", "instantActions"}), value);
+}
+
+using enum SettingType;
+
+constexpr auto kSettings = std::to_array<Setting>({
+    {"broker", kTexts, "mqtt://localhost:1883", CheckBroker},
+    {"username", kText, ""},
+    {"password_file", kPath, ""},
+    {"client_id", kText, "a random one"},
+    {"keep_alive", kWhole, "60"},
+    {"mqtt_version", kTextOrWhole, "3.1.1", CheckMqttVersion},
+    {"user_property", kTexts, ""},
+    {"message_expiry", kText, "", CheckDuration},
+    {"connect_timeout", kText, "10s", CheckDuration},
+    {"proxy", kText, "", CheckProxy},
+    {"cafile", kPath, "the system's"},
+    {"capath", kPath, ""},
+    {"cert", kPath, ""},
+    {"key", kPath, ""},
+    {"key_password_file", kPath, ""},
+    {"ciphers", kText, "OpenSSL's"},
+    {"tls_alpn", kTexts, ""},
+    {"insecure", kFlag, "false"},
+    {"output", kText, "text", CheckOutput},
+    {"ledger", kPath, "see the manual, \"Files\"", CheckLedger},
+    {"no_history", kFlag, "false"},
+    {"header_id_start", kText, "zero", CheckStart},
+    {"schema_dir", kPath, ""},
+    {"qos", kWhole, "0", CheckQos},
+    {"vda", kText, "3.0.0, assumed", CheckVda},
+    {"interface", kText, "uagv up to 2.x, vda5050 from 3.0"},
+    {"topic_template", kText, "{interface}/{major}/{manufacturer}/{serial}/{topic}"},
+    {"soar_source", kText, "fleetpub"},
+    {"soar_prefix", kText, "soar"},
+});
+
+constexpr auto kRobotSettings = std::to_array<Setting>({
+    {"alias", kText, "", CheckTargetName},
+    {"vda", kText, "", CheckVda},
+    {"interface", kText, ""},
+    {"topic_template", kText, ""},
+    {"actions_key", kText, "", CheckActionsKey},
+    {"header_version", kText, ""},
+    {"header_manufacturer", kText, ""},
+    {"header_serial", kText, ""},
+});
+
+}  // namespace
+
+std::span<const Setting> Settings() { return kSettings; }
+
+std::span<const Setting> RobotSettings() { return kRobotSettings; }
+
+Status CheckTargetName(const std::string& name) {
+  constexpr std::string_view kRefused = "/+#$@*?,\"' ";
+  if (!name.empty() && name.front() != '-' && name.find_first_of(kRefused) == std::string::npos &&
+      base::Printable(name) == name) {
+    return {};
+  }
+  return Fail(ErrorKind::kUsage,
+              fmt::format("'{}' is no name for a target: it must not be empty, begin with - or "
+                          "contain a blank, a control character or one of / + # $ @ * ? , \" '",
+                          base::Printable(name)));
+}
+
+}  // namespace fleetpub::cli

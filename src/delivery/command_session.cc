@@ -1,0 +1,284 @@
+#include "delivery/command_session.h"
+
+#include <algorithm>
+#include <thread>
+#include <utility>
+
+namespace fleetpub::delivery {
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::seconds;
+using std::chrono::steady_clock;
+
+// So long a silence means that the answers to come take their time: more may be sent.
+constexpr milliseconds kQuiet{20};
+// A fleet that reports all the time is never silent.
+constexpr milliseconds kLongestPause{500};
+// Messages that are read before somebody else gets his turn.
+constexpr int kTurn = 100;
+// Before connecting again, between attempts, and for one attempt. Who lost the connection to a
+// client of the same id would throw that one out: by then a command has done its work. Two that
+// both wait do it ever more seldom; a connection that has lasted starts afresh.
+constexpr milliseconds kReconnectPause{500};
+constexpr milliseconds kLongestReconnectPause{5000};
+constexpr seconds kLasting{10};
+constexpr seconds kReconnectPatience{10};
+// So many subscriptions may stay behind commands that have ended. mosquitto goes through all of a
+// client's for each new one: without an end to them, the 100,000th robot costs it 100 µs alone.
+constexpr std::size_t kMostIdle = 5'000;
+
+}  // namespace
+
+Stream::Stream(std::unique_ptr<mqtt::Transport>& transport, ledger::Ledger& ledger,
+               const SendOptions& send, const WaitOptions& wait, SessionHooks hooks)
+    : transport_(transport),
+      ledger_(ledger),
+      send_(send),
+      resends_(wait.resend > 0),
+      hooks_(std::move(hooks)),
+      pending_(wait,
+               [this](PendingCommands::Key key, Report ended) {
+                 again_.erase(key);
+                 if (lost_ && ended.status == CommandStatus::kTimeout) {
+                   ended.message += "; the broker was out of reach at the end";
+                 }
+                 ended_.push_back(std::move(ended));
+               }),
+      pipeline_(ledger, send, hooks_.sent,
+                [this](PublishPipeline::Key first_key, BatchResult result) {
+                  Done(first_key, std::move(result));
+                }) {}
+
+Status Stream::Subscribe(std::span<const Command> commands) {
+  if (subscribed_.size() > pending_.topics() + kMostIdle) UnsubscribeIdle();
+  std::vector<std::string> topics;
+  for (const Command& command : commands) {
+    if (command.tracker == nullptr) continue;
+    for (std::string& topic : command.tracker->Topics()) {
+      if (!subscribed_.contains(topic)) topics.push_back(std::move(topic));
+    }
+  }
+  std::sort(topics.begin(), topics.end());
+  topics.erase(std::unique(topics.begin(), topics.end()), topics.end());
+  return SubscribeNew(std::move(topics));
+}
+
+// A connection that was lost shows itself again; a subscription that stays costs only time.
+void Stream::UnsubscribeIdle() {
+  if (lost_) return;
+  std::vector<std::string> idle;
+  std::erase_if(subscribed_, [&](const std::string& topic) {
+    const bool is_idle = !pending_.Follows(topic);
+    if (is_idle) idle.push_back(topic);
+    return is_idle;
+  });
+  static_cast<void>(transport_->Unsubscribe(idle, steady_clock::now() + send_.acknowledge_timeout));
+}
+
+Status Stream::SubscribeNew(std::vector<std::string> topics) {
+  if (topics.empty()) return {};
+  if (lost_) return Fail(*lost_);
+  auto subscribed = transport_->Subscribe(topics, mqtt::kListeningQos,
+                                          steady_clock::now() + send_.acknowledge_timeout);
+  if (!subscribed) return subscribed;
+  for (std::string& topic : topics) subscribed_.insert(std::move(topic));
+  return {};
+}
+
+Status Stream::Send(std::span<const Command> commands, More more) {
+  auto sent = Subscribe(commands);
+  if (sent) {
+    sent = SendBatch(commands, more);
+  } else if (commands.size() > 1 && !lost_) {
+    return SendOneByOne(commands);  // one robot's topics may be forbidden, another's not
+  } else {
+    ReportNotSent(commands, sent.error(), hooks_.report);
+  }
+  if (since_pause_ >= send_.batch) ReadUntilQuiet();
+  TellEnded();
+  return sent;
+}
+
+Status Stream::SendOneByOne(std::span<const Command> commands) {
+  Status first;
+  for (std::size_t i = 0; i < commands.size(); ++i) {
+    auto sent = Send(commands.subspan(i, 1));
+    if (!sent && first) first = std::move(sent);
+  }
+  return first;
+}
+
+Status Stream::SendBatch(std::span<const Command> commands, More more) {
+  const PendingCommands::Key first_key = next_key_;
+  next_key_ += commands.size();
+  for (std::size_t i = 0; i < commands.size(); ++i) {
+    if (!commands[i].tracker) continue;
+    pending_.Watch(first_key + i, commands[i].tracker);
+    if (resends_) again_[first_key + i] = commands[i];
+  }
+  // What was retained or sent before our command must not be taken for an answer.
+  while (!lost_ && !subscribed_.empty() && ReadOne(steady_clock::now())) {
+  }
+  Status left;
+  if (lost_) {
+    left = Fail(*lost_);
+  } else if (!commands.empty()) {
+    left = pipeline_.Send(*transport_, commands, first_key);
+  }
+  // An answer that is read while its command's bracket is under way would be lost.
+  const bool overlaps = more == More::kFollow && subscribed_.empty();
+  if (!lost_) pipeline_.Await(*transport_, left && overlaps ? PublishPipeline::kMostUnderWay : 0);
+  if (!left) {
+    for (std::size_t i = 0; i < commands.size(); ++i) Forget(first_key + i);
+    // One header id that was asked for, or one message that is too large, must not keep the others
+    // from leaving.
+    if (left.error().kind != ErrorKind::kLedger && commands.size() > 1 && !broken_) {
+      return SendOneByOne(commands);
+    }
+    ReportNotSent(commands, left.error(), hooks_.report);
+  }
+  if (!broken_) return left;
+  const Error why = *broken_;
+  Lose(why);
+  return Fail(why);
+}
+
+void Stream::Done(PendingCommands::Key first_key, BatchResult result) {
+  Record(result.reports);
+  for (std::size_t i = 0; i < result.reports.size(); ++i) {
+    Resolve(first_key + i, std::move(result.reports[i]));
+  }
+  if (result.broken) broken_ = std::move(result.broken);
+}
+
+// A command has left, or not.
+void Stream::Resolve(PendingCommands::Key key, Report report) {
+  if (report.error || !pending_.Watches(key)) {
+    Forget(key);
+    return hooks_.report(report);
+  }
+  report.payload = {};  // the ledger has it; thousands that wait need not
+  ++since_pause_;
+  pending_.Published(key, std::move(report));
+}
+
+void Stream::Forget(PendingCommands::Key key) {
+  pending_.Forget(key);
+  again_.erase(key);
+}
+
+// Whose repetition does not leave is waited for on: his time runs, and ends as a timeout.
+void Stream::SendAgain(const std::vector<PendingCommands::Key>& keys) {
+  PublishPipeline pipeline(ledger_, send_, hooks_.sent,
+                           [this](PublishPipeline::Key key, BatchResult result) {
+                             Record(result.reports);
+                             Report& report = result.reports.front();
+                             if (!report.error) pending_.Published(key, std::move(report));
+                             if (result.broken) broken_ = std::move(result.broken);
+                           });
+  for (const PendingCommands::Key key : keys) {
+    const auto command = again_.find(key);
+    if (lost_ || command == again_.end()) continue;
+    static_cast<void>(pipeline.Send(*transport_, std::span(&command->second, 1), key));
+    pipeline.Await(*transport_, 0);
+    if (broken_) Lose(Error(*broken_));
+  }
+}
+
+void Stream::Listen(mqtt::Deadline deadline) {
+  const auto limit = std::min(deadline, pending_.NextLimit());
+  for (int i = 0; i < kTurn; ++i) {
+    // Who has ended is told soon, but with those that end at the same time.
+    if (!ReadOne(ended_.empty() ? limit : steady_clock::now())) break;
+  }
+  SendAgain(pending_.Expire());
+  TellEnded();
+}
+
+void Stream::ReadUntilQuiet() {
+  since_pause_ = 0;
+  if (lost_) return;
+  transport_->WakeOn({});
+  const auto most = steady_clock::now() + kLongestPause;
+  while (pending_.waiting() > 0 && steady_clock::now() < most) {
+    if (!ReadOne(steady_clock::now() + kQuiet)) break;
+  }
+  if (!lost_) transport_->WakeOn(wake_);
+}
+
+// False when nothing came.
+bool Stream::ReadOne(mqtt::Deadline deadline) {
+  if (lost_) {
+    TryAgain(deadline);
+    return false;
+  }
+  auto message = transport_->Receive(deadline);
+  if (!message) {
+    Lose(std::move(message.error()));
+    return false;
+  }
+  if (!*message) return false;
+  pending_.Deliver(**message);
+  return true;
+}
+
+void Stream::Lose(Error error) {
+  if (lost_) return;
+  pipeline_.Await(*transport_, 0);  // at once: nothing more comes
+  broken_.reset();
+  transport_.reset();
+  const auto now = steady_clock::now();
+  pause_ = now - connected_at_ < kLasting
+               ? std::clamp(pause_ * 2, kReconnectPause, kLongestReconnectPause)
+               : kReconnectPause;
+  next_try_ = now + pause_;
+  if (hooks_.lost) hooks_.lost(error);
+  lost_ = std::move(error);
+}
+
+// The targets go on working while the broker is away: what they say afterwards still counts.
+void Stream::TryAgain(mqtt::Deadline deadline) {
+  std::this_thread::sleep_until(std::min(deadline, next_try_));
+  const auto now = steady_clock::now();
+  if (now < next_try_) return;
+  auto transport = hooks_.connect(std::min(now + kReconnectPatience, pending_.NextLimit()));
+  next_try_ = steady_clock::now() + pause_;
+  if (!transport) return;
+  transport_ = std::move(*transport);
+  connected_at_ = steady_clock::now();
+  const Error why = *std::exchange(lost_, std::nullopt);
+  subscribed_.clear();
+  if (!SubscribeNew(pending_.Topics())) {
+    transport_.reset();
+    lost_ = why;
+    return;
+  }
+  transport_->WakeOn(wake_);
+  if (hooks_.again) hooks_.again();
+}
+
+void Stream::WakeOn(std::vector<int> descriptors) {
+  if (descriptors == wake_) return;
+  wake_ = std::move(descriptors);
+  if (!lost_) transport_->WakeOn(wake_);
+}
+
+void Stream::EndAll(const Error& reason) {
+  pending_.EndAll(reason);
+  TellEnded();
+}
+
+// Records and tells the ends that are known by now.
+void Stream::TellEnded() {
+  if (ended_.empty()) return;
+  Record(ended_);
+  for (const Report& ended : std::exchange(ended_, {})) hooks_.report(ended);
+}
+
+void Stream::Record(std::span<const Report> reports) {
+  auto recorded = RecordOutcomes(reports, ledger_);
+  if (!recorded && trouble_) trouble_ = std::move(recorded);
+}
+
+}  // namespace fleetpub::delivery

@@ -1,0 +1,110 @@
+// The streaming core: commands as they come ─▶ brackets ─▶ the targets' answers ─▶ reports as they
+// are known. Nothing of a command is kept once its report is out.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <unordered_map>
+#include <unordered_set>
+#include <vector>
+
+#include "base/result.h"
+#include "delivery/connect_hook.h"
+#include "delivery/pending_commands.h"
+#include "delivery/publish_pipeline.h"
+#include "delivery/send.h"
+#include "message/command.h"
+
+namespace fleetpub::delivery {
+
+struct SessionHooks {
+  ReportSink report;
+  SentHook sent;        ///< may be empty
+  ConnectHook connect;  ///< replaces a connection that was lost
+  /// The connection is lost; it is there again. Either may be empty.
+  std::function<void(const Error&)> lost;
+  std::function<void()> again;
+};
+
+/// Sends and follows over one connection, which is opened again whenever it is lost. No command is
+/// ever sent again for that. One thread at a time.
+class Stream {
+ public:
+  /// `transport` is the open connection, and null while there is none. It and the ledger must
+  /// outlive the stream.
+  Stream(std::unique_ptr<mqtt::Transport>& transport, ledger::Ledger& ledger,
+         const SendOptions& send, const WaitOptions& wait, SessionHooks hooks);
+
+  /// Subscribes to what these commands' trackers need, and waits for the acknowledgement.
+  [[nodiscard]] Status Subscribe(std::span<const Command> commands);
+
+  /// Sends valid commands through one bracket, SendOptions::batch at most. Each gets its report: at
+  /// once when it has no tracker or did not leave, else when its end is known. Those with a
+  /// tracker are subscribed to first. Then, if many were sent since the last pause, reads
+  /// until the targets' answers have come: a broker drops what it has to queue for long. Errors:
+  /// what kept some from leaving; their reports say it too.
+  ///
+  /// With More::kFollow the next Send comes at once: the bracket may still wait for the broker's
+  /// acknowledgements on return, and is told of by a later Send.
+  enum class More : std::uint8_t { kNone, kFollow };
+  Status Send(std::span<const Command> commands, More more = More::kNone);
+
+  /// Reads answers until the deadline or until something else is to be done: a report was made, a
+  /// descriptor of WakeOn() is readable, many messages have been read, the connection was lost.
+  void Listen(mqtt::Deadline deadline);
+
+  /// See mqtt::Transport::WakeOn.
+  void WakeOn(std::vector<int> descriptors);
+
+  /// Ends all waiting: nothing more will be heard.
+  void EndAll(const Error& reason);
+
+  [[nodiscard]] std::size_t waiting() const { return pending_.waiting(); }
+  /// Why there is no connection at the moment.
+  [[nodiscard]] const std::optional<Error>& lost() const { return lost_; }
+  /// What changes no status: the first outcome that could not be recorded.
+  [[nodiscard]] const Status& trouble() const { return trouble_; }
+
+ private:
+  Status SubscribeNew(std::vector<std::string> topics);
+  void UnsubscribeIdle();
+  Status SendOneByOne(std::span<const Command> commands);
+  Status SendBatch(std::span<const Command> commands, More more);
+  void Done(PendingCommands::Key first_key, BatchResult result);
+  void Resolve(PendingCommands::Key key, Report report);
+  void Forget(PendingCommands::Key key);
+  void SendAgain(const std::vector<PendingCommands::Key>& keys);
+  void ReadUntilQuiet();
+  bool ReadOne(mqtt::Deadline deadline);
+  void Lose(Error error);
+  void TryAgain(mqtt::Deadline deadline);
+  void TellEnded();
+  void Record(std::span<const Report> reports);
+
+  std::unique_ptr<mqtt::Transport>& transport_;
+  ledger::Ledger& ledger_;
+  SendOptions send_;
+  bool resends_;
+  SessionHooks hooks_;
+  PendingCommands pending_;
+  PublishPipeline pipeline_;
+  std::optional<Error> broken_;  // a bracket tells that the connection is
+  std::vector<Report> ended_;    // not told yet
+  PendingCommands::Key next_key_ = 0;
+  std::unordered_map<PendingCommands::Key, Command> again_;  // what may have to be sent again
+  std::unordered_set<std::string> subscribed_;
+  std::size_t since_pause_ = 0;  // sent, with an answer expected
+  std::vector<int> wake_;
+  std::optional<Error> lost_;
+  mqtt::Deadline next_try_ = {};
+  mqtt::Deadline connected_at_ = {};    // again
+  std::chrono::milliseconds pause_{0};  // before connecting again
+  Status trouble_;
+};
+
+}  // namespace fleetpub::delivery

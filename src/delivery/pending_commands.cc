@@ -1,0 +1,142 @@
+#include "delivery/pending_commands.h"
+
+#include <algorithm>
+
+#include "delivery/topic_filter.h"
+
+namespace fleetpub::delivery {
+
+PendingCommands::PendingCommands(const WaitOptions& options, EndHook ended)
+    : options_(options), ended_(std::move(ended)) {}
+
+PendingCommands::KeysByTopic& PendingCommands::MapFor(const std::string& topic) {
+  return HasWildcard(topic) ? by_filter_ : by_topic_;
+}
+
+void PendingCommands::Watch(Key key, std::shared_ptr<ResponseTracker> tracker) {
+  for (const std::string& topic : tracker->Topics()) MapFor(topic)[topic].insert(key);
+  watched_[key].tracker = std::move(tracker);
+}
+
+void PendingCommands::Forget(Key key) {
+  const auto found = watched_.find(key);
+  if (found == watched_.end()) return;
+  for (const std::string& topic : found->second.tracker->Topics()) {
+    KeysByTopic& map = MapFor(topic);
+    const auto keys = map.find(topic);
+    if (keys == map.end()) continue;
+    keys->second.erase(key);
+    if (keys->second.empty()) map.erase(keys);
+  }
+  limits_.erase({found->second.limit, key});
+  if (found->second.open) --waiting_;
+  watched_.erase(found);
+}
+
+std::vector<std::string> PendingCommands::Topics() const {
+  std::vector<std::string> topics;
+  topics.reserve(by_topic_.size() + by_filter_.size());
+  for (const auto& [topic, keys] : by_topic_) topics.push_back(topic);
+  for (const auto& [filter, keys] : by_filter_) topics.push_back(filter);
+  return topics;
+}
+
+std::chrono::milliseconds PendingCommands::PatienceToBeSeen() const {
+  return options_.total ? *options_.total / (options_.resend + 1) : options_.seen;
+}
+
+void PendingCommands::Published(Key key, Report report) {
+  const auto found = watched_.find(key);
+  if (found == watched_.end()) return;
+  Watched& watched = found->second;
+  const auto now = Clock::now();
+  if (!watched.open) {
+    watched.open = true;
+    watched.published = now;
+    ++waiting_;
+  }
+  SetLimit(*found, now + PatienceToBeSeen());
+  watched.tracker->Published(report.header_id.value_or(0));
+  watched.report = std::move(report);
+  if (watched.tracker->progress().ended) Look(*found);  // of whom no answer is expected
+}
+
+void PendingCommands::SetLimit(Entry& entry, Clock::time_point limit) {
+  limits_.erase({entry.second.limit, entry.first});
+  entry.second.limit = limit;
+  limits_.emplace(limit, entry.first);
+}
+
+void PendingCommands::Deliver(const mqtt::Message& message) {
+  // Who ends is taken out of the maps.
+  std::vector<Key> keys;
+  const auto exact = by_topic_.find(message.topic);
+  if (exact != by_topic_.end()) keys.assign(exact->second.begin(), exact->second.end());
+  for (const auto& [filter, listeners] : by_filter_) {
+    if (Matches(filter, message.topic)) keys.insert(keys.end(), listeners.begin(), listeners.end());
+  }
+  for (const Key key : keys) {
+    const auto found = watched_.find(key);
+    if (found == watched_.end()) continue;
+    found->second.tracker->Receive({message.topic, message.payload, message.retained});
+    if (found->second.open) Look(*found);
+  }
+}
+
+void PendingCommands::Look(Entry& entry) {
+  Watched& watched = entry.second;
+  const Progress& progress = watched.tracker->progress();
+  if (progress.ended) {
+    return End(entry, progress.status, TroubleOf(progress.status), progress.message);
+  }
+  if (progress.seen && !watched.seen) {
+    watched.seen = true;
+    SetLimit(entry,
+             options_.total ? watched.published + *options_.total : Clock::now() + options_.done);
+  }
+}
+
+void PendingCommands::End(Entry& entry, CommandStatus status, std::optional<ErrorKind> error,
+                          std::string message) {
+  Report report = std::move(entry.second.report);
+  report.status = status;
+  report.error = error;
+  report.message = std::move(message);
+  report.elapsed = Clock::now() - entry.second.published;
+  const Key key = entry.first;
+  Forget(key);
+  ended_(key, std::move(report));
+}
+
+std::vector<PendingCommands::Key> PendingCommands::Expire() {
+  std::vector<Key> again;
+  const auto now = Clock::now();
+  while (!limits_.empty() && limits_.begin()->first <= now) {
+    Entry& entry = *watched_.find(limits_.begin()->second);
+    Watched& watched = entry.second;
+    if (!watched.seen && watched.repeats < options_.resend) {
+      ++watched.repeats;
+      // Should it not leave, it is not repeated at once.
+      SetLimit(entry, now + PatienceToBeSeen());
+      again.push_back(entry.first);
+    } else {
+      End(entry, CommandStatus::kTimeout, TroubleOf(CommandStatus::kTimeout),
+          watched.tracker->progress().message);
+    }
+  }
+  std::sort(again.begin(), again.end());
+  return again;
+}
+
+void PendingCommands::EndAll(const Error& reason) {
+  while (!limits_.empty()) {
+    End(*watched_.find(limits_.begin()->second), CommandStatus::kError, reason.kind,
+        reason.message);
+  }
+}
+
+PendingCommands::Clock::time_point PendingCommands::NextLimit() const {
+  return limits_.empty() ? Clock::time_point::max() : limits_.begin()->first;
+}
+
+}  // namespace fleetpub::delivery

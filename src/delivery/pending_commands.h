@@ -1,0 +1,108 @@
+// Waits for the targets' own word: feeds what arrives to the ResponseTrackers and tells each command's
+// end.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <set>
+#include <string>
+#include <unordered_map>
+#include <utility>
+#include <vector>
+
+#include "base/result.h"
+#include "message/report.h"
+#include "message/response_tracker.h"
+#include "mqtt/transport.h"
+
+namespace fleetpub::delivery {
+
+struct WaitOptions {
+  /// How long a target may take to show that it knows the command: a silent robot may take 30 s to
+  /// report.
+  std::chrono::milliseconds seen{35'000};
+  /// How long it may then take to end.
+  std::chrono::milliseconds done{600'000};
+  /// Both together, from the first publishing on; instead of the two.
+  std::optional<std::chrono::milliseconds> total;
+  /// How often a command that was not seen is sent again, with the same action ids.
+  int resend = 0;
+};
+
+/// Follows commands that were published, any number of them one after the other: what has ended is
+/// forgotten. Knows no connection: it is fed.
+class PendingCommands {
+ public:
+  using Clock = std::chrono::steady_clock;
+  using Key = std::uint64_t;
+  /// Told once for each command when its fate is known; the report is complete.
+  using EndHook = std::function<void(Key key, Report report)>;
+
+  PendingCommands(const WaitOptions& options, EndHook ended);
+
+  /// Registers a command under the caller's key before it is published.
+  void Watch(Key key, std::shared_ptr<ResponseTracker> tracker);
+
+  [[nodiscard]] bool Watches(Key key) const { return watched_.contains(key); }
+
+  /// The command did not leave.
+  void Forget(Key key);
+
+  /// The topics and filters of the watched commands, each once.
+  [[nodiscard]] std::vector<std::string> Topics() const;
+  [[nodiscard]] std::size_t topics() const { return by_topic_.size() + by_filter_.size(); }
+  [[nodiscard]] bool Follows(const std::string& topic) const {
+    return by_topic_.contains(topic) || by_filter_.contains(topic);
+  }
+
+  /// The command left; `report` says how, and is completed when the end is known.
+  void Published(Key key, Report report);
+
+  /// A message arrived.
+  void Deliver(const mqtt::Message& message);
+
+  /// Ends those whose time is up. Returns those that were not seen in time and are to be sent
+  /// again.
+  [[nodiscard]] std::vector<Key> Expire();
+
+  /// Ends all that are waited for: nothing more will be heard.
+  void EndAll(const Error& reason);
+
+  /// Published and not ended.
+  [[nodiscard]] std::size_t waiting() const { return waiting_; }
+
+  /// When somebody's time is up next; the end of time when nobody waits.
+  [[nodiscard]] Clock::time_point NextLimit() const;
+
+ private:
+  struct Watched {
+    std::shared_ptr<ResponseTracker> tracker;
+    Report report = {};
+    Clock::time_point published = {};
+    Clock::time_point limit = {};
+    int repeats = 0;
+    bool open = false;
+    bool seen = false;
+  };
+  using Entry = std::unordered_map<Key, Watched>::value_type;
+
+  using KeysByTopic = std::unordered_map<std::string, std::set<Key>>;
+  KeysByTopic& MapFor(const std::string& topic);
+  void Look(Entry& entry);
+  void SetLimit(Entry& entry, Clock::time_point limit);
+  void End(Entry& entry, CommandStatus status, std::optional<ErrorKind> error, std::string message);
+  [[nodiscard]] std::chrono::milliseconds PatienceToBeSeen() const;
+
+  WaitOptions options_;
+  EndHook ended_;
+  std::unordered_map<Key, Watched> watched_;
+  KeysByTopic by_topic_;
+  KeysByTopic by_filter_;                               // with wildcards
+  std::set<std::pair<Clock::time_point, Key>> limits_;  // of those that are waited for
+  std::size_t waiting_ = 0;
+};
+
+}  // namespace fleetpub::delivery

@@ -1,0 +1,72 @@
+#include "delivery/retained.h"
+
+#include <algorithm>
+
+namespace fleetpub::delivery {
+
+namespace {
+
+using std::chrono::steady_clock;
+
+// So many filters at a time, reading in between: a default mosquitto drops what it has to queue
+// beyond 1,000 messages, retained ones included.
+constexpr std::size_t kFiltersAtOnce = 500;
+constexpr std::size_t kBrokersQueue = 1'000;
+
+// What many have left takes its time, and it ends.
+constexpr std::chrono::seconds kMaxReadTime{60};
+
+Status Gather(mqtt::Transport& transport, std::span<const std::string> filters,
+              const RetainedOptions& options, const MessageCallback& take) {
+  while (!filters.empty()) {
+    const auto some = filters.first(std::min(kFiltersAtOnce, filters.size()));
+    filters = filters.subspan(some.size());
+    auto ok =
+        transport.Subscribe(some, mqtt::kListeningQos, steady_clock::now() + options.subscribe);
+    if (!ok) return ok;
+    while (!filters.empty()) {
+      const auto message = transport.Receive(steady_clock::now());
+      if (!message) return Fail(message.error());
+      if (!*message) break;
+      if (take(**message)) return {};
+    }
+  }
+  // A broker may take long to grant a subscription; what it has retained follows then.
+  const auto start = steady_clock::now();
+  auto quiet_at = start + options.quiet;
+  for (;;) {
+    const auto message = transport.Receive(std::min(quiet_at, start + options.most));
+    if (!message) return Fail(message.error());
+    if (!*message || take(**message)) return {};
+    if ((*message)->retained) quiet_at = steady_clock::now() + options.quiet;
+    if (steady_clock::now() >= std::min(quiet_at, start + options.most)) return {};
+  }
+}
+
+}  // namespace
+
+Status ReadRetained(mqtt::Transport& transport, std::span<const std::string> filters,
+                    const RetainedOptions& options, const MessageCallback& take) {
+  auto ok = Gather(transport, filters, options, take);
+  if (!ok || filters.size() <= kFiltersAtOnce) return ok;
+  return transport.Unsubscribe(filters, steady_clock::now() + options.subscribe);
+}
+
+Status ReadAllRetained(mqtt::Transport& transport, std::span<const std::string> filters,
+                       RetainedOptions options,
+                       const std::function<void(const mqtt::Message&)>& take,
+                       const std::function<std::size_t()>& known) {
+  options.most = kMaxReadTime;
+  for (;;) {
+    const std::size_t before = known();
+    std::size_t messages = 0;
+    auto ok = ReadRetained(transport, filters, options, [&](const mqtt::Message& message) {
+      take(message);
+      ++messages;
+      return false;
+    });
+    if (!ok || messages < kBrokersQueue || known() == before) return ok;
+  }
+}
+
+}  // namespace fleetpub::delivery

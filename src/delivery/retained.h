@@ -1,0 +1,39 @@
+// Gathers what the broker has retained. MQTT does not mark the end of it: absence is decided after
+// a silence.
+#pragma once
+
+#include <chrono>
+#include <functional>
+#include <span>
+#include <string>
+
+#include "base/result.h"
+#include "mqtt/transport.h"
+
+namespace fleetpub::delivery {
+
+struct RetainedOptions {
+  std::chrono::milliseconds quiet{300};  ///< so long a silence is an end
+  std::chrono::milliseconds most{2'000};
+  std::chrono::milliseconds subscribe{10'000};  ///< for the broker to acknowledge
+};
+
+/// Takes a message, retained or not; true when it was the last that is wanted.
+using MessageCallback = std::function<bool(const mqtt::Message&)>;
+
+/// Subscribes to the filters, many of them some at a time, and hands over what arrives until the
+/// silence or until enough is taken. A few stay subscribed; many are ended, as they would make each
+/// later subscription dearer. A broker may drop messages of a filter with wildcards that finds
+/// thousands. Only what was retained puts the silence off: a busy fleet is never silent.
+[[nodiscard]] Status ReadRetained(mqtt::Transport& transport, std::span<const std::string> filters,
+                                  const RetainedOptions& options, const MessageCallback& take);
+
+/// For filters that may find thousands: asks again while so much came that the broker may have
+/// dropped some, and `known` tells of more senders than before. Those that are known by then are
+/// read faster. Takes everything; ends after a minute at the latest, per asking.
+[[nodiscard]] Status ReadAllRetained(mqtt::Transport& transport,
+                                     std::span<const std::string> filters, RetainedOptions options,
+                                     const std::function<void(const mqtt::Message&)>& take,
+                                     const std::function<std::size_t()>& known);
+
+}  // namespace fleetpub::delivery

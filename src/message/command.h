@@ -1,0 +1,61 @@
+// A command on its way, in terms that no protocol owns. The protocols build Commands; dispatch
+// moves them.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "base/rapidjson.h"
+#include "base/time.h"
+#include "ledger/ledger.h"
+#include "message/response_tracker.h"
+#include "schema/schema.h"
+
+namespace fleetpub::delivery {
+
+/// A payload with holes for what is known only when it is sent: the header id and the timestamp.
+/// It reads `before_id` id `before_time` timestamp `rest`; without ids, `before_id` is empty and
+/// nothing stands for it.
+struct PayloadTemplate {
+  std::string before_id;
+  std::string before_time;
+  std::string rest;
+  bool counted = true;
+
+  [[nodiscard]] std::string Render(std::uint32_t header_id, base::WallTime now) const;
+  /// Bytes at most, whatever the header id.
+  [[nodiscard]] std::size_t LargestSize() const;
+};
+
+/// What a rule says that stands in the specification's text and not in its schema.
+struct TextFinding {
+  schema::Violation violation;
+  bool is_error = true;  ///< false: a warning, and the message may go
+};
+
+using TextRules = std::function<std::vector<TextFinding>(const base::JsonValue& message)>;
+
+struct Command {
+  std::string reference;  ///< the caller's own word for it, handed back with its report
+  std::string target;     ///< as people name it: `KIT/0001`
+  std::string protocol;   ///< `vda5050`, `soar`
+  std::string version;
+  bool version_assumed = false;  ///< nobody said that the robot speaks it
+  std::string topic;             ///< the full MQTT topic
+  std::string schema;            ///< by name: `vda5050/3.0.0/instantActions`
+  TextRules text_rules;          ///< may be empty
+  /// A robot's quirk: this member of the payload stands for that one of the schema. May be empty.
+  std::pair<std::string, std::string> renamed_member;
+  std::vector<ledger::ActionRef> actions;
+  PayloadTemplate payload;
+  std::optional<std::uint32_t> header_id;    ///< asked for outright
+  std::vector<std::string> warnings;         ///< what the builder noticed
+  std::shared_ptr<ResponseTracker> tracker;  ///< how its end is recognised; null: nobody waits
+};
+
+}  // namespace fleetpub::delivery

@@ -1,0 +1,212 @@
+#include "mqtt/paho/paho_transport.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "base/text.h"
+#include "mqtt/paho/paho_session.h"
+
+namespace fleetpub::mqtt {
+namespace {
+
+using std::chrono::steady_clock;
+
+// MQTT's largest packet (3.1.1 §2.2.3), and what a PUBLISH adds to topic and payload at most.
+constexpr std::size_t kMaximumPacket = 268'435'455;
+constexpr std::size_t kPublishOverhead = 16;
+constexpr std::size_t kMaximumString = 65'535;
+// Brokers limit how many filters one SUBSCRIBE may have.
+constexpr std::size_t kFiltersPerPacket = 100;
+// mosquitto 2.0.11 acknowledges more than its max_inflight_messages (20) of QoS 2 at once to the
+// end and delivers 20 of them. MQTT 5 tells the number, 3.1.1 does not.
+constexpr int kWindowOfQos2 = 20;
+
+bool IsMqttString(const std::string& text) {
+  return !text.empty() && text.size() <= kMaximumString && base::IsUtf8(text) &&
+         text.find('\0') == std::string::npos;
+}
+
+class PahoTransport final : public RobotTransport {
+ public:
+  PahoTransport(std::unique_ptr<TraceListener> trace, PahoConnection connection,
+                const ConnectOptions& options)
+      : trace_(std::move(trace)),
+        session_(std::move(connection), options.keep_alive, options.properties),
+        window_(std::clamp(options.window, 1, session_.receive_maximum())) {}
+
+  [[nodiscard]] const ServerInfo& server() const override { return session_.server(); }
+  [[nodiscard]] int in_flight() const override { return session_.in_flight(); }
+  void Disconnect() override { session_.Disconnect(); }
+
+  [[nodiscard]] Status Subscribe(std::span<const std::string> filters, Qos qos,
+                                 Deadline deadline) override {
+    for (const std::string& filter : filters) {
+      if (!IsMqttString(filter)) {
+        return Fail(ErrorKind::kUsage,
+                    fmt::format("\"{}\" is no topic filter", base::Printable(filter)));
+      }
+    }
+    while (!filters.empty()) {
+      const auto some = filters.first(std::min(filters.size(), kFiltersPerPacket));
+      if (auto status = session_.Subscribe(some, qos, deadline); !status) return status;
+      filters = filters.subspan(some.size());
+    }
+    return {};
+  }
+
+  [[nodiscard]] Status Unsubscribe(std::span<const std::string> filters,
+                                   Deadline deadline) override {
+    while (!filters.empty()) {
+      const auto some = filters.first(std::min(filters.size(), kFiltersPerPacket));
+      if (auto status = session_.Unsubscribe(some, deadline); !status) return status;
+      filters = filters.subspan(some.size());
+    }
+    return {};
+  }
+
+  [[nodiscard]] Status Admits(const std::string& topic, std::size_t payload_size,
+                              Qos qos) const override {
+    if (!IsMqttString(topic) || topic.find_first_of("+#") != std::string::npos) {
+      return Fail(ErrorKind::kUsage,
+                  fmt::format("\"{}\" is no topic to publish to: UTF-8, without +, # and NUL",
+                              base::Printable(topic)));
+    }
+    const ServerInfo& server = session_.server();
+    const std::size_t limit =
+        std::min<std::size_t>(server.maximum_packet_size.value_or(kMaximumPacket), kMaximumPacket);
+    const std::size_t overhead = kPublishOverhead + session_.properties_size();
+    if (topic.size() + payload_size + overhead > limit) {
+      return Fail(ErrorKind::kBroker,
+                  fmt::format("a message of {} bytes is too large for {}, which takes packets of "
+                              "{} bytes: send less at once, or have its limit raised",
+                              payload_size, session_.Name(), limit));
+    }
+    if (server.maximum_qos && qos > *server.maximum_qos) {
+      return Fail(ErrorKind::kBroker,
+                  fmt::format("{} takes no QoS above {}: use --qos {}", session_.Name(),
+                              static_cast<int>(*server.maximum_qos),
+                              static_cast<int>(*server.maximum_qos)));
+    }
+    return {};
+  }
+
+  [[nodiscard]] Result<int> Publish(const Message& message, Deadline deadline) override {
+    return Publish(message, Retain::kNo, deadline);
+  }
+
+  [[nodiscard]] Result<int> PublishRetained(const Message& message, Deadline deadline) override {
+    return Publish(message, Retain::kYes, deadline);
+  }
+
+  [[nodiscard]] Result<std::vector<Acknowledgement>> AwaitAcknowledgements(
+      Deadline deadline, std::size_t left) override {
+    while (true) {
+      const bool gained = session_.Step();
+      if (session_.lost() || std::cmp_less_equal(in_flight(), left) ||
+          steady_clock::now() >= deadline)
+        break;
+      if (!gained) static_cast<void>(session_.Sleep(deadline));
+    }
+    // What was acknowledged before the connection broke is told first; the next call tells that it
+    // broke.
+    if (session_.lost() && session_.acknowledgements.empty()) return Fail(*session_.lost());
+    return std::exchange(session_.acknowledgements, {});
+  }
+
+  [[nodiscard]] Result<std::optional<Message>> Receive(Deadline deadline) override {
+    auto& received = session_.received;
+    while (received.empty()) {
+      if (session_.lost()) return Fail(*session_.lost());
+      const bool gained = session_.Step();
+      if (!received.empty() || session_.lost()) continue;
+      if (steady_clock::now() >= deadline) return std::nullopt;
+      if (!gained && session_.Sleep(deadline, wake_)) return std::nullopt;
+    }
+    std::optional<Message> message = std::move(received.front());
+    received.pop_front();
+    return message;
+  }
+
+  void Cork(bool on) override { session_.Cork(on); }
+
+  [[nodiscard]] Status AwaitReady(Deadline deadline) override {
+    return session_.AwaitWritable(deadline);
+  }
+
+  void WakeOn(std::span<const int> descriptors) override {
+    wake_.assign(descriptors.begin(), descriptors.end());
+  }
+
+ private:
+  [[nodiscard]] Result<int> Publish(const Message& message, Retain retain, Deadline deadline) {
+    if (auto status = Admits(message.topic, message.payload.size(), message.qos); !status)
+      return Fail(std::move(status.error()));
+    if (auto status = AwaitRoom(message.qos, deadline); !status)
+      return Fail(std::move(status.error()));
+    if (auto status = session_.AwaitWritable(deadline); !status)
+      return Fail(std::move(status.error()));
+    return session_.Publish(message, retain, deadline);
+  }
+
+  Status AwaitRoom(Qos qos, Deadline deadline) {
+    if (qos == Qos::kAtMostOnce) return {};
+    const bool careful = qos == Qos::kExactlyOnce && server().version == ProtocolVersion::k311;
+    const int window = careful ? std::min(window_, kWindowOfQos2) : window_;
+    while (in_flight() >= window) {
+      session_.Cork(false);  // what is held back cannot be acknowledged
+      const bool gained = session_.Step();
+      if (session_.lost()) return Fail(*session_.lost());
+      if (in_flight() < window) break;
+      if (steady_clock::now() >= deadline) {
+        return Fail(ErrorKind::kBroker, fmt::format("{} left {} messages unacknowledged in time",
+                                                    session_.Name(), in_flight()));
+      }
+      if (!gained) static_cast<void>(session_.Sleep(deadline));
+    }
+    return {};
+  }
+
+  std::unique_ptr<TraceListener> trace_;
+  PahoSession session_;
+  int window_;
+  std::vector<int> wake_;
+};
+
+Result<std::unique_ptr<PahoTransport>> Connect(const ConnectOptions& options) {
+  if (auto status = CheckConnectOptions(options); !status) return Fail(std::move(status.error()));
+  std::unique_ptr<TraceListener> trace;
+  if (options.trace) trace = std::make_unique<TraceListener>(options.trace);
+  std::vector<std::string> messages;
+  std::vector<std::string> details;
+  for (const BrokerUrl& broker : options.brokers) {
+    auto connection = ConnectTo(broker, options);
+    if (connection) {
+      return std::make_unique<PahoTransport>(std::move(trace), *std::move(connection), options);
+    }
+    auto& [error, distrusted] = connection.error();
+    if (error.kind != ErrorKind::kBroker) return Fail(std::move(error));
+    messages.push_back(std::move(error.message));
+    if (!error.detail.empty()) details.push_back(std::move(error.detail));
+    if (!distrusted) continue;
+    // Somebody is in the way, perhaps to have us talk to another of these brokers.
+    if (&broker != &options.brokers.back()) {
+      messages.emplace_back("after a certificate that failed no other broker is tried");
+    }
+    break;
+  }
+  return Fail(ErrorKind::kBroker, base::Join(messages, "; "), base::Join(details, "; "));
+}
+
+}  // namespace
+
+Result<std::unique_ptr<Transport>> ConnectPaho(const ConnectOptions& options) {
+  return Connect(options);
+}
+
+Result<std::unique_ptr<RobotTransport>> ConnectPahoAsRobot(const ConnectOptions& options) {
+  return Connect(options);
+}
+
+}  // namespace fleetpub::mqtt

@@ -1,0 +1,287 @@
+#include "simulator/action_handlers.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+
+namespace fleetpub::simulator {
+namespace {
+
+Outcome Failed(std::string result) { return {.finished = false, .result = std::move(result)}; }
+
+Outcome Failed(std::string result, std::string_view error_type,
+               std::vector<std::pair<std::string, std::string>> references, Until until) {
+  RobotError error{std::string(error_type), result, std::move(references), until};
+  return {.finished = false, .result = std::move(result), .error = std::move(error)};
+}
+
+ActionState* FindAction(RobotState& state, std::string_view id) {
+  for (auto* list : {&state.order_actions, &state.instant_actions}) {
+    for (ActionState& action : *list) {
+      if (action.id == id) return &action;
+    }
+  }
+  return nullptr;
+}
+
+Outcome StartPause(const CommandLine& /*call*/, RobotState& state, const Words& /*words*/) {
+  state.paused = true;
+  return {};
+}
+
+Outcome StopPause(const CommandLine& /*call*/, RobotState& state, const Words& /*words*/) {
+  state.paused = false;
+  return {};
+}
+
+Outcome StartCharging(const CommandLine& /*call*/, RobotState& state, const Words& /*words*/) {
+  if (state.Driving()) return Failed("cannot charge while driving");
+  state.charging = true;
+  return {};
+}
+
+Outcome StopCharging(const CommandLine& /*call*/, RobotState& state, const Words& /*words*/) {
+  state.charging = false;
+  return {};
+}
+
+// Of the versions of one map, this one and no other.
+void Enable(std::vector<Map>& maps, std::string_view id, std::string_view version) {
+  for (Map& map : maps) {
+    if (map.id == id) map.enabled = map.version == version;
+  }
+}
+
+Outcome InitializePosition(const CommandLine& call, RobotState& state, const Words& /*words*/) {
+  state.position = {call.Number("x"), call.Number("y"), call.Number("theta"), call.Text("mapId")};
+  state.last_node_id = call.Text("lastNodeId");
+  const auto known = std::find_if(state.maps.rbegin(), state.maps.rend(),
+                                  [&](const Map& map) { return map.id == state.position.map_id; });
+  if (known != state.maps.rend()) Enable(state.maps, known->id, std::string(known->version));
+  return {};
+}
+
+auto FindMap(RobotState& state, const CommandLine& call) {
+  return std::find_if(state.maps.begin(), state.maps.end(), [&](const Map& map) {
+    return map.id == call.Text("mapId") && map.version == call.Text("mapVersion");
+  });
+}
+
+std::string NameOfMap(const CommandLine& call) {
+  return fmt::format("map {} version {}", call.Text("mapId"), call.Text("mapVersion"));
+}
+
+Outcome DownloadMap(const CommandLine& call, RobotState& state, const Words& words) {
+  if (FindMap(state, call) != state.maps.end()) {
+    return Failed(NameOfMap(call) + " is already there", words.duplicate_map,
+                  {{"actionId", call.id},
+                   {"mapId", call.Text("mapId")},
+                   {"mapVersion", call.Text("mapVersion")}},
+                  Until::kNextInstantAction);
+  }
+  state.maps.push_back({call.Text("mapId"), call.Text("mapVersion"), false});
+  return {};
+}
+
+Outcome EnableMap(const CommandLine& call, RobotState& state, const Words& /*words*/) {
+  if (FindMap(state, call) == state.maps.end()) return Failed(NameOfMap(call) + " is not there");
+  Enable(state.maps, call.Text("mapId"), call.Text("mapVersion"));
+  return {};
+}
+
+Outcome DeleteMap(const CommandLine& call, RobotState& state, const Words& /*words*/) {
+  const auto map = FindMap(state, call);
+  if (map == state.maps.end()) return Failed(NameOfMap(call) + " is not there");
+  if (map->enabled) return Failed(NameOfMap(call) + " is in use");
+  state.maps.erase(map);
+  return {};
+}
+
+auto FindZoneSet(RobotState& state, const CommandLine& call) {
+  return std::find_if(state.zone_sets.begin(), state.zone_sets.end(),
+                      [&](const ZoneSet& set) { return set.id == call.Text("zoneSetId"); });
+}
+
+std::string NameOfZoneSet(const CommandLine& call) { return "zone set " + call.Text("zoneSetId"); }
+
+Outcome DownloadZoneSet(const CommandLine& call, RobotState& state, const Words& words) {
+  if (FindZoneSet(state, call) != state.zone_sets.end()) {
+    return Failed(NameOfZoneSet(call) + " is already there", words.duplicate_zone_set,
+                  {{"actionId", call.id}, {"zoneSetId", call.Text("zoneSetId")}},
+                  Until::kNextInstantAction);
+  }
+  state.zone_sets.push_back({call.Text("zoneSetId"), state.position.map_id, false});
+  return {};
+}
+
+Outcome EnableZoneSet(const CommandLine& call, RobotState& state, const Words& /*words*/) {
+  const auto chosen = FindZoneSet(state, call);
+  if (chosen == state.zone_sets.end()) return Failed(NameOfZoneSet(call) + " is not there");
+  for (ZoneSet& set : state.zone_sets) {
+    if (set.map_id == chosen->map_id) set.enabled = set.id == chosen->id;
+  }
+  return {};
+}
+
+Outcome DeleteZoneSet(const CommandLine& call, RobotState& state, const Words& /*words*/) {
+  const auto set = FindZoneSet(state, call);
+  if (set == state.zone_sets.end()) return Failed(NameOfZoneSet(call) + " is not there");
+  if (set->enabled) return Failed(NameOfZoneSet(call) + " is in use");
+  state.zone_sets.erase(set);
+  return {};
+}
+
+// Its own entry stays: it is not ended yet.
+Outcome ClearInstantActions(const CommandLine& call, RobotState& state, const Words& /*words*/) {
+  std::erase_if(state.instant_actions, [&](const ActionState& action) {
+    return IsEnded(action.status) && action.id != call.id;
+  });
+  return {};
+}
+
+Outcome LogReport(const CommandLine& call, RobotState& /*state*/, const Words& /*words*/) {
+  return {.result = fmt::format("log-{}.txt", call.id)};
+}
+
+Outcome Trigger(const CommandLine& /*call*/, RobotState& state, const Words& /*words*/) {
+  int released = 0;
+  for (ActionState& action : state.order_actions) {
+    if (action.type != "waitForTrigger" || action.status != ActionStatus::kRunning) continue;
+    action.status = ActionStatus::kFinished;
+    ++released;
+  }
+  return released > 0 ? Outcome{} : Failed("nothing waits for a trigger");
+}
+
+Outcome OnRetriable(const CommandLine& call, RobotState& state, SideEffect consequence) {
+  const std::string target = call.Text("actionId");
+  const ActionState* action = FindAction(state, target);
+  if (action == nullptr || action->status != ActionStatus::kRetriable) {
+    return Failed(fmt::format("no action {} is RETRIABLE", target));
+  }
+  return {.consequence = consequence, .target = target};
+}
+
+Outcome Retry(const CommandLine& call, RobotState& state, const Words& /*words*/) {
+  return OnRetriable(call, state, SideEffect::kRetry);
+}
+
+Outcome SkipRetry(const CommandLine& call, RobotState& state, const Words& /*words*/) {
+  return OnRetriable(call, state, SideEffect::kSkipRetry);
+}
+
+// orderId and orderUpdateId stay (1.1–2.1 §6.6.3, 3.0 §6.1.3).
+void GiveUpOrder(RobotState& state) {
+  state.order.nodes.clear();
+  state.order.edges.clear();
+  for (ActionState& action : state.order_actions) {
+    if (!IsEnded(action.status)) action.status = ActionStatus::kFailed;
+  }
+}
+
+Outcome CancelOrder(const CommandLine& call, RobotState& state, const Words& words) {
+  const std::string wanted = call.Text("orderId");
+  const bool other = !wanted.empty() && wanted != state.order.id;
+  if (!state.order.Active() || other) {
+    return Failed(other ? fmt::format("order {} is not active", wanted) : "no order is active",
+                  words.no_order, {{"actionId", call.id}}, Until::kNextOrder);
+  }
+  GiveUpOrder(state);
+  return {};
+}
+
+Outcome FactsheetRequest(const CommandLine& /*call*/, RobotState& /*state*/,
+                         const Words& /*words*/) {
+  return {.consequence = SideEffect::kFactsheet};
+}
+
+Outcome StartHibernation(const CommandLine& /*call*/, RobotState& state, const Words& /*words*/) {
+  GiveUpOrder(state);
+  return {.consequence = SideEffect::kHibernate};
+}
+
+Outcome StopHibernation(const CommandLine& /*call*/, RobotState& /*state*/,
+                        const Words& /*words*/) {
+  return {.consequence = SideEffect::kWake};
+}
+
+Outcome Shutdown(const CommandLine& call, RobotState& state, const Words& /*words*/) {
+  const bool busy = std::any_of(
+      state.instant_actions.begin(), state.instant_actions.end(),
+      [&](const ActionState& action) { return !IsEnded(action.status) && action.id != call.id; });
+  if (busy || state.order.Active()) return Failed("the robot is not idle");
+  return {.consequence = SideEffect::kShutDown};
+}
+
+using enum Beginning;
+
+struct Effect {
+  std::string_view type;
+  Beginning beginning;
+  Outcome (*carry)(const CommandLine& call, RobotState& state, const Words& words);
+};
+
+// stateRequest, clearZoneActions (there are none) and updateCertificate change nothing here.
+constexpr auto kEffects = std::to_array<Effect>({
+    {"startPause", kRunning, StartPause},
+    {"stopPause", kRunning, StopPause},
+    {"startHibernation", kRunning, StartHibernation},
+    {"stopHibernation", kRunning, StopHibernation},
+    {"shutdown", kRunning, Shutdown},
+    {"startCharging", kRunning, StartCharging},
+    {"stopCharging", kRunning, StopCharging},
+    {"initPosition", kInitializing, InitializePosition},
+    {"initializePosition", kInitializing, InitializePosition},
+    {"enableMap", kInitializing, EnableMap},
+    {"downloadMap", kInitializing, DownloadMap},
+    {"deleteMap", kInitializing, DeleteMap},
+    {"downloadZoneSet", kInitializing, DownloadZoneSet},
+    {"enableZoneSet", kInitializing, EnableZoneSet},
+    {"deleteZoneSet", kInitializing, DeleteZoneSet},
+    {"clearInstantActions", kWaiting, ClearInstantActions},
+    {"logReport", kInitializing, LogReport},
+    {"trigger", kWaiting, Trigger},
+    {"retry", kWaiting, Retry},
+    {"skipRetry", kWaiting, SkipRetry},
+    {"cancelOrder", kRunning, CancelOrder},
+    {"stateRequest", kWaiting, nullptr},
+    {"factsheetRequest", kWaiting, FactsheetRequest},
+});
+
+const Effect* FindEffect(std::string_view type) {
+  const auto* const found = std::find_if(kEffects.begin(), kEffects.end(),
+                                         [&](const Effect& effect) { return effect.type == type; });
+  return found == kEffects.end() ? nullptr : found;
+}
+
+}  // namespace
+
+std::string CommandLine::Text(std::string_view key) const {
+  for (const Parameter& parameter : parameters) {
+    const auto* text = std::get_if<std::string>(&parameter.value);
+    if (parameter.key == key && text != nullptr) return *text;
+  }
+  return {};
+}
+
+double CommandLine::Number(std::string_view key) const {
+  for (const Parameter& parameter : parameters) {
+    const auto* number = std::get_if<double>(&parameter.value);
+    if (parameter.key == key && number != nullptr) return *number;
+  }
+  return 0;
+}
+
+Beginning BeginningOf(std::string_view type) {
+  const Effect* effect = FindEffect(type);
+  return effect == nullptr ? kRunning : effect->beginning;
+}
+
+Outcome Execute(const CommandLine& call, RobotState& state, const Words& words) {
+  const Effect* effect = FindEffect(call.type);
+  return effect == nullptr || effect->carry == nullptr ? Outcome{}
+                                                       : effect->carry(call, state, words);
+}
+
+}  // namespace fleetpub::simulator

@@ -1,0 +1,50 @@
+// What each predefined instant action does to a virtual robot.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include "simulator/protocol_terms.h"
+#include "simulator/robot_state.h"
+
+namespace fleetpub::simulator {
+
+struct Parameter {
+  std::string key;
+  std::variant<std::string, double> value;
+};
+
+/// An instant action that is to be carried out.
+struct CommandLine {
+  std::string id;
+  std::string type;
+  std::vector<Parameter> parameters;
+
+  /// The parameter's text; "" when there is none.
+  [[nodiscard]] std::string Text(std::string_view key) const;
+  [[nodiscard]] double Number(std::string_view key) const;
+};
+
+/// What happens beside a change of the state.
+enum class SideEffect { kNone, kFactsheet, kHibernate, kWake, kShutDown, kRetry, kSkipRetry };
+
+struct Outcome {
+  bool finished = true;  ///< else FAILED
+  std::string result = {};
+  std::optional<RobotError> error = {};
+  SideEffect consequence = SideEffect::kNone;
+  std::string target = {};  ///< of kRetry and kSkipRetry: an action's id
+};
+
+/// How an action begins when it takes its time (1.1–2.1 §6.8.2, 3.0 §6.2.5).
+enum class Beginning { kWaiting, kInitializing, kRunning };
+
+[[nodiscard]] Beginning BeginningOf(std::string_view type);
+
+/// Carries it out. An action without an entry in the table finishes and changes nothing.
+[[nodiscard]] Outcome Execute(const CommandLine& call, RobotState& state, const Words& words);
+
+}  // namespace fleetpub::simulator

@@ -1,0 +1,216 @@
+// The part of VirtualRobot that takes instant actions and carries them out.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+
+#include "base/text.h"
+#include "simulator/virtual_robot.h"
+
+namespace fleetpub::simulator {
+namespace {
+
+// How much a robot keeps. Ended actions stay until the version says that they go, or until there
+// are too many of them.
+constexpr std::size_t kMostEndedActions = 20;
+constexpr std::size_t kMostKnownIds = 200;
+
+// In which modes fleet control may send instant actions (1.1–2.1 §6.10.6, 3.0 §6.6.7).
+bool Takes(std::string_view mode, std::string_view action) {
+  if (mode == "INTERVENED") return action == "cancelOrder";
+  return mode == "AUTOMATIC" || mode == "SEMIAUTOMATIC";
+}
+
+ActionStatus StatusOf(Beginning beginning) {
+  constexpr std::array kStatus = {ActionStatus::kWaiting, ActionStatus::kInitializing,
+                                  ActionStatus::kRunning};
+  return kStatus.at(static_cast<std::size_t>(beginning));
+}
+
+std::string TypesOf(const Inspection& inspection) {
+  std::vector<std::string> types;
+  for (const ReceivedAction& action : inspection.actions) {
+    types.push_back(base::Printable(action.call.type + " " + action.call.id));
+  }
+  return base::Join(types, ", ");
+}
+
+}  // namespace
+
+void VirtualRobot::ReceiveActions(std::string_view payload, const Moment& now,
+                                  const Subscription& listener) {
+  const Inspection inspection = shared_.inspector.InspectInstantActions(payload);
+  const std::string place = inspection.Place("instantActions");
+  if (!inspection.fault.empty()) {
+    listener({Event::Kind::kFault, fmt::format("{}: {}", place, inspection.fault)});
+    if (!hibernating_) RefuseMessage(inspection, "instantActions");
+    return;
+  }
+  listener({Event::Kind::kReceived, fmt::format("{}: {}", place, TypesOf(inspection))});
+  for (const ReceivedAction& action : inspection.actions) {
+    if (!action.fault.empty()) {
+      listener({Event::Kind::kFault, fmt::format("{}: {}", place, action.fault)});
+    }
+    // Asleep it hears nothing but its alarm clock (3.0 §6.7).
+    if (!hibernating_ || action.call.type == "stopHibernation") Begin(action, now);
+    if (gone_) return;
+  }
+}
+
+void VirtualRobot::Begin(const ReceivedAction& action, const Moment& now) {
+  const CommandLine& call = action.call;
+  changed_ = true;  // a repeated one is answered, not carried out again
+  if (known_.contains(call.id)) return;
+  if (const std::string reason = ReasonToReject(action); !reason.empty()) {
+    Reject(action, reason);
+    return;
+  }
+  ForgetErrors(Until::kNextInstantAction);
+  Remember(call.id);
+  const Beginning beginning = BeginningOf(call.type);
+  state_.instant_actions.push_back(
+      {call.id, call.type, action.descriptor, StatusOf(beginning), ""});
+  ForgetOldActions();
+  const auto delay = shared_.settings.delay;
+  if (delay.count() == 0) {
+    Complete({call, now.steady}, now);
+  } else {
+    running_.push_back(
+        {call, now.steady + (beginning == Beginning::kInitializing ? delay / 2 : delay)});
+  }
+}
+
+std::string VirtualRobot::ReasonToReject(const ReceivedAction& action) const {
+  if (!action.fault.empty()) return action.fault;
+  if (shared_.settings.reject.contains(action.call.type)) {
+    return fmt::format("{} is rejected, as asked for", action.call.type);
+  }
+  if (!Takes(state_.operating_mode, action.call.type)) {
+    return fmt::format("{} is not possible in operating mode {}", action.call.type,
+                       state_.operating_mode);
+  }
+  return {};
+}
+
+void VirtualRobot::Reject(const ReceivedAction& action, const std::string& reason) {
+  const CommandLine& call = action.call;
+  if (shared_.settings.Style() == RejectStyle::kState) {
+    Remember(call.id);
+    state_.instant_actions.push_back(
+        {call.id, call.type, action.descriptor, ActionStatus::kFailed, reason});
+    ForgetOldActions();
+  }
+  AddError({std::string(shared_.words.invalid_action),
+            reason,
+            {{"topic", "instantActions"}, {"actionId", call.id}, {"actionType", call.type}}});
+}
+
+// Its time has come: from INITIALIZING to RUNNING, or to its end.
+void VirtualRobot::Advance(Running& running, const Moment& now) {
+  changed_ = true;
+  ActionState* action = Find(running.call.id);
+  if (action == nullptr || action->status != ActionStatus::kInitializing) {
+    Complete(running, now);
+    return;
+  }
+  action->status = ActionStatus::kRunning;
+  running.next = now.steady + shared_.settings.delay / 2;
+  running_.push_back(std::move(running));
+}
+
+void VirtualRobot::Complete(const Running& running, const Moment& now) {
+  const CommandLine& call = running.call;
+  Outcome outcome;
+  if (shared_.settings.fail.contains(call.type)) {
+    outcome = {.finished = false, .result = fmt::format("{} failed, as asked for", call.type)};
+  } else if (shared_.settings.retriable.contains(call.type) && !running.retried) {
+    if (ActionState* action = Find(call.id); action != nullptr) {
+      action->status = ActionStatus::kRetriable;
+      action->result = fmt::format("{} can be retried, as asked for", call.type);
+    }
+    retriable_.push_back(running);
+    return;
+  } else {
+    outcome = Execute(call, state_, shared_.words);
+  }
+  if (ActionState* action = Find(call.id); action != nullptr) {
+    action->status = outcome.finished ? ActionStatus::kFinished : ActionStatus::kFailed;
+    action->result = outcome.result;
+  }
+  if (outcome.error) AddError(*outcome.error);
+  if (!state_.order.Active()) order_end_.reset();
+  Follow(outcome, now);
+}
+
+void VirtualRobot::Follow(const Outcome& outcome, const Moment& now) {
+  switch (outcome.consequence) {
+    case SideEffect::kNone:
+      return;
+    case SideEffect::kFactsheet:
+      return SayFactsheet(now);
+    case SideEffect::kHibernate:
+      falling_asleep_ = true;
+      return SayStateIfChanged(now);
+    case SideEffect::kWake:
+      if (hibernating_) {
+        hibernating_ = false;
+        SayConnection("ONLINE", now);
+      }
+      return;
+    case SideEffect::kShutDown:
+      leaving_ = true;
+      return SayStateIfChanged(now);
+    case SideEffect::kRetry:
+      return Retry(outcome.target, now);
+    case SideEffect::kSkipRetry:
+      std::erase_if(retriable_, [&](const Running& r) { return r.call.id == outcome.target; });
+      if (ActionState* action = Find(outcome.target); action != nullptr) {
+        action->status = ActionStatus::kFailed;
+      }
+      return;
+  }
+}
+
+void VirtualRobot::Retry(const std::string& id, const Moment& now) {
+  const auto found = std::find_if(retriable_.begin(), retriable_.end(),
+                                  [&](const Running& running) { return running.call.id == id; });
+  if (found == retriable_.end()) return;
+  Running running = std::move(*found);
+  retriable_.erase(found);
+  running.retried = true;
+  running.next = now.steady + shared_.settings.delay;
+  if (ActionState* action = Find(id); action != nullptr) {
+    action->status = ActionStatus::kRunning;
+    action->result.clear();
+  }
+  if (shared_.settings.delay.count() == 0) {
+    Complete(running, now);
+  } else {
+    running_.push_back(std::move(running));
+  }
+}
+
+void VirtualRobot::ForgetOldActions() {
+  auto& actions = state_.instant_actions;
+  const auto ended = [](const ActionState& action) { return IsEnded(action.status); };
+  while (std::count_if(actions.begin(), actions.end(), ended) >
+         static_cast<std::ptrdiff_t>(kMostEndedActions)) {
+    actions.erase(std::find_if(actions.begin(), actions.end(), ended));
+  }
+}
+
+void VirtualRobot::Remember(const std::string& id) {
+  known_.insert(id);
+  known_in_order_.push_back(id);
+  if (known_in_order_.size() <= kMostKnownIds) return;
+  known_.erase(known_in_order_.front());
+  known_in_order_.pop_front();
+}
+
+ActionState* VirtualRobot::Find(std::string_view id) {
+  const auto found = std::find_if(state_.instant_actions.begin(), state_.instant_actions.end(),
+                                  [&](const ActionState& action) { return action.id == id; });
+  return found == state_.instant_actions.end() ? nullptr : &*found;
+}
+
+}  // namespace fleetpub::simulator

@@ -1,0 +1,193 @@
+#include "simulator/messages.h"
+
+#include <fmt/format.h>
+
+#include "base/json.h"
+
+namespace fleetpub::simulator {
+namespace {
+
+using Json = base::JsonWriter;
+
+void Put(Json& json, std::string_view text) {
+  json.String(text.data(), static_cast<rapidjson::SizeType>(text.size()));
+}
+
+void Put(Json& json, std::string_view key, std::string_view text) {
+  Put(json, key);
+  Put(json, text);
+}
+
+void Put(Json& json, std::string_view key, bool value) {
+  Put(json, key);
+  json.Bool(value);
+}
+
+void Put(Json& json, std::string_view key, std::uint32_t value) {
+  Put(json, key);
+  json.Uint(value);
+}
+
+void Put(Json& json, std::string_view key, double value) {
+  Put(json, key);
+  json.Double(value);
+}
+
+template <typename Items, typename PutItem>
+void PutArray(Json& json, std::string_view key, const Items& items, PutItem put_item) {
+  Put(json, key);
+  json.StartArray();
+  for (const auto& item : items) {
+    json.StartObject();
+    put_item(item);
+    json.EndObject();
+  }
+  json.EndArray();
+}
+
+void PutLegs(Json& json, std::string_view key, std::string_view id, const std::vector<Leg>& legs) {
+  PutArray(json, key, legs, [&](const Leg& leg) {
+    Put(json, id, leg.id);
+    Put(json, "sequenceId", leg.sequence_id);
+    Put(json, "released", leg.released);
+  });
+}
+
+void PutAction(Json& json, const ActionState& action, const Words& words) {
+  Put(json, "actionId", action.id);
+  Put(json, "actionType", action.type);
+  if (!action.descriptor.empty()) Put(json, words.action_descriptor, action.descriptor);
+  Put(json, "actionStatus", NameOf(action.status));
+  if (!action.result.empty()) Put(json, words.action_result, action.result);
+}
+
+void PutActions(Json& json, const RobotState& state, const Words& words) {
+  const auto put = [&](const ActionState& action) { PutAction(json, action, words); };
+  if (words.own_instant_states) {
+    PutArray(json, "actionStates", state.order_actions, put);
+    PutArray(json, "instantActionStates", state.instant_actions, put);
+    PutArray(json, "zoneActionStates", std::vector<ActionState>(), put);
+    return;
+  }
+  std::vector<ActionState> all = state.order_actions;
+  all.insert(all.end(), state.instant_actions.begin(), state.instant_actions.end());
+  PutArray(json, "actionStates", all, put);
+}
+
+void PutErrors(Json& json, const std::vector<RobotError>& errors) {
+  PutArray(json, "errors", errors, [&](const RobotError& error) {
+    Put(json, "errorType", error.type);
+    PutArray(json, "errorReferences", error.references, [&](const auto& reference) {
+      Put(json, "referenceKey", reference.first);
+      Put(json, "referenceValue", reference.second);
+    });
+    Put(json, "errorDescription", error.description);
+    Put(json, "errorLevel", error.level);
+  });
+}
+
+void PutMaps(Json& json, const RobotState& state, const Words& words) {
+  const auto status = [](bool enabled) -> std::string_view {
+    return enabled ? "ENABLED" : "DISABLED";
+  };
+  if (words.HasMaps()) {
+    PutArray(json, "maps", state.maps, [&](const Map& map) {
+      Put(json, "mapId", map.id);
+      Put(json, "mapVersion", map.version);
+      Put(json, "mapStatus", status(map.enabled));
+    });
+  }
+  if (words.HasZoneSets()) {
+    PutArray(json, "zoneSets", state.zone_sets, [&](const ZoneSet& set) {
+      Put(json, "zoneSetId", set.id);
+      Put(json, "mapId", set.map_id);
+      Put(json, "zoneSetStatus", status(set.enabled));
+    });
+  }
+}
+
+void PutRequests(Json& json, const RobotState& state, const Words& words) {
+  if (!words.HasZoneSets()) return;
+  for (const bool for_zones : {true, false}) {
+    std::vector<Request> requests = state.requests;
+    std::erase_if(requests, [&](const Request& r) { return r.edge_id.empty() != for_zones; });
+    PutArray(json, for_zones ? "zoneRequests" : "edgeRequests", requests, [&](const Request& r) {
+      Put(json, "requestId", r.id);
+      Put(json, "requestType", r.type);
+      if (for_zones) {
+        Put(json, "zoneId", r.zone_id);
+        Put(json, "zoneSetId", r.zone_set_id);
+      } else {
+        Put(json, "edgeId", r.edge_id);
+        Put(json, "sequenceId", r.sequence_id);
+      }
+      Put(json, "requestStatus", r.status);
+    });
+  }
+}
+
+void PutPosition(Json& json, const Position& position, const Words& words) {
+  Put(json, words.position);
+  json.StartObject();
+  Put(json, "x", position.x);
+  Put(json, "y", position.y);
+  Put(json, "theta", position.theta);
+  Put(json, "mapId", position.map_id);
+  Put(json, words.initialized, true);
+  json.EndObject();
+}
+
+void PutPowerAndSafety(Json& json, const RobotState& state, const Words& words) {
+  constexpr double kCharge = 80;
+  Put(json, words.power);
+  json.StartObject();
+  Put(json, words.charge, kCharge);
+  Put(json, "charging", state.charging);
+  json.EndObject();
+  Put(json, "safetyState");
+  json.StartObject();
+  Put(json, words.emergency_stop, std::string_view("NONE"));
+  Put(json, "fieldViolation", false);
+  json.EndObject();
+}
+
+}  // namespace
+
+std::string Message(const Header& header, std::uint32_t header_id, base::WallTime time,
+                    std::string_view body) {
+  return fmt::format(
+      R"({{"headerId":{},"timestamp":"{}","version":{},"manufacturer":{},"serialNumber":{},{}}})",
+      header_id, base::FormatTimestamp(time), base::JsonString(header.version),
+      base::JsonString(header.manufacturer), base::JsonString(header.serial_number), body);
+}
+
+std::string ConnectionBody(std::string_view connection_state) {
+  return fmt::format(R"("connectionState":"{}")", connection_state);
+}
+
+std::string StateBody(const RobotState& state, const Words& words) {
+  base::JsonBuffer buffer;
+  Json json(buffer);
+  json.StartObject();
+  Put(json, "orderId", state.order.id);
+  Put(json, "orderUpdateId", state.order.update_id);
+  Put(json, "lastNodeId", state.last_node_id);
+  Put(json, "lastNodeSequenceId", state.last_node_sequence_id);
+  Put(json, "driving", state.Driving());
+  Put(json, "paused", state.paused);
+  Put(json, "operatingMode", state.operating_mode);
+  PutLegs(json, "nodeStates", "nodeId", state.order.nodes);
+  PutLegs(json, "edgeStates", "edgeId", state.order.edges);
+  PutPosition(json, state.position, words);
+  PutMaps(json, state, words);
+  PutRequests(json, state, words);
+  PutActions(json, state, words);
+  PutPowerAndSafety(json, state, words);
+  PutErrors(json, state.errors);
+  PutArray(json, "loads", std::vector<int>(), [](int) {});
+  PutArray(json, "information", std::vector<int>(), [](int) {});
+  json.EndObject();
+  return {buffer.GetString() + 1, buffer.GetSize() - 2};
+}
+
+}  // namespace fleetpub::simulator

@@ -1,0 +1,28 @@
+// Writes the messages of a virtual robot.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+#include "base/time.h"
+#include "simulator/protocol_terms.h"
+#include "simulator/robot_state.h"
+
+namespace fleetpub::simulator {
+
+/// The first members of every message; the same for all of a robot's messages but for id and time.
+struct Header {
+  std::string version;
+  std::string manufacturer;
+  std::string serial_number;
+};
+
+/// A message with this header; `body` is the rest of its members, as JSON without braces.
+[[nodiscard]] std::string Message(const Header& header, std::uint32_t header_id,
+                                  base::WallTime time, std::string_view body);
+
+[[nodiscard]] std::string ConnectionBody(std::string_view connection_state);
+[[nodiscard]] std::string StateBody(const RobotState& state, const Words& words);
+
+}  // namespace fleetpub::simulator

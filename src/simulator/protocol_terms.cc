@@ -1,0 +1,56 @@
+#include "simulator/protocol_terms.h"
+
+#include <array>
+
+namespace fleetpub::simulator {
+namespace {
+
+using vda5050::Version;
+
+constexpr Words Up21(Version version, mqtt::Qos connection_qos) {
+  return {.version = version,
+          .broken = "CONNECTIONBROKEN",
+          .connection_qos = connection_qos,
+          .position = "agvPosition",
+          .initialized = "positionInitialized",
+          .power = "batteryState",
+          .charge = "batteryCharge",
+          .emergency_stop = "eStop",
+          .action_descriptor = "actionDescription",
+          .action_result = "resultDescription",
+          .own_instant_states = false,
+          .invalid_action = "instantActionError",
+          .invalid_message = "validationError",
+          .no_order = "noOrderToCancel",
+          .invalid_order = "orderError",
+          .duplicate_map = "duplicateMap",
+          .duplicate_zone_set = ""};
+}
+
+// §6.2 of 1.1 asks for QoS 0 on every topic, from 2.0 on `connection` has 1.
+constexpr std::array kWords = {Up21(Version::k110, mqtt::Qos::kAtMostOnce),
+                               Up21(Version::k200, mqtt::Qos::kAtLeastOnce),
+                               Up21(Version::k210, mqtt::Qos::kAtLeastOnce),
+                               Words{.version = Version::k300,
+                                     .broken = "CONNECTION_BROKEN",
+                                     .connection_qos = mqtt::Qos::kAtLeastOnce,
+                                     .position = "mobileRobotPosition",
+                                     .initialized = "localized",
+                                     .power = "powerSupply",
+                                     .charge = "stateOfCharge",
+                                     .emergency_stop = "activeEmergencyStop",
+                                     .action_descriptor = "actionDescriptor",
+                                     .action_result = "actionResult",
+                                     .own_instant_states = true,
+                                     .invalid_action = "INVALID_INSTANT_ACTION",
+                                     .invalid_message = "VALIDATION_FAILURE",
+                                     .no_order = "NO_ORDER_TO_CANCEL",
+                                     .invalid_order = "INVALID_ORDER",
+                                     .duplicate_map = "DUPLICATE_MAP",
+                                     .duplicate_zone_set = "DUPLICATE_ZONE_SET"}};
+
+}  // namespace
+
+const Words& WordsOf(Version version) { return kWords.at(static_cast<std::size_t>(version)); }
+
+}  // namespace fleetpub::simulator

@@ -1,0 +1,192 @@
+#include "simulator/runner.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <deque>
+#include <memory>
+#include <thread>
+
+#include "mqtt/paho/paho_transport.h"
+
+namespace fleetpub::simulator {
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::steady_clock;
+
+constexpr milliseconds kGlance{50};          // how often `stopped` is asked
+constexpr milliseconds kBetweenTries{300};   // to connect again
+constexpr milliseconds kBetweenLooks{1000};  // at the connections that only hold a will
+// A broker drops what it cannot queue for us (mosquitto: 1,000 messages), so everything that has
+// come is read before much of it is answered.
+constexpr std::size_t kMostUnanswered = 100'000;
+constexpr std::size_t kAnsweredAtOnce = 50;
+
+Moment Now() { return {steady_clock::now(), base::WallTime::clock::now()}; }
+
+class Runner {
+ public:
+  Runner(Fleet& fleet, const RunOptions& options)
+      : fleet_(fleet), options_(options), end_(End(options)) {}
+
+  Status Run() {
+    bool ready = false;
+    while (!Over()) {
+      auto lost = Connect();
+      if (lost) lost = Greet();
+      if (!lost && !ready) return lost;
+      if (lost && !ready) options_.on_ready();
+      ready = true;
+      while (lost && !Over()) lost = Turn();
+      if (lost) return Disconnect();
+      options_.on_lost(lost.error());
+      Drop();
+      std::this_thread::sleep_for(kBetweenTries);
+    }
+    return {};
+  }
+
+ private:
+  static steady_clock::time_point End(const RunOptions& options) {
+    return options.duration ? steady_clock::now() + *options.duration
+                            : steady_clock::time_point::max();
+  }
+
+  [[nodiscard]] bool Over() const {
+    return options_.stopped() || fleet_.present() == 0 || steady_clock::now() >= end_;
+  }
+  [[nodiscard]] mqtt::Deadline Patience() const {
+    return steady_clock::now() + options_.connect.connect_timeout;
+  }
+
+  // With one robot the will is on the connection that everything goes over.
+  Status Connect() {
+    mqtt::ConnectOptions main = options_.connect;
+    if (fleet_.size() == 1) main.will = fleet_.WillOf(0, Now());
+    auto transport = mqtt::ConnectPahoAsRobot(main);
+    if (!transport) return Fail(std::move(transport.error()));
+    transport_ = *std::move(transport);
+    if (fleet_.size() == 1 || fleet_.size() > kMostWills) return {};
+    for (std::size_t i = 0; i < fleet_.size(); ++i) {
+      wills_.emplace_back();
+      if (fleet_.IsGone(i)) continue;
+      mqtt::ConnectOptions aside = options_.connect;
+      aside.will = fleet_.WillOf(i, Now());
+      if (!aside.client_id.empty()) aside.client_id += fmt::format("-{}", i + 1);
+      auto connection = mqtt::ConnectPaho(aside);
+      if (!connection) return Fail(std::move(connection.error()));
+      wills_.back() = *std::move(connection);
+    }
+    return {};
+  }
+
+  Status Greet() {
+    const auto subscribed =
+        transport_->Subscribe(fleet_.Subscriptions(), mqtt::Qos::kAtMostOnce, Patience());
+    if (!subscribed) return Fail(subscribed.error());
+    fleet_.Start(Now(), out_);
+    if (auto sent = Send(); !sent) return sent;
+    return AwaitAll();
+  }
+
+  // Reads what there is, answers some of it.
+  Status Turn() {
+    const auto now = steady_clock::now();
+    const auto until = unanswered_.empty() ? std::min(fleet_.Due(), now + kGlance) : now;
+    if (auto read = Read(until); !read) return read;
+    for (std::size_t i = 0; i < kAnsweredAtOnce && !unanswered_.empty(); ++i) {
+      fleet_.Receive(unanswered_.front(), Now(), out_);
+      unanswered_.pop_front();
+    }
+    if (fleet_.Due() <= steady_clock::now()) fleet_.Tick(Now(), out_);
+    if (auto sent = Send(); !sent) return sent;
+    return LookAfterWills();
+  }
+
+  // Everything that has come; waits for the first message.
+  Status Read(mqtt::Deadline until) {
+    while (unanswered_.size() < kMostUnanswered) {
+      auto message = transport_->Receive(until);
+      if (!message) return Fail(std::move(message.error()));
+      if (!*message) break;
+      unanswered_.push_back(std::move(**message));
+      until = steady_clock::now();
+    }
+    return {};
+  }
+
+  Status Send() {
+    for (const Outgoing& outgoing : out_) {
+      const auto sent = outgoing.retain ? transport_->PublishRetained(outgoing.message, Patience())
+                                        : transport_->Publish(outgoing.message, Patience());
+      if (!sent) {
+        out_.clear();
+        return Fail(sent.error());
+      }
+    }
+    out_.clear();
+    return {};
+  }
+
+  Status AwaitAll() {
+    const auto acknowledged = transport_->AwaitAcknowledgements(Patience(), 0);
+    if (!acknowledged) return Fail(acknowledged.error());
+    return {};
+  }
+
+  // Their pings; and a robot that has shut down leaves no will.
+  Status LookAfterWills() {
+    const auto now = steady_clock::now();
+    if (wills_.empty() || now < next_look_) return {};
+    next_look_ = now + kBetweenLooks;
+    for (std::size_t i = 0; i < wills_.size(); ++i) {
+      if (wills_[i] == nullptr) continue;
+      if (fleet_.IsGone(i)) {
+        wills_[i]->Disconnect();
+        wills_[i].reset();
+      } else if (auto looked = wills_[i]->Receive(now); !looked) {
+        return Fail(std::move(looked.error()));
+      }
+    }
+    return {};
+  }
+
+  // The wills are withdrawn last: until OFFLINE is there, they are still true.
+  Status Disconnect() {
+    fleet_.End(Now(), out_);
+    auto sent = Send();
+    if (sent) sent = AwaitAll();
+    if (!sent) {
+      options_.on_lost(sent.error());
+      return {};
+    }
+    transport_->Disconnect();
+    for (const auto& will : wills_) {
+      if (will != nullptr) will->Disconnect();
+    }
+    return {};
+  }
+
+  void Drop() {
+    out_.clear();
+    unanswered_.clear();
+    wills_.clear();
+    transport_.reset();
+  }
+
+  Fleet& fleet_;
+  const RunOptions& options_;
+  steady_clock::time_point end_;
+  std::unique_ptr<mqtt::RobotTransport> transport_;
+  std::vector<std::unique_ptr<mqtt::Transport>> wills_;
+  steady_clock::time_point next_look_;
+  std::deque<mqtt::Message> unanswered_;
+  std::vector<Outgoing> out_;
+};
+
+}  // namespace
+
+Status Run(Fleet& fleet, const RunOptions& options) { return Runner(fleet, options).Run(); }
+
+}  // namespace fleetpub::simulator

@@ -1,0 +1,31 @@
+// Connects a fleet of virtual robots to a broker and keeps it there.
+#pragma once
+
+#include <chrono>
+#include <functional>
+#include <optional>
+
+#include "base/result.h"
+#include "mqtt/transport.h"
+#include "simulator/fleet.h"
+
+namespace fleetpub::simulator {
+
+/// Up to so many robots each have a connection of their own that holds their last will: MQTT knows
+/// one will per connection. More of them have none.
+constexpr std::size_t kMostWills = 32;
+
+struct RunOptions {
+  mqtt::ConnectOptions connect;
+  std::optional<std::chrono::milliseconds> duration;  ///< none: until `stopped`
+  std::function<bool()> stopped;                      ///< asked several times a second
+  std::function<void()> on_ready;                     ///< everybody is ONLINE, for the first time
+  std::function<void(const Error&)> on_lost;          ///< the connection broke; tried again
+};
+
+/// Runs the robots until the time is over, `stopped` says so, or all of them have shut down; then
+/// says OFFLINE for them. A connection that is lost is made again. Errors: the first connection
+/// cannot be made.
+[[nodiscard]] Status Run(Fleet& fleet, const RunOptions& options);
+
+}  // namespace fleetpub::simulator

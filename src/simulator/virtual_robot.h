@@ -1,0 +1,141 @@
+// One virtual robot: a state machine that is fed with messages and with time, and answers with
+// messages. It touches no network and no clock.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <unordered_set>
+#include <vector>
+
+#include "base/time.h"
+#include "mqtt/transport.h"
+#include "simulator/action_handlers.h"
+#include "simulator/inspection.h"
+#include "simulator/messages.h"
+#include "simulator/protocol_terms.h"
+#include "simulator/robot_state.h"
+#include "simulator/settings.h"
+
+namespace fleetpub::simulator {
+
+/// The time, twice: for waiting and for timestamps.
+struct Moment {
+  std::chrono::steady_clock::time_point steady;
+  base::WallTime wall;
+};
+
+/// What a robot says.
+struct Utterance {
+  std::string_view topic;  ///< the last level: `connection`, `state`, `factsheet`
+  std::string payload;
+  mqtt::Qos qos = mqtt::Qos::kAtMostOnce;
+  bool retained = false;
+};
+
+using Utterances = std::vector<Utterance>;
+
+/// What somebody who watches wants to know.
+struct Event {
+  enum class Kind {
+    kReceived,  ///< a command came
+    kFault,     ///< what was received breaks the specification
+  };
+  Kind kind = Kind::kReceived;
+  std::string text;
+};
+
+class VirtualRobot {
+ public:
+  using Subscription = std::function<void(const Event&)>;
+
+  /// What robots of one fleet share; all of it outlives them.
+  struct Shared {
+    const Settings& settings;
+    const Words& words;
+    Inspector& inspector;
+    const std::string& factsheet;  ///< FactsheetBody; "": the version has none
+  };
+
+  VirtualRobot(const Shared& shared, Header header);
+
+  /// The last will, to be handed to the broker before Start.
+  [[nodiscard]] Utterance Will(const Moment& now);
+  /// Connected, or connected again: ONLINE, the factsheet, a state.
+  void Start(const Moment& now, Utterances& out);
+  /// A message of `instantActions`, `order`, `zoneSet` or `responses`.
+  void Receive(std::string_view topic, std::string_view payload, const Moment& now, Utterances& out,
+               const Subscription& listener);
+  /// To be called at Due() or later.
+  void Tick(const Moment& now, Utterances& out);
+  /// The orderly end: OFFLINE.
+  void End(const Moment& now, Utterances& out);
+
+  /// When Tick has something to do.
+  [[nodiscard]] std::chrono::steady_clock::time_point Due() const;
+  /// Has shut down: says nothing and hears nothing any more.
+  [[nodiscard]] bool gone() const { return gone_; }
+  [[nodiscard]] const RobotState& state() const { return state_; }
+
+ private:
+  struct Running {
+    CommandLine call;
+    std::chrono::steady_clock::time_point next;  // of the next change of its status
+    bool retried = false;
+  };
+
+  void ReceiveActions(std::string_view payload, const Moment& now, const Subscription& listener);
+  void ReceiveOrder(std::string_view payload, const Moment& now, const Subscription& listener);
+  void ReceiveZoneSet(std::string_view payload, const Subscription& listener);
+  void ReceiveResponses(std::string_view payload, const Moment& now, const Subscription& listener);
+  [[nodiscard]] Inspection InspectFor(std::string_view topic, std::string_view payload,
+                                      std::string_view error_type, const Subscription& listener);
+  void Drive(const Moment& now);
+  void RefuseMessage(const Inspection& inspection, std::string_view topic);
+  void Begin(const ReceivedAction& action, const Moment& now);
+  [[nodiscard]] std::string ReasonToReject(const ReceivedAction& action) const;
+  void Reject(const ReceivedAction& action, const std::string& reason);
+  void Advance(Running& running, const Moment& now);
+  void Complete(const Running& running, const Moment& now);
+  void Follow(const Outcome& outcome, const Moment& now);
+  void Retry(const std::string& id, const Moment& now);
+  void EndOrder();
+  void AddError(RobotError error);
+  void ForgetErrors(Until until);
+  void ForgetOldActions();
+  [[nodiscard]] ActionState* Find(std::string_view id);
+  void Remember(const std::string& id);
+
+  void Say(std::string_view topic, std::string_view body, std::uint32_t& counter,
+           const Moment& now);
+  void SayConnection(std::string_view connection_state, const Moment& now);
+  void SayState(const Moment& now);
+  void SayFactsheet(const Moment& now);
+  void SayStateIfChanged(const Moment& now);
+
+  Shared shared_;
+  Header header_;
+  RobotState state_;
+  std::vector<Running> running_;
+  std::vector<Running> retriable_;
+  std::unordered_set<std::string> known_;
+  std::deque<std::string> known_in_order_;
+  std::uint32_t connection_id_ = 0;
+  std::uint32_t state_id_ = 0;
+  std::uint32_t factsheet_id_ = 0;
+  std::chrono::steady_clock::time_point next_state_;
+  std::optional<std::chrono::steady_clock::time_point> order_end_;
+  std::optional<std::chrono::steady_clock::time_point> lease_end_;
+  bool changed_ = false;
+  bool hibernating_ = false;
+  bool gone_ = false;
+  bool leaving_ = false;         // says OFFLINE after its last state
+  bool falling_asleep_ = false;  // says HIBERNATING after its last state
+  Utterances* out_ = nullptr;    // while a public function runs
+};
+
+}  // namespace fleetpub::simulator

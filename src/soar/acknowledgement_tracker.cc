@@ -1,0 +1,120 @@
+#include "soar/acknowledgement_tracker.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+#include <optional>
+
+#include "base/json.h"
+#include "base/text.h"
+
+namespace fleetpub::soar {
+namespace {
+
+using base::FindMember;
+using base::StringMember;
+using delivery::CommandStatus;
+using std::chrono::steady_clock;
+
+class MessageTracker : public delivery::ResponseTracker {
+ public:
+  explicit MessageTracker(TrackerOptions options) : options_(std::move(options)) {
+    progress_.message = "nobody acknowledged it";
+  }
+
+  [[nodiscard]] std::vector<std::string> Topics() const override { return options_.topics; }
+
+  void Published(std::uint32_t /*header_id*/) override { published_ = steady_clock::now(); }
+
+  void Receive(const delivery::Incoming& message) override {
+    if (!published_ || progress_.ended || message.retained) return;
+    if (!CanName(message.payload)) return;
+    const auto said = ReadAcknowledgement(message.topic, message.payload, options_.prefix);
+    if (!said || said->message_id != options_.message_id) return;
+    const auto [known, is_new] = levels_.emplace(said->from, said->level);
+    if (!is_new && said->level <= known->second) return;
+    known->second = said->level;
+    Judge();
+    if (options_.on_level) options_.on_level(*said, steady_clock::now() - *published_);
+  }
+
+  [[nodiscard]] const delivery::Progress& progress() const override { return progress_; }
+
+ private:
+  // A busy backbone brings the acknowledgements of everybody: most need no parsing. JSON may escape
+  // any character of an id.
+  [[nodiscard]] bool CanName(std::string_view payload) const {
+    return payload.find(options_.message_id) != std::string_view::npos ||
+           payload.find('\\') != std::string_view::npos;
+  }
+
+  [[nodiscard]] std::size_t CountOf(Level level) const {
+    return static_cast<std::size_t>(std::count_if(
+        levels_.begin(), levels_.end(), [&](const auto& one) { return one.second >= level; }));
+  }
+
+  void Judge() {
+    progress_.seen = true;
+    progress_.message = Told();
+    if (CountOf(options_.wait_for) < options_.count) return;
+    progress_.ended = true;
+    const bool done = CountOf(Level::kExecuted) >= options_.count;
+    progress_.status = done ? CommandStatus::kFinished : CommandStatus::kAccepted;
+  }
+
+  // `executed`; of several: `2 of 3 executed`.
+  [[nodiscard]] std::string Told() const {
+    if (options_.count == 1) {
+      const auto highest =
+          std::max_element(levels_.begin(), levels_.end(),
+                           [](const auto& a, const auto& b) { return a.second < b.second; });
+      return std::string(NameOf(highest->second));
+    }
+    std::vector<std::string> parts;
+    for (const Level level : AllLevels()) {
+      if (CountOf(level) == 0 || level > options_.wait_for) continue;
+      parts.push_back(fmt::format("{} of {} {}", CountOf(level), options_.count, NameOf(level)));
+    }
+    return base::Join(parts, ", ");
+  }
+
+  TrackerOptions options_;
+  std::optional<steady_clock::time_point> published_;
+  delivery::Progress progress_;
+  std::map<std::string, Level> levels_;  // by who said it
+};
+
+std::string FromOf(std::string_view topic, std::string_view source, const Prefix& prefix) {
+  if (const auto platform = PlatformOf(topic, prefix)) {
+    std::string name = prefix.Dotted() + "." + platform->Topic();
+    std::replace(name.begin(), name.end(), '/', '.');
+    return name;
+  }
+  return std::string(source);
+}
+
+}  // namespace
+
+std::optional<Acknowledgement> ReadAcknowledgement(std::string_view topic, std::string_view payload,
+                                                   const Prefix& prefix) {
+  const auto message = base::ParseJson(payload);
+  if (!message) return std::nullopt;
+  const auto* said = FindMember(*message, "payload");
+  if (said == nullptr ||
+      StringMember(*said, "message_type") != NameOf(MessageType::kAcknowledgement)) {
+    return std::nullopt;
+  }
+  const auto level = ParseLevel(StringMember(*said, "status"));
+  if (!level) return std::nullopt;
+  const auto* header = FindMember(*message, "header");
+  const auto source = header == nullptr ? std::string_view() : StringMember(*header, "source");
+  return Acknowledgement{std::string(StringMember(*said, "acknowledged_message_ID")), *level,
+                         FromOf(topic, source, prefix)};
+}
+
+std::unique_ptr<delivery::ResponseTracker> TrackAcknowledgements(TrackerOptions options) {
+  return std::make_unique<MessageTracker>(std::move(options));
+}
+
+}  // namespace fleetpub::soar

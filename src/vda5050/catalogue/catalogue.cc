@@ -1,0 +1,139 @@
+#include "vda5050/catalogue/catalogue.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+#include "base/text.h"
+
+namespace fleetpub::vda5050 {
+namespace {
+
+using NamePair = std::pair<std::string_view, std::string_view>;
+
+// What people say, and the predefined name in the newest version that has it.
+constexpr std::array<NamePair, 6> kShortNames = {{
+    {"pause", "startPause"},
+    {"resume", "stopPause"},
+    {"cancel", "cancelOrder"},
+    {"initPosition", "initializePosition"},
+    {"charge", "startCharging"},
+    {"uncharge", "stopCharging"},
+}};
+
+// An action that was renamed: its name before, its name since.
+constexpr NamePair kRenamed = {"initPosition", "initializePosition"};
+
+bool AreOneAction(std::string_view a, std::string_view b) {
+  const auto is_renamed = [](std::string_view name) {
+    return name == kRenamed.first || name == kRenamed.second;
+  };
+  return a == b || (is_renamed(a) && is_renamed(b));
+}
+
+}  // namespace
+
+std::string_view NameOf(ParameterType type) {
+  switch (type) {
+    case ParameterType::kString:
+      return "string";
+    case ParameterType::kFloat64:
+    case ParameterType::kAngle:
+      return "float64";
+    case ParameterType::kStringArray:
+      return "array of string";
+  }
+  return "";
+}
+
+std::vector<const ActionSpec*> ActionsOf(Version version) {
+  std::vector<const ActionSpec*> actions;
+  for (const ActionSpec& action : AllActions()) {
+    if (action.versions.Contains(version)) actions.push_back(&action);
+  }
+  return actions;
+}
+
+const ActionSpec* FindAction(Version version, std::string_view type) {
+  for (const ActionSpec& action : AllActions()) {
+    if (action.type == type && action.versions.Contains(version)) return &action;
+  }
+  return nullptr;
+}
+
+std::string_view NameIn(Version version, std::string_view type) {
+  for (const ActionSpec& action : AllActions()) {
+    if (action.versions.Contains(version) && AreOneAction(action.type, type)) return action.type;
+  }
+  return type;
+}
+
+std::optional<std::string_view> ActionCalled(std::string_view word) {
+  for (const auto& [name, type] : kShortNames) {
+    if (base::EqualsIgnoringCase(name, word)) return type;
+  }
+  for (const ActionSpec& action : AllActions()) {
+    if (base::EqualsIgnoringCase(action.type, word)) return action.type;
+  }
+  return std::nullopt;
+}
+
+std::vector<std::string_view> ShortNamesOf(std::string_view type) {
+  std::vector<std::string_view> names;
+  for (const auto& [name, canonical] : kShortNames) {
+    if (canonical == type) names.push_back(name);
+  }
+  return names;
+}
+
+std::vector<std::string_view> AllActionNames() {
+  std::vector<std::string_view> names;
+  for (const ActionSpec& action : AllActions()) {
+    const std::string_view newest = action.type == kRenamed.first ? kRenamed.second : action.type;
+    if (std::find(names.begin(), names.end(), newest) == names.end()) names.push_back(newest);
+  }
+  return names;
+}
+
+std::vector<std::string_view> AllActionWords() {
+  std::vector<std::string_view> words;
+  for (const std::string_view action : AllActionNames()) {
+    words.push_back(action);
+    for (const std::string_view name : ShortNamesOf(action)) words.push_back(name);
+  }
+  return words;
+}
+
+bool IsEverInstant(std::string_view type) {
+  const auto actions = AllActions();
+  return std::any_of(actions.begin(), actions.end(), [&](const ActionSpec& action) {
+    return AreOneAction(action.type, type) && action.scopes.instant;
+  });
+}
+
+std::vector<ParameterSpec> ParametersInAnyVersion(std::string_view type) {
+  std::vector<ParameterSpec> parameters;
+  const auto actions = AllActions();
+  for (auto action = actions.rbegin(); action != actions.rend(); ++action) {
+    if (!AreOneAction(action->type, type)) continue;
+    for (const ParameterSpec& parameter : action->parameters) {
+      const bool known = std::any_of(parameters.begin(), parameters.end(),
+                                     [&](const auto& p) { return p.name == parameter.name; });
+      if (!known) parameters.push_back(parameter);
+    }
+  }
+  return parameters;
+}
+
+std::string VersionsWithInstant(std::string_view type) {
+  std::vector<std::string> names;
+  for (const Version version : kVersions) {
+    const ActionSpec* action = FindAction(version, NameIn(version, type));
+    if (action != nullptr && action->scopes.instant) names.emplace_back(FactsOf(version).name);
+  }
+  return base::Join(names, ", ");
+}
+
+}  // namespace fleetpub::vda5050

@@ -1,0 +1,106 @@
+#include "vda5050/messages/instant_actions.h"
+
+#include <fmt/format.h>
+
+#include "base/json.h"
+#include "base/text.h"
+#include "vda5050/catalogue/catalogue.h"
+#include "vda5050/rules/text_rules.h"
+
+namespace fleetpub::vda5050 {
+namespace {
+
+using base::JsonString;
+
+std::string_view Or(std::string_view text, std::string_view otherwise) {
+  return text.empty() ? otherwise : text;
+}
+
+std::string ParametersJson(std::span<const Parameter> parameters) {
+  std::string json;
+  for (const Parameter& parameter : parameters) {
+    json += fmt::format(R"({}{{"key":{},"value":{}}})", json.empty() ? "" : ",",
+                        JsonString(parameter.key), parameter.json);
+  }
+  return "[" + json + "]";
+}
+
+std::string ActionJson(const InstantAction& action, std::string_view type,
+                       const VersionFacts& facts) {
+  std::string json =
+      fmt::format(R"({{"actionType":{},"actionId":{})", JsonString(type), JsonString(action.id));
+  if (!action.descriptor.empty()) {
+    json += fmt::format(R"(,"{}":{})", facts.descriptor_key, JsonString(action.descriptor));
+  }
+  json += fmt::format(R"(,"blockingType":{})", JsonString(Or(action.blocking_type, "NONE")));
+  if (!action.parameters.empty() || facts.empty_parameters) {
+    json += R"(,"actionParameters":)" + ParametersJson(action.parameters);
+  }
+  return json + "}";
+}
+
+// Everything behind the timestamp's opening quotation mark.
+std::string HeaderRest(const RobotAddress& robot, const Dialect& dialect) {
+  return fmt::format(R"(","version":{},"manufacturer":{},"serialNumber":{},)",
+                     JsonString(Or(dialect.header_version, FactsOf(dialect.version).name)),
+                     JsonString(Or(dialect.header_manufacturer, robot.manufacturer)),
+                     JsonString(Or(dialect.header_serial, robot.serial_number)));
+}
+
+delivery::PayloadTemplate PayloadOf(const RobotAddress& robot, const Dialect& dialect,
+                                    std::string_view actions_key, std::string_view actions_json) {
+  return {.before_id = R"({"headerId":)",
+          .before_time = R"(,"timestamp":")",
+          .rest = fmt::format(R"({}"{}":[{}]}})", HeaderRest(robot, dialect), actions_key,
+                              actions_json)};
+}
+
+void WarnOfRename(std::string_view asked, std::string_view type, const VersionFacts& facts,
+                  std::vector<std::string>& warnings) {
+  if (asked == type) return;
+  warnings.push_back(
+      fmt::format("{} is called {} in version {}: sent as {}", asked, type, facts.name, type));
+}
+
+}  // namespace
+
+Result<delivery::Command> BuildInstantActions(const RobotAddress& robot, const Dialect& dialect,
+                                              std::span<const InstantAction> actions,
+                                              std::optional<std::uint32_t> header_id) {
+  const VersionFacts& facts = FactsOf(dialect.version);
+  auto topic = TopicFor(dialect.topics, dialect.version, robot, "instantActions");
+  if (!topic) return Fail(std::move(topic.error()));
+
+  delivery::Command command;
+  command.target = robot.ToString();
+  command.protocol = "vda5050";
+  command.version = facts.name;
+  command.version_assumed = dialect.assumed;
+  command.topic = std::move(*topic);
+  command.schema = fmt::format("vda5050/{}/instantActions", facts.name);
+  command.text_rules = [version = dialect.version](const base::JsonValue& message) {
+    return CheckInstantActions(message, version);
+  };
+  command.header_id = header_id;
+
+  const std::string_view actions_key = Or(dialect.actions_key, facts.actions_key);
+  if (actions_key != facts.actions_key) {
+    command.renamed_member = std::pair<std::string, std::string>(actions_key, facts.actions_key);
+  }
+  std::string json;
+  for (const InstantAction& action : actions) {
+    const std::string_view type = NameIn(dialect.version, action.type);
+    WarnOfRename(action.type, type, facts, command.warnings);
+    json += (json.empty() ? "" : ",") + ActionJson(action, type, facts);
+    command.actions.push_back({std::string(type), action.id});
+  }
+  command.payload = PayloadOf(robot, dialect, actions_key, json);
+  if (!HasRecommendedCharacters(robot.serial_number)) {
+    command.warnings.push_back(
+        fmt::format("serial number '{}' has characters other than A-Z a-z 0-9 _ . : -",
+                    base::Printable(robot.serial_number)));
+  }
+  return command;
+}
+
+}  // namespace fleetpub::vda5050

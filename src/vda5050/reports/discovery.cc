@@ -1,0 +1,241 @@
+#include "vda5050/reports/discovery.h"
+
+#include <algorithm>
+#include <charconv>
+#include <map>
+#include <utility>
+
+#include "base/text.h"
+#include "base/time.h"
+
+namespace fleetpub::vda5050 {
+namespace {
+
+// Stands in for what becomes `+`: U+F8FF of the private use area, which no name has.
+constexpr std::string_view kAny = "\uF8FF";
+
+// ── reading a topic back ──
+
+// What the template's placeholders stand for in a topic; a text that is fixed is matched.
+using Values = std::map<std::string, std::string, std::less<>>;
+
+// Matches one level; each placeholder takes the shortest text before the literal behind it, at
+// least one byte. False when the level cannot have been made by the pattern.
+bool MatchLevel(std::string_view pattern, std::string_view level, Values& values) {
+  while (!pattern.empty()) {
+    const std::size_t open = pattern.find('{');
+    if (level.substr(0, open) != pattern.substr(0, open)) return false;
+    if (open == std::string_view::npos) return true;
+    const std::size_t close = pattern.find('}', open);
+    if (close == std::string_view::npos) return false;
+    const std::string name(pattern.substr(open + 1, close - open - 1));
+    level.remove_prefix(open);
+    pattern.remove_prefix(close + 1);
+    const std::string_view literal = pattern.substr(0, pattern.find('{'));
+    const std::size_t end = literal.empty()      ? level.size()
+                            : literal == pattern ? level.rfind(literal)
+                                                 : level.find(literal, 1);
+    if (end == 0 || end == std::string_view::npos) return false;
+    const auto [value, is_new] = values.emplace(name, level.substr(0, end));
+    if (!is_new && value->second != level.substr(0, end)) return false;
+    level.remove_prefix(end);
+  }
+  return level.empty();
+}
+
+std::string Replaced(std::string text, std::string_view what, std::string_view by) {
+  for (auto at = text.find(what); at != std::string::npos; at = text.find(what, at + by.size())) {
+    text.replace(at, what.size(), by);
+  }
+  return text;
+}
+
+// The template with what the user states in place.
+std::string TemplateOf(const TopicScheme& scheme) {
+  if (scheme.interface_name.empty()) return scheme.topic_template;
+  return Replaced(scheme.topic_template, "{interface}", scheme.interface_name);
+}
+
+std::string Take(Values& values, std::string_view name) {
+  const auto found = values.find(name);
+  return found == values.end() ? std::string() : std::move(found->second);
+}
+
+// ── versions ──
+
+struct Release {
+  int major;
+  int minor;  ///< -1: not said
+};
+
+// `2`, `v2.1`, ` V2.1.0 `.
+std::optional<Release> ReadRelease(std::string_view text) {
+  const auto is_blank = [](char c) { return c == ' ' || c == '\t'; };
+  while (!text.empty() && is_blank(text.front())) text.remove_prefix(1);
+  if (!text.empty() && (text.front() == 'v' || text.front() == 'V')) text.remove_prefix(1);
+  const char* const end = text.data() + text.size();
+  Release release{0, -1};
+  const auto [after_major, error] = std::from_chars(text.data(), end, release.major);
+  if (error != std::errc() || release.major < 0) return std::nullopt;
+  if (after_major == end || is_blank(*after_major)) return release;
+  if (*after_major != '.') return std::nullopt;
+  const auto [after_minor, fault] = std::from_chars(after_major + 1, end, release.minor);
+  const bool is_minor = fault == std::errc() && release.minor >= 0 &&
+                        (after_minor == end || *after_minor == '.' || is_blank(*after_minor));
+  return is_minor ? std::optional(release) : std::nullopt;
+}
+
+// The exact one, else the newest of its major version.
+std::optional<Version> Nearest(const Release& release) {
+  std::optional<Version> nearest;
+  for (const Version version : kVersions) {
+    const auto ours = ReadRelease(FactsOf(version).name);
+    if (ours->major != release.major) continue;
+    nearest = version;
+    if (ours->minor == release.minor) break;
+  }
+  return nearest;
+}
+
+// ── dialects ──
+
+// What a robot writes instead of `2.1.0`, if it may go into our header: robots compare for
+// equality.
+std::string PeculiarVersion(std::string_view spoken, Version version) {
+  constexpr std::size_t kLongest = 16;
+  const bool is_plain = !spoken.empty() && spoken.size() <= kLongest &&
+                        spoken.find_first_not_of("0123456789.vV") == std::string_view::npos;
+  return is_plain && ReadRelease(spoken) && spoken != FactsOf(version).name ? std::string(spoken)
+                                                                            : std::string();
+}
+
+void TakeOver(std::string& field, std::string_view theirs, std::string_view expected) {
+  if (field.empty() && !theirs.empty() && theirs != expected) field = theirs;
+}
+
+Dialect DialectOf(const Dialect& base, const TopicLevels& levels, const MessageHeader& header,
+                  Version version) {
+  Dialect dialect = base;
+  const VersionFacts& facts = FactsOf(version);
+  dialect.version = version;
+  dialect.assumed = false;
+  TakeOver(dialect.topics.interface_name, levels.interface_name, facts.interface_name);
+  // A robot whose topic level is not its version's own (1.1 lives on v1 and on v2) keeps its level.
+  if (!levels.major.empty() && levels.major != facts.major) {
+    dialect.topics.topic_template =
+        Replaced(dialect.topics.topic_template, "{major}", levels.major);
+  }
+  TakeOver(dialect.header_version, PeculiarVersion(header.version, version), "");
+  TakeOver(dialect.header_manufacturer, header.manufacturer, levels.robot.manufacturer);
+  TakeOver(dialect.header_serial, header.serial_number, levels.robot.serial_number);
+  return dialect;
+}
+
+int RankOf(const Discovered& found) {
+  if (found.topic_name != "connection") return 0;
+  if (found.message.connection_state == "ONLINE") return 3;
+  return found.message.connection_state == "HIBERNATING" ? 2 : 1;
+}
+
+}  // namespace
+
+Result<std::vector<std::string>> DiscoveryFilters(const TopicScheme& scheme,
+                                                  const RobotFilter& filter,
+                                                  std::span<const std::string_view> topic_names) {
+  const std::string any(kAny);
+  const TopicScheme wanted{scheme.interface_name.empty() ? any : scheme.interface_name,
+                           Replaced(scheme.topic_template, "{major}", any)};
+  const RobotAddress robot{filter.manufacturer.value_or(any), filter.serial_number.value_or(any)};
+  std::vector<std::string> filters;
+  for (const std::string_view name : topic_names) {
+    const auto topic = TopicFor(wanted, Version::k300, robot, name);
+    if (!topic) return Fail(topic.error());
+    auto levels = base::Split(*topic, '/');
+    for (std::string& level : levels) {
+      if (level.find(kAny) != std::string::npos) level = "+";
+    }
+    filters.push_back(base::Join(levels, "/"));
+  }
+  return filters;
+}
+
+Result<std::vector<std::string>> SpecifiedTopics(const TopicScheme& scheme,
+                                                 const RobotAddress& robot,
+                                                 std::span<const std::string_view> topic_names) {
+  std::vector<std::string> topics;
+  for (const std::string_view name : topic_names) {
+    for (const Version version : kVersions) {
+      auto topic = TopicFor(scheme, version, robot, name);
+      if (!topic) return Fail(std::move(topic.error()));
+      if (std::find(topics.begin(), topics.end(), *topic) == topics.end()) {
+        topics.push_back(*std::move(topic));
+      }
+    }
+  }
+  return topics;
+}
+
+std::optional<TopicLevels> ReadTopic(const TopicScheme& scheme, std::string_view topic) {
+  const auto patterns = base::Split(TemplateOf(scheme), '/');
+  const auto levels = base::Split(topic, '/');
+  if (patterns.size() != levels.size()) return std::nullopt;
+  Values values;
+  for (std::size_t i = 0; i < levels.size(); ++i) {
+    if (!MatchLevel(patterns[i], levels[i], values)) return std::nullopt;
+  }
+  // Only what could be addressed is a robot.
+  RobotAddress robot{Take(values, "manufacturer"), Take(values, "serial")};
+  if (!IsAddressable(robot)) return std::nullopt;
+  return TopicLevels{.robot = std::move(robot),
+                     .interface_name = Take(values, "interface"),
+                     .major = Take(values, "major"),
+                     .topic_name = Take(values, "topic")};
+}
+
+std::optional<Discovered> DialectFrom(const Dialect& base, std::string_view topic,
+                                      std::string_view payload) {
+  auto message = ReadConnection(payload);
+  return message ? DialectFrom(base, topic, *std::move(message)) : std::nullopt;
+}
+
+std::optional<Discovered> DialectFrom(const Dialect& base, std::string_view topic,
+                                      ConnectionMessage message) {
+  const auto levels = ReadTopic(base.topics, topic);
+  if (!levels) return std::nullopt;
+  Discovered found{.robot = levels->robot,
+                   .topic = std::string(topic),
+                   .topic_name = levels->topic_name,
+                   .dialect = std::nullopt,
+                   .message = std::move(message)};
+  if (const auto version = VersionSpoken(found.message.header.version, levels->major)) {
+    found.dialect = DialectOf(base, *levels, found.message.header, *version);
+  }
+  return found;
+}
+
+Standing StandingOf(const Discovered& found) {
+  return {.rank = RankOf(found),
+          .time = base::ParseDateTime(found.message.header.timestamp),
+          .version = found.dialect ? std::optional(found.dialect->version) : std::nullopt};
+}
+
+std::vector<Discovered> OnePerRobot(std::vector<Discovered> found) {
+  std::map<std::string, Discovered> best;
+  for (Discovered& one : found) {
+    const auto [it, is_new] = best.try_emplace(one.robot.ToString(), one);
+    if (!is_new && StandingOf(it->second) < StandingOf(one)) it->second = std::move(one);
+  }
+  std::vector<Discovered> robots;
+  robots.reserve(best.size());
+  for (auto& [address, one] : best) robots.push_back(std::move(one));
+  return robots;
+}
+
+std::optional<Version> VersionSpoken(std::string_view header_version,
+                                     std::string_view major_level) {
+  auto release = ReadRelease(header_version);
+  if (!release) release = ReadRelease(major_level);
+  return release ? Nearest(*release) : std::nullopt;
+}
+
+}  // namespace fleetpub::vda5050

@@ -1,0 +1,72 @@
+// A fleet as its robots' connection and state messages show it, one message after the other.
+#pragma once
+
+#include <cstddef>
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "base/result.h"
+#include "vda5050/model/robot_pattern.h"
+#include "vda5050/reports/discovery.h"
+#include "vda5050/reports/robot_messages.h"
+
+namespace fleetpub::vda5050 {
+
+/// What is known of one robot. Texts are the robot's own and untrusted.
+struct RobotView {
+  RobotAddress robot;
+  std::string interface_name;        ///< first topic level; "" when the template has none
+  std::string topic_level;           ///< `v3`; "" when the template has none
+  std::optional<Version> version;    ///< in which it is spoken to; nothing: in none of ours
+  std::string header_version;        ///< as it writes it
+  std::string connection_state;      ///< normalised; "": not known
+  std::string connection_timestamp;  ///< as written; "": not known
+  std::optional<RobotState> state;   ///< the last one that came
+
+  [[nodiscard]] bool IsOnline() const { return connection_state == "ONLINE"; }
+};
+
+/// Whether the broker had stored a message before we subscribed.
+enum class Origin { kLive, kRetained };
+
+class FleetView {
+ public:
+  /// Of the robots that a pattern means; without any, of all.
+  FleetView(TopicScheme scheme, std::vector<RobotPattern> patterns);
+
+  /// What to subscribe to. Errors: ErrorKind::kUsage (the scheme's template).
+  [[nodiscard]] Result<std::vector<std::string>> Filters() const;
+
+  /// Takes a message in. The robot that it is about; null when it tells nothing of any robot that
+  /// the patterns mean. A robot with several connection messages (two versions, or an old
+  /// one left behind) is seen as OnePerRobot decides. A retained state is only taken when it is
+  /// newer than what there is. Lives until the next call.
+  const RobotView* Deliver(std::string_view topic, std::string_view payload, Origin origin);
+
+  [[nodiscard]] std::size_t size() const { return robots_.size(); }
+  /// In order of address. They live until the next Deliver().
+  [[nodiscard]] std::vector<const RobotView*> robots() const;
+
+ private:
+  struct Entry {
+    std::map<std::string, Discovered, std::less<>> connections;  ///< by topic
+    RobotView view;
+  };
+
+  [[nodiscard]] bool IsMeant(const RobotAddress& robot) const;
+  bool TakeConnection(Entry& entry, std::string_view topic, std::string_view payload);
+  bool TakeState(Entry& entry, std::string_view topic, std::string_view payload, Origin origin);
+  void Describe(RobotView& view, const Discovered& found) const;
+
+  Dialect base_;
+  std::vector<RobotPattern> patterns_;
+  std::map<RobotAddress, Entry> robots_;
+};
+
+/// The entry whose level weighs most (FATAL, CRITICAL, URGENT, WARNING, others), or null.
+[[nodiscard]] const RobotError* WorstError(const std::vector<RobotError>& errors);
+
+}  // namespace fleetpub::vda5050

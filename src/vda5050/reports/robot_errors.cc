@@ -1,0 +1,117 @@
+#include "vda5050/reports/robot_errors.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <functional>
+
+#include "base/text.h"
+
+namespace fleetpub::vda5050 {
+namespace {
+
+// `order.action.actionId` and `action_id` both end in `actionid`.
+std::string LettersOf(std::string_view key) {
+  std::string letters = base::ToLower(key);
+  letters.erase(std::remove_if(letters.begin(), letters.end(),
+                               [](char c) { return c == '_' || c == '-' || c == '.' || c == ' '; }),
+                letters.end());
+  return letters;
+}
+
+// A UUID cannot be anything else's id by chance; a short number can.
+bool IsDistinctive(std::string_view id) {
+  constexpr std::size_t kLongEnough = 16;
+  return id.size() >= kLongEnough;
+}
+
+// `own_key` is lower case.
+bool NamesAnotherThing(std::string_view letters, std::string_view own_key) {
+  constexpr std::array<std::string_view, 12> kOthers = {
+      "headerid", "orderid",    "orderupdateid", "nodeid", "edgeid",    "sequenceid",
+      "mapid",    "mapversion", "zonesetid",     "loadid", "requestid", "actionid"};
+  return std::any_of(kOthers.begin(), kOthers.end(), [&](std::string_view other) {
+    return other != own_key && letters.ends_with(other);
+  });
+}
+
+// What an error's references say, taken together.
+struct Named {
+  bool our_item = false;
+  bool another_item = false;
+  bool our_header_id = false;
+  bool topic = false;
+  bool our_topic = false;
+  bool something = false;  ///< any id at all
+};
+
+// Some write the topic whole, some its last level, some `instantAction` or `orders`.
+bool IsTopic(std::string_view written, std::string_view topic) {
+  const std::string_view name = written.substr(written.rfind('/') + 1);  // npos + 1 is 0
+  return base::EqualsIgnoringCase(name, topic) ||
+         base::EqualsIgnoringCase(std::string(name) + "s", topic) ||
+         base::EqualsIgnoringCase(name, std::string(topic) + "s");
+}
+
+void Note(const ErrorReference& reference, const SentItem& item, Named& named) {
+  const std::string letters = LettersOf(reference.key);
+  const std::string own_key = base::ToLower(item.id_key);
+  if (letters.ends_with("id")) named.something = true;
+  if (reference.value == item.id &&
+      (IsDistinctive(item.id) || !NamesAnotherThing(letters, own_key))) {
+    named.our_item = true;
+  } else if (letters.ends_with(own_key)) {
+    named.another_item = true;
+  }
+  if (item.update_id && letters.ends_with("orderupdateid") &&
+      reference.value != fmt::to_string(*item.update_id)) {
+    named.another_item = true;
+  }
+  if (letters.ends_with("headerid")) {
+    named.our_header_id |= std::any_of(
+        item.header_ids.begin(), item.header_ids.end(),
+        [&](std::uint32_t header_id) { return reference.value == fmt::to_string(header_id); });
+  }
+  if (letters.ends_with("topic")) {
+    named.topic = true;
+    named.our_topic |= IsTopic(reference.value, item.topic);
+  }
+}
+
+// `validationError`, `VALIDATION_FAILURE`, `InvalidHeader`: about a message as a whole.
+bool IsAboutAMessage(std::string_view type) {
+  const std::string letters = LettersOf(type);
+  return letters.find("validation") != std::string::npos ||
+         letters.find("header") != std::string::npos;
+}
+
+}  // namespace
+
+Attribution AttributionOf(const RobotError& error, const SentItem& item) {
+  Named named;
+  for (const ErrorReference& reference : error.references) Note(reference, item, named);
+  const bool another_update = item.update_id && named.another_item;
+  if (named.our_item && !another_update) return Attribution::kItem;
+  const bool is_our_topic = named.topic ? named.our_topic : IsAboutAMessage(error.type);
+  if (named.our_header_id && is_our_topic && !named.another_item) return Attribution::kHeaderId;
+  return named.something ? Attribution::kOther : Attribution::kUnnamed;
+}
+
+std::size_t FingerprintOf(const RobotError& error) {
+  std::string text = error.type + '\n' + error.description;
+  for (const ErrorReference& reference : error.references) {
+    text += '\n' + reference.key + '=' + reference.value;
+  }
+  return std::hash<std::string>()(text);
+}
+
+std::string Told(const RobotError& error) {
+  constexpr std::size_t kType = 60;
+  std::string told = error.type.empty() ? "error" : Shown(error.type, kType);
+  if (!error.description.empty()) told += ": " + Shown(error.description);
+  if (!error.hint.empty()) told += "; hint: " + Shown(error.hint);
+  return told;
+}
+
+}  // namespace fleetpub::vda5050

@@ -1,0 +1,344 @@
+#include "vda5050/reports/robot_messages.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "base/json.h"
+#include "base/text.h"
+#include "base/time.h"
+
+namespace fleetpub::vda5050 {
+namespace {
+
+using Value = base::JsonValue;
+
+std::string ToUpper(std::string_view text) {
+  std::string upper(text);
+  std::transform(upper.begin(), upper.end(), upper.begin(), [](char c) {
+    return c >= 'a' && c <= 'z' ? static_cast<char>(c - 'a' + 'A') : c;
+  });
+  return upper;
+}
+
+// The first of the names that is there and not null: a field's old name and its new one.
+const Value* Member(const Value& object, std::initializer_list<std::string_view> names) {
+  for (const std::string_view name : names) {
+    const Value* member = base::FindMember(object, name);
+    if (member != nullptr && !member->IsNull()) return member;
+  }
+  return nullptr;
+}
+
+// A text, or what a robot wrote in place of one: an id as a number.
+std::string TextOf(const Value& value) {
+  if (value.IsString()) return std::string(base::ViewOf(value));
+  return value.IsNumber() || value.IsBool() ? base::ToJson(value) : std::string();
+}
+
+std::string Text(const Value& object, std::initializer_list<std::string_view> names) {
+  const Value* member = Member(object, names);
+  return member == nullptr ? std::string() : TextOf(*member);
+}
+
+std::optional<double> Number(const Value& object, std::initializer_list<std::string_view> names) {
+  const Value* member = Member(object, names);
+  if (member == nullptr) return std::nullopt;
+  if (member->IsNumber()) return member->GetDouble();
+  if (!member->IsString()) return std::nullopt;
+  const std::string_view text = base::ViewOf(*member);
+  double number = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  const bool is_number = error == std::errc() && end == text.data() + text.size();
+  return is_number && std::isfinite(number) ? std::optional(number) : std::nullopt;
+}
+
+std::optional<bool> Truth(const Value& object, std::initializer_list<std::string_view> names) {
+  const Value* member = Member(object, names);
+  if (member == nullptr) return std::nullopt;
+  if (member->IsBool()) return member->GetBool();
+  const std::string text = TextOf(*member);
+  if (base::EqualsIgnoringCase(text, "true")) return true;
+  if (base::EqualsIgnoringCase(text, "false")) return false;
+  return std::nullopt;
+}
+
+std::optional<std::uint32_t> Counter(const Value& object, std::string_view name) {
+  const auto number = Number(object, {name});
+  const bool fits = number && *number >= 0 && *number == std::floor(*number) &&
+                    *number <= std::numeric_limits<std::uint32_t>::max();
+  return fits ? std::optional(static_cast<std::uint32_t>(*number)) : std::nullopt;
+}
+
+std::size_t Limit(const Value& object, std::initializer_list<std::string_view> names) {
+  constexpr double kNoLimit = 1e15;  // far above any; keeps the conversion defined
+  const auto number = Number(object, names);
+  return number && *number >= 1 && *number < kNoLimit ? static_cast<std::size_t>(*number) : 0;
+}
+
+// The array's elements through `read`, objects or not; nothing when there is no array.
+template <typename T>
+std::vector<T> List(const Value* array, T (*read)(const Value&)) {
+  std::vector<T> list;
+  if (array == nullptr || !array->IsArray()) return list;
+  list.reserve(array->Size());
+  for (const Value& element : array->GetArray()) list.push_back(read(element));
+  return list;
+}
+
+bool IsArray(const Value* value) { return value != nullptr && value->IsArray(); }
+
+ActionState ReadActionState(const Value& entry) {
+  return {.id = Text(entry, {"actionId"}),
+          .type = Text(entry, {"actionType"}),
+          .status = ToUpper(Text(entry, {"actionStatus"})),
+          .result = Text(entry, {"actionResult", "resultDescription"})};
+}
+
+ErrorReference ReadReference(const Value& entry) {
+  return {Text(entry, {"referenceKey"}), Text(entry, {"referenceValue"})};
+}
+
+// The text itself, or of its translations (from 3.0) the English one, else the first.
+std::string Translated(const Value& entry, std::string_view name, std::string_view translations) {
+  std::string text = Text(entry, {name});
+  const Value* others = Member(entry, {translations});
+  if (!text.empty() || !IsArray(others)) return text;
+  for (const Value& other : others->GetArray()) {
+    std::string translation = Text(other, {"translationValue"});
+    const bool is_english = base::ToLower(Text(other, {"translationKey"})).starts_with("en");
+    if (text.empty() || is_english) text = std::move(translation);
+    if (is_english) break;
+  }
+  return text;
+}
+
+RobotError ReadError(const Value& entry) {
+  return {
+      .type = Text(entry, {"errorType"}),
+      .level = ToUpper(Text(entry, {"errorLevel"})),
+      .description = Translated(entry, "errorDescription", "errorDescriptionTranslations"),
+      .hint = Translated(entry, "errorHint", "errorHintTranslations"),
+      .references = List(Member(entry, {"errorReferences"}), ReadReference),
+  };
+}
+
+std::optional<RobotPosition> ReadPosition(const Value& message) {
+  const Value* position = Member(message, {"mobileRobotPosition", "agvPosition"});
+  if (position == nullptr || !position->IsObject()) return std::nullopt;
+  return RobotPosition{.x = Number(*position, {"x"}),
+                       .y = Number(*position, {"y"}),
+                       .theta = Number(*position, {"theta"}),
+                       .map_id = Text(*position, {"mapId"}),
+                       .localized = Truth(*position, {"localized", "positionInitialized"})};
+}
+
+std::optional<std::size_t> Length(const Value& message, std::string_view name) {
+  const Value* array = Member(message, {name});
+  if (!IsArray(array)) return std::nullopt;
+  return array->Size();
+}
+
+ZoneSetState ReadZoneSet(const Value& entry) {
+  return {Text(entry, {"zoneSetId"}), Text(entry, {"mapId"}),
+          ToUpper(Text(entry, {"zoneSetStatus"}))};
+}
+
+RobotRequest ReadRequest(const Value& entry) {
+  return {.id = Text(entry, {"requestId"}),
+          .type = ToUpper(Text(entry, {"requestType"})),
+          .status = ToUpper(Text(entry, {"requestStatus"})),
+          .zone_id = Text(entry, {"zoneId"}),
+          .zone_set_id = Text(entry, {"zoneSetId"}),
+          .edge_id = Text(entry, {"edgeId"}),
+          .sequence_id = Counter(entry, "sequenceId")};
+}
+
+FactsheetParameter ReadParameter(const Value& entry) {
+  return {.key = Text(entry, {"key"}),
+          .value_type = ToUpper(Text(entry, {"valueDataType"})),
+          .is_optional = Truth(entry, {"isOptional"})};
+}
+
+std::string ReadUpperCase(const Value& entry) { return ToUpper(TextOf(entry)); }
+
+FactsheetAction ReadFactsheetAction(const Value& entry) {
+  const Value* parameters = Member(entry, {"actionParameters"});
+  return {.type = Text(entry, {"actionType"}),
+          .scopes = List(Member(entry, {"actionScopes"}), ReadUpperCase),
+          .parameters = List(parameters, ReadParameter),
+          .has_parameters = IsArray(parameters),
+          .blocking_types = List(Member(entry, {"blockingTypes"}), ReadUpperCase)};
+}
+
+FactsheetLimits ReadLimits(const Value& limits) {
+  static const Value kNone(rapidjson::kObjectType);
+  const Value* strings = Member(limits, {"maximumStringLengths", "maxStringLens"});
+  const Value* arrays = Member(limits, {"maximumArrayLengths", "maxArrayLens"});
+  const Value& lengths = strings == nullptr ? kNone : *strings;
+  const Value& counts = arrays == nullptr ? kNone : *arrays;
+  return {
+      .message_length = Limit(lengths, {"maximumMessageLength", "msgLen"}),
+      .topic_serial_length = Limit(lengths, {"maximumTopicSerialLength", "topicSerialLen"}),
+      .topic_element_length = Limit(lengths, {"maximumTopicElementLength", "topicElemLen"}),
+      .id_length = Limit(lengths, {"maximumIdLength", "idLen"}),
+      .id_numerical_only = Truth(lengths, {"idNumericalOnly"}).value_or(false),
+      .instant_actions = Limit(counts, {"instantActions"}),
+      .action_parameters = Limit(counts, {"actions.actionsParameters"}),
+  };
+}
+
+template <typename T>
+std::optional<T> ReadPayload(std::string_view payload, T (*read)(const Value&)) {
+  const auto message = base::ParseJson(payload);
+  if (!message || !message->IsObject()) return std::nullopt;
+  return read(*message);
+}
+
+// How far an entry has come: of two for one action, the one that says more.
+int RankOf(std::string_view status) {
+  constexpr std::array<std::string_view, 7> kOrder = {
+      "WAITING", "INITIALIZING", "PAUSED", "RUNNING", "RETRIABLE", "FAILED", "FINISHED"};
+  const auto* const found = std::find(kOrder.begin(), kOrder.end(), status);
+  return found == kOrder.end() ? -1 : static_cast<int>(found - kOrder.begin());
+}
+
+// Upper case, then one of the spellings on the left is the one on the right.
+template <std::size_t size>
+std::string Normalised(
+    std::string_view text,
+    const std::array<std::pair<std::string_view, std::string_view>, size>& spellings) {
+  std::string upper = ToUpper(text);
+  std::string letters = upper;
+  letters.erase(std::remove_if(letters.begin(), letters.end(),
+                               [](char c) { return c == '_' || c == '-' || c == ' '; }),
+                letters.end());
+  for (const auto& [spelling, normal] : spellings) {
+    if (letters == spelling) return std::string(normal);
+  }
+  return upper;
+}
+
+}  // namespace
+
+MessageHeader ReadHeader(const Value& message) {
+  return {.header_id = Counter(message, "headerId"),
+          .timestamp = Text(message, {"timestamp"}),
+          .version = Text(message, {"version"}),
+          .manufacturer = Text(message, {"manufacturer"}),
+          .serial_number = Text(message, {"serialNumber"})};
+}
+
+bool IsBefore(const MessageHeader& a, const MessageHeader& b) {
+  if (!a.header_id || !b.header_id || *a.header_id > *b.header_id) return false;
+  const auto time_a = base::ParseDateTime(a.timestamp);
+  const auto time_b = base::ParseDateTime(b.timestamp);
+  return time_a && time_b && *time_a < *time_b;
+}
+
+RobotState ReadState(const Value& message) {
+  RobotState state;
+  state.header = ReadHeader(message);
+  const Value* actions = Member(message, {"actionStates"});
+  const Value* instant_actions = Member(message, {"instantActionStates"});
+  state.action_states = List(actions, ReadActionState);
+  state.has_action_states = IsArray(actions);
+  state.instant_action_states = List(instant_actions, ReadActionState);
+  state.has_instant_action_states = IsArray(instant_actions);
+  state.errors = List(Member(message, {"errors"}), ReadError);
+  state.operating_mode = NormalisedMode(Text(message, {"operatingMode"}));
+  state.paused = Truth(message, {"paused"});
+  state.driving = Truth(message, {"driving"});
+  if (const Value* power = Member(message, {"powerSupply", "batteryState"})) {
+    state.battery_charge = Number(*power, {"stateOfCharge", "batteryCharge"});
+    state.charging = Truth(*power, {"charging"});
+  }
+  state.order_id = Text(message, {"orderId"});
+  state.order_update_id = Counter(message, "orderUpdateId");
+  state.nodes_left = Length(message, "nodeStates");
+  state.edges_left = Length(message, "edgeStates");
+  state.last_node_id = Text(message, {"lastNodeId"});
+  state.position = ReadPosition(message);
+  state.zone_sets = List(Member(message, {"zoneSets"}), ReadZoneSet);
+  state.requests = List(Member(message, {"zoneRequests"}), ReadRequest);
+  for (RobotRequest& request : List(Member(message, {"edgeRequests"}), ReadRequest)) {
+    state.requests.push_back(std::move(request));
+  }
+  return state;
+}
+
+ConnectionMessage ReadConnection(const Value& message) {
+  return {ReadHeader(message), NormalisedConnectionState(Text(message, {"connectionState"}))};
+}
+
+Factsheet ReadFactsheet(const Value& message) {
+  Factsheet factsheet;
+  factsheet.header = ReadHeader(message);
+  if (const Value* limits = Member(message, {"protocolLimits"})) {
+    factsheet.limits = ReadLimits(*limits);
+  }
+  if (const Value* features = Member(message, {"protocolFeatures"})) {
+    factsheet.actions =
+        List(Member(*features, {"mobileRobotActions", "agvActions"}), ReadFactsheetAction);
+  }
+  return factsheet;
+}
+
+std::optional<RobotState> ReadState(std::string_view payload) {
+  return ReadPayload<RobotState>(payload, ReadState);
+}
+
+std::optional<ConnectionMessage> ReadConnection(std::string_view payload) {
+  return ReadPayload<ConnectionMessage>(payload, ReadConnection);
+}
+
+std::optional<Factsheet> ReadFactsheet(std::string_view payload) {
+  return ReadPayload<Factsheet>(payload, ReadFactsheet);
+}
+
+const ActionState* FindActionState(const RobotState& state, std::string_view id) {
+  const ActionState* found = nullptr;
+  for (const auto* list : {&state.instant_action_states, &state.action_states}) {
+    for (const ActionState& entry : *list) {
+      if (entry.id != id) continue;
+      if (found == nullptr || RankOf(entry.status) > RankOf(found->status)) found = &entry;
+    }
+  }
+  return found;
+}
+
+bool IsTerminal(std::string_view status) { return status == "FINISHED" || status == "FAILED"; }
+
+const FactsheetAction* FindAction(const Factsheet& factsheet, std::string_view type) {
+  const auto found =
+      std::find_if(factsheet.actions.begin(), factsheet.actions.end(),
+                   [&](const FactsheetAction& action) { return action.type == type; });
+  return found == factsheet.actions.end() ? nullptr : &*found;
+}
+
+std::string NormalisedConnectionState(std::string_view text) {
+  return Normalised<1>(text, {{{"CONNECTIONBROKEN", "CONNECTION_BROKEN"}}});
+}
+
+std::string NormalisedMode(std::string_view text) {
+  // 1.1's text has both TEACHIN and TEACHING, 3.0's prose SEMI-AUTOMATIC.
+  return Normalised<3>(
+      text,
+      {{{"SEMIAUTOMATIC", "SEMIAUTOMATIC"}, {"TEACHIN", "TEACH_IN"}, {"TEACHING", "TEACH_IN"}}});
+}
+
+std::string Shown(std::string_view text, std::size_t longest) {
+  std::string shown = base::Printable(text);
+  if (shown.size() <= longest) return shown;
+  std::size_t end = longest;
+  while (end > 0 && (static_cast<unsigned char>(shown[end]) & 0xC0U) == 0x80) --end;
+  shown.resize(end);
+  return shown + "…";
+}
+
+}  // namespace fleetpub::vda5050

@@ -1,0 +1,145 @@
+#include "vda5050/reports/roster.h"
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+#include "base/json.h"
+
+namespace fleetpub::vda5050 {
+namespace {
+
+// So many makes are remembered; robots of further ones share nothing.
+constexpr std::size_t kMakes = 16;
+
+template <class T, class Same>
+std::shared_ptr<const T> Shared(std::vector<std::shared_ptr<const T>>& known, T one,
+                                const Same& same) {
+  const auto found = std::find_if(known.begin(), known.end(),
+                                  [&](const auto& other) { return same(*other, one); });
+  if (found != known.end()) return *found;
+  auto shared = std::make_shared<const T>(std::move(one));
+  if (known.size() < kMakes) known.push_back(shared);
+  return shared;
+}
+
+std::string_view FirstLevel(std::string_view path) {
+  if (path.starts_with('/')) path.remove_prefix(1);
+  return path.substr(0, path.find('/'));
+}
+
+}  // namespace
+
+std::string_view TopicOf(const Condition& condition) {
+  // Which every message has stand in the one that is always there.
+  constexpr std::array<std::string_view, 4> kConnection = {"connectionState", "version",
+                                                           "manufacturer", "serialNumber"};
+  constexpr std::array<std::string_view, 9> kFactsheet = {
+      "typeSpecification", "physicalParameters", "protocolLimits",
+      "protocolFeatures",  "agvGeometry",        "mobileRobotGeometry",
+      "loadSpecification", "vehicleConfig",      "mobileRobotConfiguration"};
+  const auto is_among = [level = FirstLevel(condition.path)](const auto& names) {
+    return std::find(names.begin(), names.end(), level) != names.end();
+  };
+  if (is_among(kConnection)) return "connection";
+  return is_among(kFactsheet) ? "factsheet" : "state";
+}
+
+bool RobotEntry::IsOnline() const { return connection && connection->connection_state == "ONLINE"; }
+
+KnownRobot RobotEntry::Known() const {
+  return {.connection = connection,
+          .connection_topic = connection_topic,
+          .factsheet = factsheet,
+          .state = std::nullopt};
+}
+
+void RobotDirectory::Add(const RobotAddress& robot, std::shared_ptr<const Dialect> base,
+                         bool automatic) {
+  AddScheme(base->topics);
+  RobotEntry& entry = robots_[robot];
+  entry.base = std::move(base);
+  entry.automatic = automatic;
+}
+
+void RobotDirectory::AddScheme(const TopicScheme& scheme) {
+  if (std::find(schemes_.begin(), schemes_.end(), scheme) == schemes_.end()) {
+    schemes_.push_back(scheme);
+  }
+}
+
+// The robot, if its topics have this shape.
+RobotEntry* RobotDirectory::Find(const RobotAddress& robot, const TopicScheme& scheme) {
+  auto found = robots_.find(robot);
+  if (found == robots_.end()) {
+    auto admitted = admit_ ? admit_(robot) : std::nullopt;
+    if (!admitted || admitted->first->topics != scheme) return nullptr;
+    found = robots_.try_emplace(robot).first;
+    found->second.base = std::move(admitted->first);
+    found->second.automatic = admitted->second;
+  }
+  return found->second.base->topics == scheme ? &found->second : nullptr;
+}
+
+const RobotEntry* RobotDirectory::Deliver(std::string_view topic, std::string_view payload,
+                                          Origin origin) {
+  for (const TopicScheme& scheme : schemes_) {
+    const auto levels = ReadTopic(scheme, topic);
+    if (!levels) continue;
+    RobotEntry* entry = Find(levels->robot, scheme);
+    if (entry == nullptr) continue;
+    const bool was_online = entry->IsOnline();
+    if (!Take(*entry, *levels, topic, payload, origin)) return nullptr;
+    if (entry->IsOnline() != was_online) was_online ? --online_ : ++online_;
+    return entry;
+  }
+  return nullptr;
+}
+
+bool RobotDirectory::Take(RobotEntry& entry, const TopicLevels& levels, std::string_view topic,
+                          std::string_view payload, Origin origin) {
+  // Asked for again, a broker repeats what it has.
+  if (origin == Origin::kRetained && topic == entry.connection_topic) return true;
+  const auto message = base::ParseJson(payload);
+  if (!message || !message->IsObject()) return false;
+  if (levels.topic_name == "state") {
+    if (origin == Origin::kRetained && entry.state_heard) return false;
+    entry.state_heard = true;
+    Judge(entry, levels.topic_name, *message);
+    return true;
+  }
+  auto found = DialectFrom(*entry.base, topic, ReadConnection(*message));
+  if (!found) return false;
+  if (levels.topic_name == "factsheet") entry.factsheet = Share(ReadFactsheet(*message));
+  Judge(entry, levels.topic_name, *message);
+  const Standing standing = StandingOf(*found);
+  if (standing <= entry.standing) return true;
+  entry.standing = standing;
+  entry.own = found->dialect ? Share(*std::move(found->dialect)) : nullptr;
+  if (levels.topic_name == "connection") {
+    entry.connection = std::move(found->message);
+    entry.connection_topic = std::move(found->topic);
+  }
+  return true;
+}
+
+void RobotDirectory::Judge(RobotEntry& entry, std::string_view topic_name,
+                           const base::JsonValue& message) {
+  entry.unmet.resize(conditions_.size());
+  for (std::size_t i = 0; i < conditions_.size(); ++i) {
+    if (TopicOf(conditions_[i]) != topic_name) continue;
+    entry.unmet[i] = Unmet(conditions_[i], message).value_or("");
+  }
+}
+
+std::shared_ptr<const Dialect> RobotDirectory::Share(Dialect dialect) {
+  return Shared(dialects_, std::move(dialect), std::equal_to<>());
+}
+
+std::shared_ptr<const Factsheet> RobotDirectory::Share(Factsheet factsheet) {
+  return Shared(factsheets_, std::move(factsheet), [](const Factsheet& a, const Factsheet& b) {
+    return a.actions == b.actions && a.limits == b.limits;
+  });
+}
+
+}  // namespace fleetpub::vda5050

@@ -1,0 +1,63 @@
+// Whether what is published on the topics of VDA 5050 is what the specification allows: messages
+// against the schema of their version, and their headers against their topics.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "base/result.h"
+#include "delivery/validate.h"
+#include "schema/schema.h"
+#include "vda5050/model/robot_pattern.h"
+#include "vda5050/reports/discovery.h"
+
+namespace fleetpub::vda5050 {
+
+/// All topics of all versions: what robots publish, then what fleet control does.
+[[nodiscard]] std::span<const std::string_view> AllTopics();
+
+struct ConformanceOptions {
+  TopicScheme scheme;
+  RobotPattern pattern;
+  std::optional<Version> version;  ///< that everybody must speak; else as each header says
+  std::string topic;               ///< this one alone; empty: all
+  bool strict = false;             ///< the text's rules are errors too
+};
+
+/// One message, judged.
+struct Judgement {
+  RobotAddress robot;
+  std::string topic_name;  ///< `state`
+  std::optional<std::uint32_t> header_id;
+  std::string version;  ///< whose schema it was held against; empty: none
+  delivery::Findings findings;
+};
+
+class Conformance {
+ public:
+  /// `registry` must outlive it.
+  Conformance(ConformanceOptions options, schema::Registry& registry);
+
+  /// What to subscribe to. Errors: ErrorKind::kUsage (the scheme's template, an unknown topic).
+  [[nodiscard]] Result<std::vector<std::string>> Filters() const;
+
+  /// Nothing when the topic is of no robot that is meant, and for the empty payload with which a
+  /// retained message is deleted.
+  [[nodiscard]] std::optional<Judgement> Judge(std::string_view topic, std::string_view payload);
+
+ private:
+  void JudgeMessage(const base::JsonValue& message, const TopicLevels& levels,
+                    Judgement& judgement);
+  [[nodiscard]] std::optional<Version> VersionOf(const base::JsonValue& message,
+                                                 const TopicLevels& levels,
+                                                 std::vector<schema::Violation>& errors) const;
+
+  ConformanceOptions options_;
+  schema::Registry& registry_;
+};
+
+}  // namespace fleetpub::vda5050

@@ -1,0 +1,52 @@
+// Whether a robot can be expected to obey a command, from what it has said about itself: refused
+// by us it costs nothing, refused by the robot it costs a person's time. A pure function: it waits
+// for nothing and asks nobody.
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "vda5050/messages/instant_actions.h"
+#include "vda5050/model/robot_address.h"
+#include "vda5050/reports/robot_messages.h"
+
+namespace fleetpub::vda5050 {
+
+/// What is known of a robot. Whatever is missing is not checked, but for the connection message:
+/// without one the robot is unknown.
+struct KnownRobot {
+  std::optional<ConnectionMessage> connection;
+  std::string connection_topic;  ///< where that message stood; empty: where the dialect expects it
+  std::shared_ptr<const Factsheet> factsheet;  ///< robots of one make share it; may be null
+  std::optional<RobotState> state;
+};
+
+/// One sentence each, with the reason and the option that overrides it, without a full stop at its
+/// end. Sent only when nothing is refused.
+struct PreflightFindings {
+  std::vector<std::string> refusals;
+  std::vector<std::string> warnings;
+  /// It is not ONLINE, and so will not answer (for stopHibernation: it is not HIBERNATING).
+  bool unreachable = false;
+};
+
+/// Checks the actions of one message, in this order: is the robot known and ONLINE, does it speak
+/// the dialect's version (not checked when the dialect has a header version of its own) at the
+/// dialect's topics, does its mode allow instant actions (the table of operatingMode), does its
+/// factsheet list the actions with scope INSTANT and with these parameters, do its limits hold.
+/// `payload_bytes` is the message's length, 0 when it is not known. startPause is not refused for
+/// the robot's connection state, only warned about.
+[[nodiscard]] PreflightFindings CheckRobot(const RobotAddress& robot, const Dialect& dialect,
+                                           std::span<const InstantAction> actions,
+                                           const KnownRobot& known, std::size_t payload_bytes = 0);
+
+/// An actionId that the robot takes: a random UUID, or a random decimal number when its factsheet
+/// allows only numbers or is too short for a UUID (`idNumericalOnly`, `idLen`, `maximumIdLength`).
+/// `factsheet` may be null.
+[[nodiscard]] std::string SuitableActionId(const Factsheet* factsheet);
+
+}  // namespace fleetpub::vda5050

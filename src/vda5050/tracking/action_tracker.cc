@@ -1,0 +1,345 @@
+#include "vda5050/tracking/action_tracker.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <optional>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "base/text.h"
+#include "vda5050/reports/robot_errors.h"
+#include "vda5050/reports/robot_messages.h"
+#include "vda5050/tracking/ending.h"
+
+namespace fleetpub::vda5050 {
+namespace {
+
+using delivery::CommandStatus;
+
+constexpr std::size_t kLongestMessage = 500;
+
+// A robot with one of these answers nobody.
+bool IsAway(std::string_view connection_state) {
+  return connection_state == "OFFLINE" || connection_state == "CONNECTION_BROKEN" ||
+         connection_state == "HIBERNATING";
+}
+
+void Append(std::string& text, std::string_view part) {
+  if (part.empty()) return;
+  if (!text.empty()) text += "; ";
+  text += part;
+}
+
+void AddNew(std::vector<std::string>& texts, std::string text) {
+  constexpr std::size_t kEnough = 3;
+  const bool known = std::find(texts.begin(), texts.end(), text) != texts.end();
+  if (!known && texts.size() < kEnough) texts.push_back(std::move(text));
+}
+
+class ActionTracker final : public delivery::ResponseTracker {
+ public:
+  struct RobotTopics {
+    std::string state;
+    std::string connection;
+    std::string factsheet;  ///< empty: not needed
+  };
+
+  ActionTracker(RobotTopics topics, std::string_view type, std::string id, WaitFor wait_for)
+      : topics_(std::move(topics)),
+        id_(std::move(id)),
+        ending_(EndingOf(type)),
+        wait_for_(wait_for) {
+    progress_.message = "not sent yet";
+  }
+
+  [[nodiscard]] std::vector<std::string> Topics() const override {
+    std::vector<std::string> topics{topics_.state, topics_.connection};
+    if (!topics_.factsheet.empty()) topics.push_back(topics_.factsheet);
+    return topics;
+  }
+
+  void Published(std::uint32_t header_id) override {
+    header_ids_.push_back(header_id);
+    if (!progress_.ended) TellPending();
+  }
+
+  void Receive(const delivery::Incoming& message) override;
+
+  [[nodiscard]] const delivery::Progress& progress() const override { return progress_; }
+
+ private:
+  void RememberBefore(const RobotState& state, bool retained);
+  void OnState(const RobotState& state);
+  void OnConnection(const ConnectionMessage& message, bool retained);
+  void OnListed(const ActionState& entry, const RobotState& state);
+  void OnAbsent(const RobotState& state);
+  void NoteErrors(const RobotState& state);
+  void NoteEndedOnes(const RobotState& state);
+
+  [[nodiscard]] const ActionState* OwnEntry(const RobotState& state);
+  [[nodiscard]] bool IsGone(const RobotState& state) const;
+  [[nodiscard]] bool EndedOnesAreGone(const RobotState& state) const;
+  [[nodiscard]] bool WasPublished() const { return !header_ids_.empty(); }
+
+  void End(CommandStatus status, const std::string& message);
+  void TellPending();
+  [[nodiscard]] std::string FailureText(std::string_view result) const;
+  [[nodiscard]] std::string ModeNote() const;
+  [[nodiscard]] std::string LastSaid(std::string_view robot) const;
+
+  RobotTopics topics_;
+  std::string id_;
+  const Ending& ending_;
+  WaitFor wait_for_;
+  delivery::Progress progress_;
+
+  std::vector<std::uint32_t> header_ids_;  // of each time it was published
+  // What the robot said before publishing.
+  std::vector<std::size_t> old_errors_;       // fingerprints
+  std::optional<std::string> status_before_;  // it knew this actionId already
+  std::vector<std::string> ended_ids_;        // what clearInstantActions is to remove
+  // What it said since.
+  int states_ = 0;
+  std::string last_timestamp_;
+  std::string first_mode_;
+  std::string mode_;
+  std::string connection_;
+  std::string status_;
+  std::string result_;
+  bool listed_as_instant_ = false;
+  std::optional<MessageHeader> listed_at_;    // by the state that listed it last
+  std::vector<std::string> own_errors_;       // told, of those that name our actionId
+  std::vector<std::string> probable_errors_;  // our header id
+  std::vector<std::string> unnamed_errors_;
+  bool names_us_now_ = false;  // an error of the current state
+};
+
+void ActionTracker::Receive(const delivery::Incoming& message) {
+  if (progress_.ended) return;
+  if (message.topic == topics_.connection) {
+    if (const auto connection = ReadConnection(message.payload)) {
+      OnConnection(*connection, message.retained);
+    }
+  } else if (message.topic == topics_.state) {
+    if (message.retained && WasPublished()) return;  // subscribed anew: old by definition
+    const auto state = ReadState(message.payload);
+    if (!state) return;
+    if (WasPublished()) {
+      OnState(*state);
+    } else {
+      RememberBefore(*state, message.retained);
+    }
+  } else if (message.topic == topics_.factsheet && ending_.factsheet) {
+    // The old one arrives with the retain flag upon subscribing.
+    if (message.retained || !WasPublished() || !ReadFactsheet(message.payload)) return;
+    progress_.seen = true;
+    End(CommandStatus::kFinished, "its factsheet arrived");
+  }
+  if (WasPublished() && !progress_.ended) TellPending();
+}
+
+void ActionTracker::RememberBefore(const RobotState& state, bool retained) {
+  for (const RobotError& error : state.errors) old_errors_.push_back(FingerprintOf(error));
+  if (const ActionState* entry = FindActionState(state, id_)) status_before_ = entry->status;
+  if (!state.operating_mode.empty()) first_mode_ = mode_ = state.operating_mode;
+  if (!retained) NoteEndedOnes(state);
+}
+
+void ActionTracker::OnState(const RobotState& state) {
+  ++states_;
+  last_timestamp_ = state.header.timestamp;
+  if (!state.operating_mode.empty()) mode_ = state.operating_mode;
+  if (first_mode_.empty()) first_mode_ = mode_;
+  NoteErrors(state);
+  if (const ActionState* entry = OwnEntry(state)) {
+    OnListed(*entry, state);
+  } else {
+    OnAbsent(state);
+  }
+}
+
+void ActionTracker::NoteErrors(const RobotState& state) {
+  names_us_now_ = false;
+  for (const RobotError& error : state.errors) {
+    const auto attribution = AttributionOf(
+        error,
+        {.topic = "instantActions", .id_key = "actionId", .id = id_, .header_ids = header_ids_});
+    if (attribution == Attribution::kOther) continue;
+    const auto fingerprint = FingerprintOf(error);
+    if (std::find(old_errors_.begin(), old_errors_.end(), fingerprint) != old_errors_.end()) {
+      continue;
+    }
+    if (attribution == Attribution::kItem) {
+      names_us_now_ = true;
+      AddNew(own_errors_, Told(error));
+    } else {
+      AddNew(attribution == Attribution::kHeaderId ? probable_errors_ : unnamed_errors_,
+             Told(error));
+    }
+  }
+}
+
+// Null too for an entry that stood there before and is unchanged: that is an earlier action of the
+// same id, which some robots keep listed for ever.
+const ActionState* ActionTracker::OwnEntry(const RobotState& state) {
+  const ActionState* entry = FindActionState(state, id_);
+  if (entry == nullptr || !status_before_) return entry;
+  if (entry->status == *status_before_) return nullptr;
+  status_before_.reset();
+  return entry;
+}
+
+void ActionTracker::OnListed(const ActionState& entry, const RobotState& state) {
+  progress_.seen = true;
+  status_ = entry.status;
+  result_ = entry.result;
+  const auto& instant = state.instant_action_states;
+  listed_as_instant_ = std::any_of(instant.begin(), instant.end(),
+                                   [&](const ActionState& other) { return other.id == id_; });
+  listed_at_ = state.header;
+  if (status_ == "FAILED") return End(CommandStatus::kFailed, FailureText(result_));
+  if (wait_for_ == WaitFor::kAccepted) {
+    return End(CommandStatus::kAccepted, fmt::format("the robot lists it as {}", Shown(status_)));
+  }
+  if (status_ == "FINISHED" || ending_.listed) return End(CommandStatus::kFinished, Shown(result_));
+  if (status_ == "RETRIABLE") {
+    std::string message = fmt::format(
+        "the robot waits: retry it with retry --actionId {0}, give it up with skipRetry --actionId "
+        "{0}, or help at the robot",
+        Shown(id_));
+    Append(message, FailureText(result_));
+    End(CommandStatus::kRetriable, message);
+  }
+}
+
+void ActionTracker::OnAbsent(const RobotState& state) {
+  const bool is_refused = !own_errors_.empty() || !probable_errors_.empty();
+  if (names_us_now_ || (is_refused && !progress_.seen)) {
+    progress_.seen = true;
+    return End(CommandStatus::kRejected, FailureText(""));
+  }
+  if (IsGone(state)) {
+    if (ending_.clears_list) return End(CommandStatus::kFinished, "the robot has cleared its list");
+    std::string message =
+        fmt::format("the robot no longer lists it, which last was {}", Shown(status_));
+    Append(message, FailureText(result_));
+    return End(CommandStatus::kVanished, message);
+  }
+  if (EndedOnesAreGone(state)) {
+    progress_.seen = true;
+    return End(CommandStatus::kFinished, "the robot has cleared its list");
+  }
+  NoteEndedOnes(state);
+}
+
+// Only after it was listed, and only by a state that has the array and was not made before: the
+// network may deliver an older one twice.
+bool ActionTracker::IsGone(const RobotState& state) const {
+  if (!listed_at_ || IsBefore(state.header, *listed_at_)) return false;
+  return listed_as_instant_ ? state.has_instant_action_states : state.has_action_states;
+}
+
+void ActionTracker::NoteEndedOnes(const RobotState& state) {
+  if (!ending_.clears_list) return;
+  ended_ids_.clear();
+  for (const ActionState& entry : state.instant_action_states) {
+    if (IsTerminal(entry.status) && entry.id != id_) ended_ids_.push_back(entry.id);
+  }
+}
+
+bool ActionTracker::EndedOnesAreGone(const RobotState& state) const {
+  if (ended_ids_.empty() || !state.has_instant_action_states) return false;
+  const auto& list = state.instant_action_states;
+  return std::none_of(list.begin(), list.end(), [&](const ActionState& entry) {
+    return std::find(ended_ids_.begin(), ended_ids_.end(), entry.id) != ended_ids_.end();
+  });
+}
+
+void ActionTracker::OnConnection(const ConnectionMessage& message, bool retained) {
+  connection_ = message.connection_state;
+  if (retained || !WasPublished()) return;
+  if (listed_at_) listed_at_ = MessageHeader();  // a new session may count and date anew
+  if (!ending_.connection_state.empty() && connection_ == ending_.connection_state) {
+    progress_.seen = true;
+    return End(CommandStatus::kFinished, fmt::format("the robot is {}", connection_));
+  }
+  if (!IsAway(connection_) || ending_.may_reconnect) return;
+  End(CommandStatus::kOffline,
+      fmt::format("the robot became {} while we waited; {}", connection_, LastSaid("it")));
+}
+
+void ActionTracker::End(CommandStatus status, const std::string& message) {
+  progress_.ended = true;
+  progress_.status = status;
+  progress_.message = Shown(message, kLongestMessage);
+}
+
+// The robot's result, and the errors that are nearest to being about us.
+std::string ActionTracker::FailureText(std::string_view result) const {
+  std::string text = Shown(result);
+  if (!own_errors_.empty()) {
+    Append(text, base::Join(own_errors_, "; "));
+  } else if (!probable_errors_.empty()) {
+    Append(text, "probably ours, by its header id: " + base::Join(probable_errors_, "; "));
+  } else if (!unnamed_errors_.empty()) {
+    Append(text, "possibly related: " + base::Join(unnamed_errors_, "; "));
+  }
+  Append(text, ModeNote());
+  return text.empty() ? "the robot gave no reason" : text;
+}
+
+std::string ActionTracker::ModeNote() const {
+  if (mode_ != first_mode_) {
+    return fmt::format("the robot went from {} to {}", Shown(first_mode_), Shown(mode_));
+  }
+  const bool is_usual = mode_.empty() || mode_ == "AUTOMATIC" || mode_ == "SEMIAUTOMATIC";
+  return is_usual ? "" : fmt::format("the robot is in {}", Shown(mode_));
+}
+
+std::string ActionTracker::LastSaid(std::string_view robot) const {
+  if (listed_at_) return fmt::format("the action last was {}", Shown(status_));
+  return fmt::format("{} has {}", robot,
+                     states_ == 0 ? "sent no state since" : "not listed the action");
+}
+
+void ActionTracker::TellPending() {
+  std::string text = LastSaid("the robot");
+  if (listed_at_) Append(text, Shown(result_));
+  if (states_ > 0 && !last_timestamp_.empty()) {
+    Append(text, "its last state is of " + Shown(last_timestamp_));
+  }
+  if (status_before_) {
+    Append(text, fmt::format("it had listed this actionId as {} before: each needs a new one",
+                             Shown(*status_before_)));
+  }
+  if (IsAway(connection_)) Append(text, fmt::format("it is {}", connection_));
+  const bool has_reason = !own_errors_.empty() || !probable_errors_.empty() ||
+                          !unnamed_errors_.empty() || !ModeNote().empty();
+  if (has_reason) Append(text, FailureText(""));
+  progress_.message = Shown(text, kLongestMessage);
+}
+
+}  // namespace
+
+Result<std::unique_ptr<delivery::ResponseTracker>> TrackInstantAction(const RobotAddress& robot,
+                                                                      const Dialect& dialect,
+                                                                      std::string_view action_type,
+                                                                      std::string action_id,
+                                                                      WaitFor wait_for) {
+  ActionTracker::RobotTopics topics;
+  const std::pair<std::string_view, std::string*> wanted[] = {{"state", &topics.state},
+                                                              {"connection", &topics.connection},
+                                                              {"factsheet", &topics.factsheet}};
+  for (const auto& [name, topic] : wanted) {
+    if (name == "factsheet" && !EndingOf(action_type).factsheet) continue;
+    auto full = TopicFor(dialect.topics, dialect.version, robot, name);
+    if (!full) return Fail(std::move(full.error()));
+    *topic = std::move(*full);
+  }
+  return std::make_unique<ActionTracker>(std::move(topics), action_type, std::move(action_id),
+                                         wait_for);
+}
+
+}  // namespace fleetpub::vda5050

@@ -1,0 +1,42 @@
+// Follows an instant action until the robot says what became of it (VDA 5050 1.1–2.1 §6.11
+// "actionStates", 3.0 §6.6).
+//
+// The action is recognised by its actionId in `actionStates` and in `instantActionStates`, in every
+// version: 3.0's own flow chart puts cancelOrder into the former. Terms of an end:
+//
+//   FINISHED, or what vda5050/ending.h says       kFinished, with the robot's result
+//   FAILED                                        kFailed, with result and the errors that name it
+//   an error names our actionId, no entry does    kRejected (robots use several keys: by value)
+//   a new error names our headerId and topic      kRejected, told as "probably"
+//   RETRIABLE                                     kRetriable
+//   listed without an end, then no longer         kVanished
+//   connection lost                               kOffline
+//
+// Never by the type of an error alone: errors of earlier attempts persist. Retained messages and
+// those received before publishing confirm nothing; they tell which errors are old and which mode
+// the robot was in.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <string_view>
+
+#include "base/result.h"
+#include "message/response_tracker.h"
+#include "vda5050/messages/instant_actions.h"
+#include "vda5050/model/robot_address.h"
+
+namespace fleetpub::vda5050 {
+
+enum class WaitFor {
+  kAccepted,  ///< the robot lists it and not as FAILED: ends with kAccepted
+  kFinished,
+};
+
+/// Follows the action of this type and id. The type is the one that the version knows
+/// (delivery::Command::actions has it). Errors: ErrorKind::kUsage (topic).
+[[nodiscard]] Result<std::unique_ptr<delivery::ResponseTracker>> TrackInstantAction(
+    const RobotAddress& robot, const Dialect& dialect, std::string_view action_type,
+    std::string action_id, WaitFor wait_for = WaitFor::kFinished);
+
+}  // namespace fleetpub::vda5050

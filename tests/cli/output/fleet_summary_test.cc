@@ -1,0 +1,68 @@
+#include "cli/output/fleet_summary.h"
+
+#include <gmock/gmock.h>
+
+#include "base/json.h"
+
+namespace fleetpub::cli {
+namespace {
+
+using delivery::CommandStatus;
+using std::chrono::milliseconds;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::SizeIs;
+
+void Add(FleetSummary& summary, const char* target, CommandStatus status, milliseconds elapsed) {
+  delivery::Report report;
+  report.target = target;
+  report.status = status;
+  report.elapsed = elapsed;
+  summary.Add(report);
+}
+
+TEST(FleetSummary, NamesThoseThatAPersonHasToLookAfter) {
+  FleetSummary summary;
+  Add(summary, "KIT/1", CommandStatus::kFinished, milliseconds(5));
+  Add(summary, "KIT/4", CommandStatus::kRejected, milliseconds(5));
+  Add(summary, "KIT/2", CommandStatus::kFailed, milliseconds(5));
+  Add(summary, "KIT/3", CommandStatus::kTimeout, milliseconds(5));
+  Add(summary, "KIT/5", CommandStatus::kOffline, milliseconds(0));
+  EXPECT_THAT(summary.Lines(milliseconds(42)),
+              ElementsAre("5 robots: 1 finished, 2 failed, 1 silent, 1 offline  42 ms",
+                          "  failed   KIT/2, KIT/4", "  silent   KIT/3", "  offline  KIT/5"));
+}
+
+TEST(FleetSummary, NamesTheSlowOnesAmongTheFinished) {
+  FleetSummary summary;
+  for (int i = 0; i < 9; ++i) Add(summary, "KIT/1", CommandStatus::kFinished, milliseconds(400));
+  Add(summary, "KIT/2", CommandStatus::kFinished, milliseconds(1'100));
+  EXPECT_THAT(summary.Lines(milliseconds(1)), SizeIs(1)) << "not three times the median";
+  Add(summary, "KIT/3", CommandStatus::kFinished, milliseconds(1'300));
+  EXPECT_EQ(summary.Lines(milliseconds(1)).back(), "  slow     KIT/3 1.3 s");
+}
+
+TEST(FleetSummary, BoundsItsLists) {
+  FleetSummary summary;
+  for (int i = 0; i < 60; ++i) Add(summary, "KIT/1", CommandStatus::kTimeout, milliseconds(1));
+  EXPECT_THAT(summary.Lines(milliseconds(1)).back(), HasSubstr(" and 10 more"));
+}
+
+TEST(FleetSummary, IsAnObjectForScripts) {
+  FleetSummary summary;
+  Add(summary, "KIT/1", CommandStatus::kPublished, milliseconds(2));
+  Add(summary, "KIT/2", CommandStatus::kRefused, milliseconds(0));
+  Add(summary, "KIT/3", CommandStatus::kError, milliseconds(0));
+  const auto json = base::ParseJson(summary.Json(milliseconds(7), ExitCode::kBroker));
+  ASSERT_TRUE(json.has_value());
+  const auto& members = (*json)["summary"];
+  EXPECT_EQ(members["robots"].GetInt(), 3);
+  EXPECT_EQ(members["sent"].GetInt(), 1);
+  EXPECT_EQ(members["refused"].GetInt(), 1);
+  EXPECT_EQ(members["errors"].GetInt(), 1);
+  EXPECT_EQ(members["exitCode"].GetInt(), 4);
+  EXPECT_TRUE(members["slow"].IsArray());
+}
+
+}  // namespace
+}  // namespace fleetpub::cli

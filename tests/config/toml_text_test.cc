@@ -1,0 +1,50 @@
+#include "config/toml_text.h"
+
+#include <gmock/gmock.h>
+
+namespace fleetpub::cli {
+namespace {
+
+using ::testing::HasSubstr;
+
+std::string Json(std::string_view toml) {
+  const auto json = TomlToJson(toml);
+  return json ? *json : "error: " + json.error().message;
+}
+
+TEST(TomlText, BecomesJson) {
+  EXPECT_EQ(Json(""), "{}");
+  EXPECT_EQ(Json("a = 1\nb = 1.5\nc = true\nd = \"say \\\"so\\\"\"\n"),
+            R"({"a":1,"b":1.5,"c":true,"d":"say \"so\""})");
+  EXPECT_EQ(Json("[[s]]\nx = [1, [2]]\n[[s]]\n[s.t]\ny = {}\n"),
+            R"({"s":[{"x":[1,[2]]},{"t":{"y":{}}}]})");
+  EXPECT_EQ(Json("a = 2026-01-02\nb = 03:04:05\nc = 2026-01-02T03:04:05Z"),
+            R"({"a":"2026-01-02","b":"03:04:05","c":"2026-01-02T03:04:05Z"})");
+}
+
+TEST(TomlText, SaysWhichLineIsNone) {
+  EXPECT_THAT(Json("a = 1\nb = \n"), HasSubstr("line 2: not valid TOML"));
+  EXPECT_THAT(Json("a = 1\na = 2\n"), HasSubstr("line 2"));
+  EXPECT_THAT(Json("\na = nan\n"), HasSubstr("line 2: JSON has no such number as nan"));
+  EXPECT_THAT(Json("a = [inf]"), HasSubstr("no such number"));
+  EXPECT_THAT(Json("a = \"\xFF\""), HasSubstr("error"));
+  EXPECT_THAT(Json("a = " + std::string(100'000, '[')), HasSubstr("error"));
+  EXPECT_EQ(TomlToJson("=").error().kind, ErrorKind::kInvalid);
+}
+
+// The library asserts that a digit stands there.
+TEST(TomlText, SurvivesATimeThatIsNone) {
+  EXPECT_THAT(Json("a = 1979-05-27Tx:00:00\n"), HasSubstr("not valid TOML"));
+  const auto value = ParseToml("a = [1979-05-27T\x01:00]\n");
+  ASSERT_FALSE(value);
+  EXPECT_EQ(value.error().kind, ErrorKind::kUsage);
+}
+
+// The library takes this character for one that cannot stand there.
+TEST(TomlText, SurvivesALetterBehindANumber) {
+  EXPECT_THAT(Json("a = [1, 2.5,99999999999999999999999999999\u01FF9999000"),
+              HasSubstr("not valid TOML"));
+}
+
+}  // namespace
+}  // namespace fleetpub::cli

@@ -1,0 +1,14 @@
+#include "message/report.h"
+
+#include <gmock/gmock.h>
+
+namespace fleetpub::delivery {
+namespace {
+
+TEST(Report, IsAnErrorUntilSomebodyKnowsBetter) {
+  EXPECT_EQ(Report().status, CommandStatus::kError);
+  EXPECT_EQ(Report().header_id, std::nullopt);
+}
+
+}  // namespace
+}  // namespace fleetpub::delivery

@@ -1,0 +1,274 @@
+#include "vda5050/messages/user_message.h"
+
+#include <gmock/gmock.h>
+
+#include "base/json.h"
+
+namespace fleetpub::vda5050 {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+const RobotAddress kRobot{"KIT", "0001"};
+
+base::JsonDocument Parsed(std::string_view text) {
+  auto document = base::ParseJson(text);
+  if (!document) throw std::runtime_error(document.error().message);
+  return std::move(*document);
+}
+
+Result<delivery::Command> Build(std::string_view topic, std::string_view message,
+                                const Dialect& dialect = {},
+                                HeaderMismatch foreign = HeaderMismatch::kRefuse) {
+  return BuildUserMessage(kRobot, dialect, topic, Parsed(message), foreign);
+}
+
+std::string Sent(const delivery::Command& command) {
+  return command.payload.Render(7, *base::ParseDateTime("2026-11-22T20:00:00.5Z"));
+}
+
+TEST(UserMessage, GetsTheHeaderThatIsMissing) {
+  const auto command = Build("order", R"({"orderId":"o","nodes":[1.5,2]})");
+  ASSERT_TRUE(command);
+  EXPECT_EQ(command->topic, "vda5050/v3/KIT/0001/order");
+  EXPECT_EQ(command->schema, "vda5050/3.0.0/order");
+  EXPECT_EQ(Sent(*command),
+            R"({"headerId":7,"timestamp":"2026-11-22T20:00:00.500Z","version":"3.0.0",)"
+            R"("manufacturer":"KIT","serialNumber":"0001","orderId":"o","nodes":[1.5,2]})");
+}
+
+TEST(UserMessage, IsStampedAnewWhateverItSays) {
+  const auto command = Build("order", R"({"headerId":99,"timestamp":"yesterday","orderId":"o"})");
+  ASSERT_TRUE(command);
+  EXPECT_THAT(Sent(*command), AllOf(HasSubstr(R"("headerId":7,)"), HasSubstr("2026-11-22")));
+  EXPECT_EQ(Sent(*command).find("99"), std::string::npos);
+}
+
+TEST(UserMessage, OfAnotherRobotOrVersionIsRefused) {
+  for (const char* message : {R"({"serialNumber":"0002"})", R"({"manufacturer":"ACME"})",
+                              R"({"version":"2.1.0"})", R"({"version":3})"}) {
+    const auto command = Build("order", message);
+    ASSERT_FALSE(command) << message;
+    EXPECT_EQ(command.error().kind, ErrorKind::kInvalid);
+    EXPECT_THAT(command.error().message, HasSubstr("--restamp"));
+    EXPECT_TRUE(Build("order", message, {}, HeaderMismatch::kReplace)) << message;
+  }
+}
+
+TEST(UserMessage, MayCarryAHeaderThatTheDialectAsksFor) {
+  EXPECT_TRUE(Build("order", R"({"serialNumber":"0002"})", {.header_serial = "0002"}));
+}
+
+TEST(UserMessage, IsForATopicThatTheVersionHas) {
+  for (const char* topic : {"zoneSet", "responses"}) {
+    const auto command = Build(topic, "{}", {.version = Version::k210});
+    ASSERT_FALSE(command);
+    EXPECT_THAT(command.error().message, HasSubstr("from version 3.0.0 on"));
+    EXPECT_TRUE(Build(topic, "{}"));
+  }
+}
+
+TEST(UserMessage, MustBeAnObject) {
+  EXPECT_FALSE(Build("order", "[]"));
+  EXPECT_FALSE(Build("order", "1"));
+}
+
+TEST(UserMessage, TellsWhatIsInIt) {
+  const auto contents = [](std::string_view topic, std::string_view message) {
+    const auto command = Build(topic, message);
+    std::string text;
+    for (const auto& item : command.value().actions) text += item.type + ":" + item.id + " ";
+    return text;
+  };
+  EXPECT_EQ(contents("order", R"({"orderId":"o"})"), "order:o ");
+  EXPECT_EQ(contents("zoneSet", R"({"zoneSet":{"zoneSetId":"z"}})"), "zoneSet:z ");
+  EXPECT_EQ(contents("responses", R"({"responses":[{"requestId":"r","grantType":"QUEUED"}]})"),
+            "QUEUED:r ");
+  EXPECT_EQ(contents("instantActions",
+                     R"({"actions":[{"actionType":"a","actionId":"1"},{"actionType":"b"}]})"),
+            "a:1 b: ");
+}
+
+TEST(PublishedTopic, KnowsWhatFleetControlPublishes) {
+  EXPECT_EQ(PublishedTopic("ZONESET").value(), "zoneSet");
+  EXPECT_THAT(PublishedTopic("state").error().message, HasSubstr("order, instantActions"));
+}
+
+TEST(ResponsesMessage, IsOneAnswer) {
+  const auto lease = *base::ParseDateTime("2026-11-22T20:00:30Z");
+  EXPECT_EQ(base::ToJson(ResponsesMessage({"r\"1", "GRANTED", lease})),
+            R"({"responses":[{"requestId":"r\"1","grantType":"GRANTED",)"
+            R"("leaseExpiry":"2026-11-22T20:00:30.000Z"}]})");
+  EXPECT_EQ(base::ToJson(ResponsesMessage({"r", "QUEUED", {}})),
+            R"({"responses":[{"requestId":"r","grantType":"QUEUED"}]})");
+}
+
+// ── trackers ──
+
+constexpr std::string_view kOrder =
+    R"({"orderId":"o","orderUpdateId":2,"nodes":[{"nodeId":"n1"},
+    {"nodeId":"n2","actions":[{"actionId":"a1"}]}],"edges":[{}]})";
+
+class UserMessageTracker : public ::testing::Test {
+ protected:
+  void Follow(std::string_view topic, std::string_view message, WaitFor wait_for) {
+    auto made = TrackUserMessage(kRobot, {}, topic, Parsed(message), wait_for);
+    ASSERT_TRUE(made) << made.error().message;
+    confirmation_ = std::move(*made);
+  }
+  void FollowAndPublish(std::string_view topic, std::string_view message, WaitFor wait_for) {
+    Follow(topic, message, wait_for);
+    confirmation_->Published(7);
+  }
+  void State(std::string_view payload, bool retained = false) {
+    confirmation_->Receive({"vda5050/v3/KIT/0001/state", payload, retained});
+  }
+  void Connection(std::string_view payload) {
+    confirmation_->Receive({"vda5050/v3/KIT/0001/connection", payload});
+  }
+  [[nodiscard]] std::string Ending() const {
+    const auto& now = confirmation_->progress();
+    return now.ended ? std::string(delivery::NameOf(now.status)) : "";
+  }
+  [[nodiscard]] std::string Told() const { return confirmation_->progress().message; }
+
+  std::unique_ptr<delivery::ResponseTracker> confirmation_;
+};
+
+TEST_F(UserMessageTracker, OfAnOrderIsTheStateThatShowsIt) {
+  FollowAndPublish("order", kOrder, WaitFor::kAccepted);
+  State(R"({"orderId":"other","orderUpdateId":2})");
+  EXPECT_EQ(Ending(), "");
+  State(R"({"orderId":"o","orderUpdateId":1})");
+  EXPECT_EQ(Ending(), "") << "an earlier update";
+  State(R"({"orderId":"o","orderUpdateId":2})");
+  EXPECT_EQ(Ending(), "ACCEPTED");
+}
+
+TEST_F(UserMessageTracker, IsNeverWhatWasThereBefore) {
+  Follow("order", kOrder, WaitFor::kAccepted);
+  State(R"({"orderId":"o","orderUpdateId":2})");
+  EXPECT_EQ(Ending(), "");
+  confirmation_->Published(7);
+  State(R"({"orderId":"o","orderUpdateId":2})", true);
+  EXPECT_EQ(Ending(), "") << "retained";
+}
+
+TEST_F(UserMessageTracker, OfAnOrderFinishesWhenAllIsDone) {
+  FollowAndPublish("order", kOrder, WaitFor::kFinished);
+  State(R"({"orderId":"o","orderUpdateId":2,"nodeStates":[{}],"edgeStates":[]})");
+  EXPECT_EQ(Ending(), "");
+  EXPECT_TRUE(confirmation_->progress().seen);
+  State(R"({"orderId":"o","orderUpdateId":2,"nodeStates":[],"edgeStates":[],"lastNodeId":"n2",
+      "actionStates":[{"actionId":"a1","actionStatus":"RUNNING"}]})");
+  EXPECT_EQ(Ending(), "") << "an action is still running";
+  State(R"({"orderId":"o","orderUpdateId":2,"nodeStates":[],"edgeStates":[],"lastNodeId":"n2",
+      "actionStates":[{"actionId":"a1","actionStatus":"FINISHED"}]})");
+  EXPECT_EQ(Ending(), "FINISHED");
+}
+
+TEST_F(UserMessageTracker, OfAnOrderFailsWithItsActions) {
+  FollowAndPublish("order", kOrder, WaitFor::kFinished);
+  State(R"({"orderId":"o","orderUpdateId":2,"nodeStates":[],"edgeStates":[],"lastNodeId":"n2",
+      "actionStates":[{"actionId":"a1","actionType":"pick","actionStatus":"FAILED",
+      "actionResult":"no load"}]})");
+  EXPECT_EQ(Ending(), "FAILED");
+  EXPECT_EQ(Told(), "action pick failed: no load");
+}
+
+TEST_F(UserMessageTracker, OfAnOrderThatWasCancelledIsNoSuccess) {
+  FollowAndPublish("order", kOrder, WaitFor::kFinished);
+  State(R"({"orderId":"o","orderUpdateId":2,"nodeStates":[],"edgeStates":[],"lastNodeId":"n1"})");
+  EXPECT_EQ(Ending(), "FAILED");
+  EXPECT_THAT(Told(), HasSubstr("ended at node n1, before its last node n2"));
+}
+
+TEST_F(UserMessageTracker, OfAnOrderThatAnotherReplacesIsVanished) {
+  FollowAndPublish("order", kOrder, WaitFor::kFinished);
+  State(R"({"orderId":"o","orderUpdateId":2,"nodeStates":[{}],"edgeStates":[]})");
+  State(R"({"orderId":"p","orderUpdateId":0})");
+  EXPECT_EQ(Ending(), "VANISHED");
+}
+
+TEST_F(UserMessageTracker, OfAnOrderIsRefusedByANewErrorThatNamesIt) {
+  Follow("order", kOrder, WaitFor::kAccepted);
+  constexpr std::string_view kOld =
+      R"({"errors":[{"errorType":"old","errorReferences":[{"referenceKey":"orderId",
+      "referenceValue":"o"}]}]})";
+  State(kOld);
+  confirmation_->Published(7);
+  State(kOld);
+  EXPECT_EQ(Ending(), "") << "an error of before";
+  State(R"({"orderId":"o","orderUpdateId":2,"errors":[{"errorType":"orderError",
+      "errorDescription":"no route","errorReferences":[{"referenceKey":"orderId",
+      "referenceValue":"o"},{"referenceKey":"orderUpdateId","referenceValue":"2"}]}]})");
+  EXPECT_EQ(Ending(), "REJECTED") << "though it shows an order of this id";
+  EXPECT_EQ(Told(), "orderError: no route");
+}
+
+TEST_F(UserMessageTracker, EndsWithTheRobotsConnection) {
+  FollowAndPublish("order", kOrder, WaitFor::kFinished);
+  Connection(R"({"connectionState":"ONLINE"})");
+  EXPECT_EQ(Ending(), "");
+  Connection(R"({"connectionState":"CONNECTION_BROKEN"})");
+  EXPECT_EQ(Ending(), "OFFLINE");
+}
+
+TEST_F(UserMessageTracker, OfAZoneSetIsItsEntry) {
+  FollowAndPublish("zoneSet", R"({"zoneSet":{"zoneSetId":"z"}})", WaitFor::kFinished);
+  State(R"({"zoneSets":[{"zoneSetId":"y"}]})");
+  EXPECT_EQ(Ending(), "");
+  State(R"({"zoneSets":[{"zoneSetId":"z","zoneSetStatus":"DISABLED"}]})");
+  EXPECT_EQ(Ending(), "FINISHED");
+}
+
+TEST_F(UserMessageTracker, OfAResponseIsTheRequestsStatus) {
+  FollowAndPublish("responses", R"({"responses":[{"requestId":"r","grantType":"GRANTED"}]})",
+                   WaitFor::kFinished);
+  State(R"({"edgeRequests":[{"requestId":"r","requestStatus":"REQUESTED"}]})");
+  EXPECT_EQ(Ending(), "");
+  State(R"({"edgeRequests":[{"requestId":"r","requestStatus":"GRANTED"}]})");
+  EXPECT_EQ(Ending(), "FINISHED");
+}
+
+TEST_F(UserMessageTracker, OfAResponseThatNoStateShowsIsRefused) {
+  const auto made = TrackUserMessage(
+      kRobot, {}, "responses", Parsed(R"({"responses":[{"requestId":"r","grantType":"QUEUED"}]})"),
+      WaitFor::kFinished);
+  ASSERT_FALSE(made);
+  EXPECT_EQ(made.error().kind, ErrorKind::kUsage);
+}
+
+TEST_F(UserMessageTracker, OfSeveralActionsEndsWithTheLast) {
+  constexpr std::string_view kTwo =
+      R"({"actions":[{"actionType":"a","actionId":"1"},{"actionType":"b","actionId":"2"}]})";
+  FollowAndPublish("instantActions", kTwo, WaitFor::kFinished);
+  State(R"({"instantActionStates":[{"actionId":"1","actionStatus":"FINISHED"}]})");
+  EXPECT_EQ(Ending(), "");
+  State(R"({"instantActionStates":[{"actionId":"1","actionStatus":"FINISHED"},
+      {"actionId":"2","actionStatus":"FINISHED"}]})");
+  EXPECT_EQ(Ending(), "FINISHED");
+}
+
+TEST_F(UserMessageTracker, OfSeveralActionsEndsWithTheFirstThatFails) {
+  FollowAndPublish("instantActions",
+                   R"({"actions":[{"actionType":"a","actionId":"1"},
+                   {"actionType":"b","actionId":"2"}]})",
+                   WaitFor::kFinished);
+  State(R"({"instantActionStates":[{"actionId":"2","actionStatus":"FAILED"}]})");
+  EXPECT_EQ(Ending(), "FAILED");
+}
+
+TEST_F(UserMessageTracker, PassesOverRubbish) {
+  FollowAndPublish("order", kOrder, WaitFor::kAccepted);
+  for (const std::string_view rubbish : {"", "x", "[]", R"({"orderId":7})"}) {
+    State(rubbish);
+    Connection(rubbish);
+  }
+  EXPECT_EQ(Ending(), "");
+}
+
+}  // namespace
+}  // namespace fleetpub::vda5050

@@ -1,0 +1,59 @@
+#include "vda5050/model/version.h"
+
+#include <gmock/gmock.h>
+
+namespace fleetpub::vda5050 {
+namespace {
+
+TEST(ParseVersion, TakesFullAndShortForms) {
+  constexpr std::pair<std::string_view, Version> kCases[] = {
+      {"1", Version::k110},   {"1.1", Version::k110},   {"1.1.0", Version::k110},
+      {"2.0", Version::k200}, {"2.0.0", Version::k200}, {"2", Version::k210},
+      {"2.1", Version::k210}, {"2.1.0", Version::k210}, {"3", Version::k300},
+      {"3.0", Version::k300}, {"3.0.0", Version::k300},
+  };
+  for (const auto& [text, version] : kCases) EXPECT_EQ(ParseVersion(text), version) << text;
+}
+
+TEST(ParseVersion, RefusesTheRestAndNamesWhatThereIs) {
+  for (const std::string_view text : {"", "4", "1.0", "2.2", "3.0.1", "v3", "3.", " 3", "3.0.0 "}) {
+    const auto version = ParseVersion(text);
+    ASSERT_FALSE(version) << text;
+    EXPECT_EQ(version.error().kind, ErrorKind::kUsage);
+  }
+  EXPECT_EQ(ParseVersion("v3\x1b").error().message,
+            "'v3\\x1b' is not a VDA 5050 version that fleetpub speaks: use 1.1.0, 2.0.0, 2.1.0 or "
+            "3.0.0 (short: 1.1, 2.0, 2.1, 3)");
+}
+
+TEST(FactsOf, StandInTheOrderOfTheVersions) {
+  for (const Version version : kVersions) EXPECT_EQ(FactsOf(version).version, version);
+}
+
+TEST(FactsOf, NameAVersionAsItIsParsed) {
+  for (const Version version : kVersions) EXPECT_EQ(ParseVersion(FactsOf(version).name), version);
+}
+
+TEST(FactsOf, TellWhatDiffers) {
+  struct Case {
+    Version version;
+    std::string_view topic_levels;
+    std::string_view actions;
+    std::string_view descriptor;
+  };
+  for (const auto& [version, levels, actions, descriptor] :
+       {Case{Version::k110, "uagv/v1", "instantActions", "actionDescription"},
+        Case{Version::k200, "uagv/v2", "actions", "actionDescription"},
+        Case{Version::k210, "uagv/v2", "actions", "actionDescription"},
+        Case{Version::k300, "vda5050/v3", "actions", "actionDescriptor"}}) {
+    const VersionFacts& facts = FactsOf(version);
+    EXPECT_EQ(std::string(facts.interface_name) + "/" + std::string(facts.major), levels);
+    EXPECT_EQ(facts.actions_key, actions);
+    EXPECT_EQ(facts.descriptor_key, descriptor);
+    EXPECT_EQ(facts.only_blocking_type_none, version == Version::k300);
+    EXPECT_EQ(facts.empty_parameters, version == Version::k110);
+  }
+}
+
+}  // namespace
+}  // namespace fleetpub::vda5050

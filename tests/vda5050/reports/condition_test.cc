@@ -1,0 +1,125 @@
+#include "vda5050/reports/condition.h"
+
+#include <gmock/gmock.h>
+
+#include "base/json.h"
+
+namespace fleetpub::vda5050 {
+namespace {
+
+using ::testing::HasSubstr;
+
+constexpr std::string_view kState = R"({
+  "paused": true, "operatingMode": "AUTOMATIC", "orderId": "42", "lastNodeId": "", "version": null,
+  "orderUpdateId": 7, "errors": [], "a.b": 1, "a/b": 2,
+  "loads": [{"loadId": "pallet", "weight": 12.5}],
+  "batteryState": {"batteryCharge": 80, "charging": false},
+  "agvPosition": {"x": -1.5, "positionInitialized": true}})";
+
+// What the message says instead, or "" when the condition is satisfied.
+std::string CommandStatus(std::string_view condition, std::string_view message = kState) {
+  const auto parsed = ParseCondition(condition);
+  if (!parsed) return "refused: " + parsed.error().message;
+  const auto document = base::ParseJson(message);
+  return Unmet(*parsed, document.value()).value_or("");
+}
+
+TEST(Condition, IsSatisfiedByWhatTheMessageSays) {
+  for (const char* condition : {"paused=true",
+                                "paused==true",
+                                " paused = true ",
+                                "paused!=false",
+                                "operatingMode=AUTOMATIC",
+                                "operatingMode=\"AUTOMATIC\"",
+                                "operatingMode!=MANUAL",
+                                "orderId=42",
+                                "orderId!=43",
+                                "lastNodeId=",
+                                "lastNodeId=\"\"",
+                                "version=null",
+                                "orderUpdateId=7",
+                                "orderUpdateId=7.0",
+                                "errors=[]",
+                                "/batteryState/charging=false",
+                                "/batteryState/batteryCharge>=80",
+                                "/batteryState/batteryCharge<=80",
+                                "/batteryState/batteryCharge>79.5",
+                                "/batteryState/batteryCharge<8.1e1",
+                                "/batteryState={\"charging\":false,\"batteryCharge\":80}",
+                                "/loads/0/loadId=pallet",
+                                "/loads/0/weight>12",
+                                "/a~1b=2",
+                                "/a.b=1",
+                                "battery>=80",
+                                "charging=false",
+                                "x<-1",
+                                "localized=true"}) {
+    EXPECT_EQ(CommandStatus(condition), "") << condition;
+  }
+}
+
+TEST(Condition, TellsWhatTheMessageSaysInstead) {
+  const std::pair<const char*, const char*> cases[] = {
+      {"paused=false", "paused is true"},
+      {"paused!=true", "paused is true"},
+      {"paused=TRUE", "paused is true"},
+      {"paused=1", "paused is true"},
+      {"paused>0", "paused is true"},
+      {"operatingMode=automatic", "operatingMode is \"AUTOMATIC\""},
+      {"orderId=\"43\"", "orderId is \"42\""},
+      {"orderId>41", "orderId is \"42\""},
+      {"orderUpdateId=\"7\"", "orderUpdateId is 7"},
+      {"errors=", "errors is []"},
+      {"battery>80", "battery is 80"},
+      {"battery<80", "battery is 80"},
+      {"/loads/1/loadId=pallet", "there is no /loads/1/loadId"},
+      {"driving=true", "there is no driving"},
+      {"driving!=true", "there is no driving"},
+      {"theta>0", "there is no theta"},
+  };
+  for (const auto& [condition, status] : cases) EXPECT_EQ(CommandStatus(condition), status);
+}
+
+TEST(Condition, FindsAliasesInEveryVersion) {
+  constexpr std::string_view kNewer =
+      R"({"powerSupply":{"stateOfCharge":55.5,"charging":true},"mobileRobotPosition":{"mapId":"m"}})";
+  EXPECT_EQ(CommandStatus("battery=55.5", kNewer), "");
+  EXPECT_EQ(CommandStatus("charging=true", kNewer), "");
+  EXPECT_EQ(CommandStatus("mapId=m", kNewer), "");
+  EXPECT_EQ(CommandStatus("battery=1", R"({"battery":1,"powerSupply":{"stateOfCharge":2}})"), "");
+}
+
+TEST(Condition, ShowsWhatARobotSaysPrintablyAndShort) {
+  const std::string message = R"({"a":"\u001b[2J)" + std::string(500, 'x') + "\"}";
+  const std::string status = CommandStatus("a=b", message);
+  EXPECT_EQ(status.find('\x1b'), std::string::npos);
+  EXPECT_LT(status.size(), 120U);
+}
+
+TEST(Condition, IsRefusedWithTheRightForm) {
+  const std::pair<const char*, const char*> cases[] = {
+      {"paused", "has no operator"},
+      {"paused", "quotation marks"},
+      {"", "has no operator"},
+      {"!paused", "has no operator"},
+      {"=true", "names no member"},
+      {" >=3", "names no member"},
+      {"/a~2=1", "no JSON Pointer"},
+      {"/a~=1", "no JSON Pointer"},
+      {"batteryState/charging=true", "write /batteryState/charging"},
+      {"batteryState.charging=true", "write /batteryState/charging"},
+      {"battery>=full", "compares numbers: write 'battery>=80'"},
+      {"battery<", "compares numbers"},
+      {"battery<\"8\"", "compares numbers"},
+      {"a=\xFF", "not valid UTF-8"},
+  };
+  for (const auto& [text, reason] : cases) {
+    const auto condition = ParseCondition(text);
+    ASSERT_FALSE(condition) << text;
+    EXPECT_EQ(condition.error().kind, ErrorKind::kUsage);
+    EXPECT_THAT(condition.error().message, HasSubstr(reason));
+  }
+}
+
+}  // namespace
+}  // namespace fleetpub::vda5050

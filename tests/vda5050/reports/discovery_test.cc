@@ -1,0 +1,304 @@
+#include "vda5050/reports/discovery.h"
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+
+#include <array>
+
+namespace fleetpub::vda5050 {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::SizeIs;
+
+constexpr std::array<std::string_view, 1> kConnection = {"connection"};
+constexpr std::array<std::string_view, 3> kAll = {"connection", "factsheet", "state"};
+
+std::vector<std::string> FiltersOf(const TopicScheme& scheme, const RobotFilter& filter = {},
+                                   std::span<const std::string_view> names = kConnection) {
+  auto filters = DiscoveryFilters(scheme, filter, names);
+  if (!filters) return {"refused: " + filters.error().message};
+  return std::move(*filters);
+}
+
+std::string Message(std::string_view version, std::string_view more = "") {
+  return fmt::format(R"({{"version":"{}"{}}})", version, more);
+}
+
+// ── filters ──
+
+TEST(DiscoveryFilters, LeaveOpenWhatIsNotKnown) {
+  EXPECT_THAT(FiltersOf({}), ElementsAre("+/+/+/+/connection"));
+  EXPECT_THAT(FiltersOf({}, {.manufacturer = "KIT"}), ElementsAre("+/+/KIT/+/connection"));
+  EXPECT_THAT(
+      FiltersOf({}, {"KIT", "0001"}, kAll),
+      ElementsAre("+/+/KIT/0001/connection", "+/+/KIT/0001/factsheet", "+/+/KIT/0001/state"));
+}
+
+TEST(SpecifiedTopics, AreThoseOfEveryReleaseEachOnce) {
+  const RobotAddress robot{"KIT", "0001"};
+  EXPECT_THAT(SpecifiedTopics({}, robot, kConnection).value(),
+              ElementsAre("uagv/v1/KIT/0001/connection", "uagv/v2/KIT/0001/connection",
+                          "vda5050/v3/KIT/0001/connection"));
+  EXPECT_THAT(SpecifiedTopics({.interface_name = "fts",
+                               .topic_template = "{interface}/{manufacturer}/{serial}/{topic}"},
+                              robot, kConnection)
+                  .value(),
+              ElementsAre("fts/KIT/0001/connection"));
+}
+
+TEST(DiscoveryFilters, KeepWhatIsStated) {
+  EXPECT_THAT(FiltersOf({.interface_name = "fts"}), ElementsAre("fts/+/+/+/connection"));
+  EXPECT_THAT(FiltersOf({.topic_template = "/site/{interface}/v2/{manufacturer}/{serial}/{topic}"}),
+              ElementsAre("/site/+/v2/+/+/connection"));
+  EXPECT_THAT(FiltersOf({.topic_template = "a-{interface}-{major}/{manufacturer}.{serial}/{topic}"},
+                        {"KIT", "0001"}),
+              ElementsAre("+/KIT.0001/connection"));
+}
+
+TEST(DiscoveryFilters, AreRefusedWhereTheTopicWouldBe) {
+  EXPECT_THAT(FiltersOf({.topic_template = "{nothing}/{manufacturer}/{serial}/{topic}"}),
+              ElementsAre(HasSubstr("is no placeholder")));
+  EXPECT_THAT(FiltersOf({.interface_name = "#"}), ElementsAre(HasSubstr("wildcards")));
+  EXPECT_THAT(FiltersOf({}, {"KIT", "+"}), ElementsAre(HasSubstr("wildcards")));
+}
+
+// ── topics ──
+
+TEST(ReadTopic, ReadsTheLevelsBack) {
+  const auto levels = ReadTopic({}, "uagv/v2/KIT/0001/connection");
+  ASSERT_TRUE(levels);
+  EXPECT_EQ(levels->robot.ToString(), "KIT/0001");
+  EXPECT_EQ(levels->interface_name, "uagv");
+  EXPECT_EQ(levels->major, "v2");
+  EXPECT_EQ(levels->topic_name, "connection");
+}
+
+TEST(ReadTopic, ReadsWhatATemplateOfOnesOwnMade) {
+  const auto levels = ReadTopic({.topic_template = "a/x-{major}-{interface}/{manufacturer}/"
+                                                   "agv-{serial}/{topic}.json"},
+                                "a/x-v2-u-a/KIT/agv-7/state.json");
+  ASSERT_TRUE(levels);
+  EXPECT_EQ(levels->robot.ToString(), "KIT/7");
+  EXPECT_EQ(levels->interface_name, "u-a");
+  EXPECT_EQ(levels->major, "v2");
+  EXPECT_EQ(levels->topic_name, "state");
+}
+
+TEST(ReadTopic, ReadsAStatedInterfaceOfSeveralLevels) {
+  const TopicScheme scheme{.interface_name = "site/hall"};
+  EXPECT_TRUE(ReadTopic(scheme, "site/hall/v3/KIT/0001/connection"));
+  EXPECT_FALSE(ReadTopic(scheme, "site/shed/v3/KIT/0001/connection"));
+}
+
+TEST(ReadTopic, IsNothingForATopicOfAnotherShape) {
+  for (const std::string_view topic :
+       {"", "/", "uagv/v2/KIT/0001", "uagv/v2/KIT/0001/connection/x", "uagv/v2//0001/connection",
+        "uagv/v2/KIT//connection", "uagv//KIT/0001/connection", "uagv/v2/K$T/0001/connection",
+        "uagv/v2/KIT/0001/"}) {
+    EXPECT_FALSE(ReadTopic({}, topic)) << topic;
+  }
+  const TopicScheme prefixed{.topic_template = "x-{interface}/{manufacturer}/{serial}/{topic}"};
+  EXPECT_FALSE(ReadTopic(prefixed, "y-u/KIT/0001/state"));
+  EXPECT_FALSE(ReadTopic(prefixed, "x-/KIT/0001/state"));
+}
+
+TEST(ReadTopic, HoldsARepeatedPlaceholderToOneValue) {
+  const TopicScheme scheme{.topic_template = "{serial}/{manufacturer}/{serial}/{topic}"};
+  EXPECT_TRUE(ReadTopic(scheme, "1/KIT/1/state"));
+  EXPECT_FALSE(ReadTopic(scheme, "1/KIT/2/state"));
+}
+
+// ── versions ──
+
+TEST(VersionSpoken, IsReadLeniently) {
+  const std::tuple<std::string_view, std::string_view, std::optional<Version>> cases[] = {
+      {"1.1.0", "", Version::k110},
+      {"2.0.0", "v2", Version::k200},
+      {"2.1.0", "v2", Version::k210},
+      {"3.0.0", "v3", Version::k300},
+      {"2.0", "", Version::k200},
+      {"v2.1", "", Version::k210},
+      {" V2.0.0 ", "", Version::k200},
+      {"2", "", Version::k210},
+      {"v2", "", Version::k210},
+      {"1", "", Version::k110},
+      {"1.0.0", "", Version::k110},
+      {"2.0.0-rc", "", Version::k200},
+      {"2.2.0", "", Version::k210},  // not known: the newest of its major version
+      {"3.1.0", "v3", Version::k300},
+      {"4.0.0", "v3", std::nullopt},  // said, and not ours
+      {"0.9", "v2", std::nullopt},
+      {"", "v2", Version::k210},
+      {"", "v3", Version::k300},
+      {"latest", "v1", Version::k110},
+      {"2.x", "v2", Version::k210},
+      {"-2", "v3", Version::k300},
+      {"99999999999999999999", "v3", Version::k300},
+      {"", "", std::nullopt},
+      {"", "prod", std::nullopt},
+  };
+  for (const auto& [header, major, version] : cases) {
+    EXPECT_EQ(VersionSpoken(header, major), version) << header << " at " << major;
+  }
+}
+
+// ── dialects ──
+
+TEST(DialectFrom, SpeaksEachVersionAtItsOwnTopics) {
+  for (const Version version : kVersions) {
+    const auto topic = *TopicFor({}, version, {"KIT", "0001"}, "connection");
+    const auto found = DialectFrom(
+        {.assumed = true}, topic, Message(FactsOf(version).name, R"(,"connectionState":"ONLINE")"));
+    ASSERT_TRUE(found && found->dialect);
+    EXPECT_EQ(found->robot.ToString(), "KIT/0001");
+    EXPECT_EQ(found->topic_name, "connection");
+    EXPECT_EQ(found->message.connection_state, "ONLINE");
+    const Dialect& dialect = *found->dialect;
+    EXPECT_EQ(dialect.version, version);
+    EXPECT_FALSE(dialect.assumed);
+    EXPECT_EQ(dialect.topics.interface_name, "");
+    EXPECT_EQ(dialect.topics.topic_template, TopicScheme().topic_template);
+    EXPECT_EQ(dialect.header_version, "");
+  }
+}
+
+// The topic at which a robot found at `topic` is commanded.
+std::string CommandTopicOf(std::string_view topic, std::string_view payload,
+                           const Dialect& base = {}) {
+  const auto found = DialectFrom(base, topic, payload);
+  if (!found || !found->dialect) return "";
+  return *TopicFor(found->dialect->topics, found->dialect->version, found->robot, "order");
+}
+
+TEST(DialectFrom, KeepsTheRobotsOwnInterfaceAndLevel) {
+  EXPECT_EQ(CommandTopicOf("fts/v3/KIT/0001/connection", Message("3.0.0")),
+            "fts/v3/KIT/0001/order");
+  EXPECT_EQ(CommandTopicOf("uagv/v2/KIT/0001/connection", Message("1.1.0")),
+            "uagv/v2/KIT/0001/order");
+  EXPECT_EQ(CommandTopicOf("uagv/v1/KIT/0001/connection", Message("2.0.0")),
+            "uagv/v1/KIT/0001/order");
+  EXPECT_EQ(CommandTopicOf("uagv/v3/KIT/0001/connection", Message("3.0.0")),
+            "uagv/v3/KIT/0001/order");
+  const Dialect own{.topics = {.topic_template = "{major}.{interface}/{manufacturer}/{serial}/"
+                                                 "{topic}"}};
+  EXPECT_EQ(CommandTopicOf("v1.fts/KIT/0001/state", Message("2.1.0"), own),
+            "v1.fts/KIT/0001/order");
+}
+
+TEST(DialectFrom, TakesAFactsheetOrAStateToo) {
+  for (const std::string name : {"factsheet", "state"}) {
+    const auto found = DialectFrom({}, "uagv/v2/KIT/0001/" + name, Message("2.0.0"));
+    ASSERT_TRUE(found && found->dialect);
+    EXPECT_EQ(found->dialect->version, Version::k200);
+    EXPECT_EQ(found->topic_name, name);
+  }
+}
+
+TEST(DialectFrom, SaysTheVersionAsTheRobotDoes) {
+  // Robots compare for equality.
+  const auto header_version = [](std::string_view spoken) {
+    return DialectFrom({}, "uagv/v2/KIT/0001/connection", Message(spoken))->dialect->header_version;
+  };
+  EXPECT_EQ(header_version("v2"), "v2");
+  EXPECT_EQ(header_version("2.1"), "2.1");
+  EXPECT_EQ(header_version("2.2.0"), "2.2.0");
+  EXPECT_EQ(header_version("2.1.0"), "");
+  EXPECT_EQ(header_version(""), "");
+  EXPECT_EQ(header_version("latest"), "");
+  EXPECT_EQ(header_version("2.1.0 by KIT"), "");
+  EXPECT_EQ(header_version("2.1.000000000000000"), "");
+}
+
+TEST(DialectFrom, SaysTheRobotsNameAsItsHeaderDoes) {
+  const auto found =
+      DialectFrom({}, "uagv/v2/KIT/0001/connection",
+                  Message("2.1.0", R"(,"manufacturer":"Kit Lab","serialNumber":"0001")"));
+  ASSERT_TRUE(found && found->dialect);
+  EXPECT_EQ(found->dialect->header_manufacturer, "Kit Lab");
+  EXPECT_EQ(found->dialect->header_serial, "");
+  EXPECT_EQ(found->robot.ToString(), "KIT/0001");
+}
+
+TEST(DialectFrom, KeepsWhatTheUserStates) {
+  const Dialect stated{.version = Version::k300,
+                       .topics = {.interface_name = "fts"},
+                       .actions_key = "instantActions",
+                       .header_version = "2.0",
+                       .header_manufacturer = "M",
+                       .header_serial = "S"};
+  const auto found = DialectFrom(stated, "fts/v2/KIT/0001/connection",
+                                 Message("v2", R"(,"manufacturer":"A","serialNumber":"B")"));
+  ASSERT_TRUE(found && found->dialect);
+  EXPECT_EQ(found->dialect->version, Version::k210);
+  EXPECT_EQ(found->dialect->topics.interface_name, "fts");
+  EXPECT_EQ(found->dialect->actions_key, "instantActions");
+  EXPECT_EQ(found->dialect->header_version, "2.0");
+  EXPECT_EQ(found->dialect->header_manufacturer, "M");
+  EXPECT_EQ(found->dialect->header_serial, "S");
+}
+
+TEST(DialectFrom, FindsARobotWhoseVersionIsNotOurs) {
+  const auto found = DialectFrom({}, "vda5050/v4/KIT/0001/connection", Message("4.0.0"));
+  ASSERT_TRUE(found);
+  EXPECT_FALSE(found->dialect);
+  EXPECT_EQ(found->message.header.version, "4.0.0");
+}
+
+TEST(DialectFrom, IsNothingForADeletedMessageOrAnotherTopic) {
+  EXPECT_FALSE(DialectFrom({}, "uagv/v2/KIT/0001/connection", ""));
+  EXPECT_FALSE(DialectFrom({}, "uagv/v2/KIT/0001/connection", "[]"));
+  EXPECT_FALSE(DialectFrom({}, "home/kitchen/light", Message("2.1.0")));
+}
+
+// ── one per robot ──
+
+Discovered Found(std::string_view topic, std::string_view version, std::string_view state = "",
+                 std::string_view timestamp = "") {
+  auto found = DialectFrom(
+      {}, topic,
+      Message(version,
+              fmt::format(R"(,"connectionState":"{}","timestamp":"{}")", state, timestamp)));
+  if (!found) throw std::runtime_error("not found");
+  return std::move(*found);
+}
+
+TEST(OnePerRobot, IsInOrderOfAddress) {
+  const auto robots = OnePerRobot({Found("uagv/v2/KIT/2/connection", "2.1.0"),
+                                   Found("vda5050/v3/ACME/9/connection", "3.0.0"),
+                                   Found("uagv/v2/KIT/1/connection", "2.1.0")});
+  ASSERT_THAT(robots, SizeIs(3));
+  EXPECT_EQ(robots[0].robot.ToString(), "ACME/9");
+  EXPECT_EQ(robots[1].robot.ToString(), "KIT/1");
+  EXPECT_EQ(robots[2].robot.ToString(), "KIT/2");
+}
+
+TEST(OnePerRobot, TakesTheBestMessage) {
+  const std::string_view older = "2026-01-02T03:04:05.678Z";
+  const std::string_view newer = "2026-01-02T03:04:06.678Z";
+  // Each better than the one before.
+  const std::vector<Discovered> ladder = {
+      Found("vda5050/v3/KIT/1/state", "3.0.0", "", newer),
+      Found("uagv/v2/KIT/1/connection", "2.1.0", "OFFLINE", older),
+      Found("uagv/v1/KIT/1/connection", "1.1.0", "CONNECTIONBROKEN", newer),
+      Found("vda5050/v3/KIT/1/connection", "3.0.0", "HIBERNATING", older),
+      Found("vda5050/v4/KIT/1/connection", "4.0.0", "ONLINE", ""),
+      Found("vda5050/v3/KIT/1/connection", "3.0.0", "ONLINE", ""),
+      Found("uagv/v2/KIT/1/connection", "2.0.0", "ONLINE", older),
+      Found("uagv/v2/KIT/1/connection", "2.1.0", "ONLINE", older),
+      Found("uagv/v1/KIT/1/connection", "1.1.0", "ONLINE", newer),
+  };
+  for (std::size_t i = 1; i < ladder.size(); ++i) {
+    for (const auto& pair :
+         {std::vector{ladder[i - 1], ladder[i]}, std::vector{ladder[i], ladder[i - 1]}}) {
+      const auto robots = OnePerRobot(pair);
+      ASSERT_THAT(robots, SizeIs(1));
+      EXPECT_EQ(robots[0].topic, ladder[i].topic) << i;
+      EXPECT_EQ(robots[0].message.header.version, ladder[i].message.header.version) << i;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace fleetpub::vda5050

@@ -1,0 +1,136 @@
+#include "vda5050/reports/robot_errors.h"
+
+#include <gtest/gtest.h>
+
+#include <array>
+
+namespace fleetpub::vda5050 {
+namespace {
+
+constexpr std::string_view kId = "3f2c8a2e-7b51-4c4e-9d0a-5a4f0f6d1c22";
+constexpr std::string_view kOther = "00000000-7b51-4c4e-9d0a-5a4f0f6d1c22";
+constexpr std::array<std::uint32_t, 2> kHeaderIds = {18, 19};
+
+RobotError Error(std::string type, std::vector<ErrorReference> references) {
+  return {.type = std::move(type), .references = std::move(references)};
+}
+
+Attribution Of(std::string type, std::vector<ErrorReference> references) {
+  return AttributionOf(
+      Error(std::move(type), std::move(references)),
+      {.topic = "instantActions", .id_key = "actionId", .id = kId, .header_ids = kHeaderIds});
+}
+
+TEST(AttributionOf, KnowsOurActionIdUnderAnyKey) {
+  // VDA 5050's own, libVDA5050++'s, ros_amr_interop's, and one that nobody has thought of.
+  for (const std::string key : {"actionId", "action.actionId", "order.action.actionId", "action_id",
+                                "instantActionId", "headerId", "what", ""}) {
+    EXPECT_EQ(Of("anything", {{"topic", "order"}, {key, std::string(kId)}}), Attribution::kItem)
+        << key;
+  }
+}
+
+TEST(AttributionOf, KnowsAShortActionIdOnlyWhereItCanBeOne) {
+  const auto of = [](std::string key) {
+    return AttributionOf(
+        Error("E", {{std::move(key), "18"}}),
+        {.topic = "instantActions", .id_key = "actionId", .id = "18", .header_ids = {}});
+  };
+  EXPECT_EQ(of("actionId"), Attribution::kItem);
+  EXPECT_EQ(of("action_id"), Attribution::kItem);
+  EXPECT_EQ(of("id"), Attribution::kItem);
+  for (const std::string key : {"headerId", "header.headerId", "orderId", "order_id", "nodeId",
+                                "edgeId", "sequenceId", "mapId", "orderUpdateId"}) {
+    EXPECT_EQ(of(key), Attribution::kOther) << key;
+  }
+}
+
+TEST(AttributionOf, NeverGoesByTheTypeAlone) {
+  for (const std::string type : {"NO_ORDER_TO_CANCEL", "noOrderToCancel", "INVALID_INSTANT_ACTION",
+                                 "instantActionError", "validationError"}) {
+    EXPECT_EQ(Of(type, {{"actionId", std::string(kOther)}}), Attribution::kOther) << type;
+    EXPECT_EQ(Of(type, {}), Attribution::kUnnamed) << type;
+  }
+}
+
+TEST(AttributionOf, TakesHeaderIdAndTopicForProbablyOurs) {
+  // vda-5050-lib: a message whose header it does not like.
+  EXPECT_EQ(Of("validationError", {{"topic", "instantActions"}, {"headerId", "18"}}),
+            Attribution::kHeaderId);
+  EXPECT_EQ(Of("orderError", {{"topic", "uagv/v2/KIT/0001/instantActions"}, {"headerId", "19"}}),
+            Attribution::kHeaderId);
+  EXPECT_EQ(Of("x", {{"Topic", "instantAction"}, {"header.headerId", "18"}}),
+            Attribution::kHeaderId);
+}
+
+TEST(AttributionOf, TakesAHeaderIdWithoutTopicOnlyForAnErrorAboutAMessage) {
+  for (const std::string type :
+       {"InvalidHeader", "validationError", "VALIDATION_FAILURE", "invalid_header"}) {
+    EXPECT_EQ(Of(type, {{"header.headerId", "18"}}), Attribution::kHeaderId) << type;
+  }
+  EXPECT_EQ(Of("orderError", {{"headerId", "18"}}), Attribution::kOther);
+}
+
+TEST(AttributionOf, LeavesOthersHeaderIdsAlone) {
+  EXPECT_EQ(Of("validationError", {{"topic", "instantActions"}, {"headerId", "17"}}),
+            Attribution::kOther);
+  EXPECT_EQ(Of("validationError", {{"topic", "order"}, {"headerId", "18"}}), Attribution::kOther);
+  EXPECT_EQ(Of("validationError", {{"topic", "instantActions"}, {"nodeId", "18"}}),
+            Attribution::kOther);
+  // Another controller's action that happens to have our header id.
+  EXPECT_EQ(
+      Of("validationError",
+         {{"topic", "instantActions"}, {"headerId", "18"}, {"actionId", std::string(kOther)}}),
+      Attribution::kOther);
+}
+
+TEST(AttributionOf, CallsAnErrorWithoutAnyIdUnnamed) {
+  // libVDA5050++'s ActionBlockingTypeMismatch names no id whatsoever.
+  EXPECT_EQ(Of("ActionBlockingTypeMismatch", {{"action.blockingType", "NONE"}}),
+            Attribution::kUnnamed);
+  EXPECT_EQ(Of("lowBattery", {{"nodeId", "n1"}}), Attribution::kOther);
+}
+
+TEST(FingerprintOf, TellsErrorsApart) {
+  const RobotError error{.type = "E", .description = "d", .references = {{"k", "v"}}};
+  RobotError same = error;
+  same.level = "FATAL";  // an error that grows is still the same
+  EXPECT_EQ(FingerprintOf(same), FingerprintOf(error));
+  const RobotError others[] = {{.type = "F", .description = "d", .references = {{"k", "v"}}},
+                               {.type = "E", .description = "e", .references = {{"k", "v"}}},
+                               {.type = "E", .description = "d", .references = {{"k", "w"}}},
+                               {.type = "E", .description = "d"}};
+  for (const RobotError& other : others) EXPECT_NE(FingerprintOf(other), FingerprintOf(error));
+}
+
+TEST(Told, HasTypeDescriptionAndHint) {
+  EXPECT_EQ(Told({.type = "noOrderToCancel", .description = "no order", .hint = "send one"}),
+            "noOrderToCancel: no order; hint: send one");
+  EXPECT_EQ(Told({.type = "E"}), "E");
+  EXPECT_EQ(Told({.description = "lost"}), "error: lost");
+}
+
+TEST(Told, IsOneShortLineThatMovesNoCursor) {
+  const auto told = Told({.type = "E\x1b[2J", .description = std::string(10'000, 'x') + "\n"});
+  EXPECT_LT(told.size(), 600U);
+  EXPECT_EQ(told.find_first_of("\x1b\n"), std::string::npos);
+}
+
+TEST(AttributionOf, KnowsAnOrderByItsIdAndItsUpdate) {
+  const auto of = [](std::vector<ErrorReference> references) {
+    return AttributionOf(Error("orderError", std::move(references)), {.topic = "order",
+                                                                      .id_key = "orderId",
+                                                                      .id = "o-7",
+                                                                      .header_ids = kHeaderIds,
+                                                                      .update_id = 2});
+  };
+  EXPECT_EQ(of({{"orderId", "o-7"}}), Attribution::kItem);
+  EXPECT_EQ(of({{"orderId", "o-7"}, {"orderUpdateId", "2"}}), Attribution::kItem);
+  EXPECT_EQ(of({{"orderId", "o-7"}, {"orderUpdateId", "1"}}), Attribution::kOther);
+  EXPECT_EQ(of({{"orderId", "o-6"}, {"orderUpdateId", "2"}}), Attribution::kOther);
+  EXPECT_EQ(of({{"topic", "orders"}, {"headerId", "18"}}), Attribution::kHeaderId);
+  EXPECT_EQ(of({{"topic", "instantActions"}, {"headerId", "18"}}), Attribution::kOther);
+}
+
+}  // namespace
+}  // namespace fleetpub::vda5050

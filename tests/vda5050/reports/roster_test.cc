@@ -1,0 +1,106 @@
+#include "vda5050/reports/roster.h"
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+
+namespace fleetpub::vda5050 {
+namespace {
+
+std::string Message(std::string_view version, std::string_view members, int second = 0) {
+  return fmt::format(R"({{"headerId":1,"timestamp":"2026-01-02T03:04:{:02}.000Z","version":"{}",)"
+                     R"("manufacturer":"KIT","serialNumber":"0001",{}}})",
+                     second, version, members);
+}
+
+std::string Connection(std::string_view version, std::string_view state, int second = 0) {
+  return Message(version, fmt::format(R"("connectionState":"{}")", state), second);
+}
+
+class RosterTest : public ::testing::Test {
+ protected:
+  RosterTest() {
+    for (const char* text : {"paused=true", "version=2.1.0"}) {
+      conditions_.push_back(*ParseCondition(text));
+    }
+  }
+  // Takes whom KIT/* means, each in its own dialect.
+  RobotDirectory Open() {
+    RobotDirectory directory(conditions_, [this](const RobotAddress& robot) -> Admitted {
+      if (robot.manufacturer != "KIT") return std::nullopt;
+      return std::pair(base_, true);
+    });
+    directory.AddScheme(base_->topics);
+    return directory;
+  }
+  using Admitted = std::optional<std::pair<std::shared_ptr<const Dialect>, bool>>;
+
+  std::shared_ptr<const Dialect> base_ = std::make_shared<const Dialect>();
+  std::vector<Condition> conditions_;
+};
+
+TEST_F(RosterTest, FindsWhomItAdmitsEachInItsOwnDialect) {
+  RobotDirectory directory = Open();
+  const auto* old = directory.Deliver("uagv/v2/KIT/0001/connection", Connection("2.1.0", "ONLINE"),
+                                      Origin::kRetained);
+  ASSERT_NE(old, nullptr);
+  EXPECT_TRUE(old->IsOnline());
+  EXPECT_EQ(old->Spoken()->version, Version::k210);
+  EXPECT_EQ(directory.Deliver("uagv/v2/ABC/0001/connection", Connection("2.1.0", "ONLINE"),
+                              Origin::kRetained),
+            nullptr);
+  EXPECT_EQ(directory.Deliver("uagv/v2/KIT/0002/connection", "no JSON", Origin::kRetained),
+            nullptr);
+  EXPECT_EQ(directory.online(), 1U);
+}
+
+TEST_F(RosterTest, SharesWhatRobotsOfOneMakeHaveInCommon) {
+  RobotDirectory directory = Open();
+  const RobotEntry* entries[2] = {};
+  for (int i = 0; i < 2; ++i) {
+    const std::string topic = fmt::format("vda5050/v3/KIT/000{}/", i + 1);
+    const std::string header =
+        fmt::format(R"({{"version":"3.0.0","manufacturer":"KIT","serialNumber":"000{}",)", i + 1);
+    directory.Deliver(topic + "factsheet", header + R"("protocolLimits":{}})", Origin::kRetained);
+    entries[i] = directory.Deliver(topic + "connection", header + R"("connectionState":"ONLINE"})",
+                                   Origin::kRetained);
+    ASSERT_NE(entries[i], nullptr);
+  }
+  EXPECT_EQ(entries[0]->own, entries[1]->own);
+  EXPECT_EQ(entries[0]->factsheet, entries[1]->factsheet);
+  EXPECT_NE(entries[0]->factsheet, nullptr);
+}
+
+TEST_F(RosterTest, BelievesTheMessageOfTheGreaterStanding) {
+  RobotDirectory directory = Open();
+  const auto deliver = [&](const char* topic, const std::string& payload) {
+    return directory.Deliver(topic, payload, Origin::kRetained);
+  };
+  deliver("vda5050/v3/KIT/0001/connection", Connection("3.0.0", "OFFLINE", 9));
+  const auto* entry = deliver("uagv/v2/KIT/0001/connection", Connection("2.1.0", "ONLINE", 1));
+  EXPECT_EQ(entry->Spoken()->version, Version::k210) << "ONLINE goes before a newer one";
+  deliver("uagv/v2/KIT/0001/factsheet", Message("2.1.0", R"("protocolLimits":{})", 30));
+  EXPECT_EQ(entry->connection_topic, "uagv/v2/KIT/0001/connection");
+  EXPECT_EQ(directory.online(), 1U);
+}
+
+TEST_F(RosterTest, JudgesConditionsByTheTopicThatTheyAreAbout) {
+  EXPECT_EQ(TopicOf(*ParseCondition("connectionState=ONLINE")), "connection");
+  EXPECT_EQ(TopicOf(*ParseCondition("/typeSpecification/agvClass=FORKLIFT")), "factsheet");
+  EXPECT_EQ(TopicOf(*ParseCondition("/batteryState/batteryCharge<20")), "state");
+  RobotDirectory directory = Open();
+  const auto* entry = directory.Deliver("uagv/v2/KIT/0001/connection",
+                                        Connection("2.1.0", "ONLINE"), Origin::kRetained);
+  ASSERT_EQ(entry->unmet.size(), 2U);
+  EXPECT_FALSE(entry->unmet[0].has_value()) << "no state was heard";
+  EXPECT_EQ(entry->unmet[1], "");
+  directory.Deliver("uagv/v2/KIT/0001/state", Message("2.1.0", R"("paused":false)"), Origin::kLive);
+  EXPECT_EQ(entry->unmet[0], "paused is false");
+  directory.Deliver("uagv/v2/KIT/0001/state", Message("2.1.0", R"("paused":true)"), Origin::kLive);
+  EXPECT_EQ(entry->unmet[0], "");
+  directory.Deliver("uagv/v2/KIT/0001/state", Message("2.1.0", R"("paused":false)"),
+                    Origin::kRetained);
+  EXPECT_EQ(entry->unmet[0], "") << "what was retained is older than what was heard";
+}
+
+}  // namespace
+}  // namespace fleetpub::vda5050

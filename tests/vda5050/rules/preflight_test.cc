@@ -1,0 +1,387 @@
+#include "vda5050/rules/preflight.h"
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <set>
+
+namespace fleetpub::vda5050 {
+namespace {
+
+std::shared_ptr<const Factsheet> Shared(std::string_view payload) {
+  return std::make_shared<const Factsheet>(ReadFactsheet(payload).value());
+}
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::MatchesRegex;
+
+const RobotAddress kRobot{"KIT", "0001"};
+constexpr std::string_view kUuid = "3f2c8a2e-7b51-4c4e-9d0a-5a4f0f6d1c22";
+
+InstantAction Action(std::string type) {
+  return {.type = std::move(type), .id = std::string(kUuid)};
+}
+
+KnownRobot Online(std::string_view version = "3.0.0") {
+  KnownRobot known;
+  known.connection =
+      ReadConnection(fmt::format(R"({{"version":"{}","connectionState":"ONLINE"}})", version));
+  return known;
+}
+
+KnownRobot In(std::string_view connection_state) {
+  KnownRobot known;
+  known.connection = ReadConnection(fmt::format(
+      R"({{"version":"3.0.0","timestamp":"2026-01-02T03:04:05.678Z","connectionState":"{}"}})",
+      connection_state));
+  return known;
+}
+
+KnownRobot InMode(std::string_view mode) {
+  KnownRobot known = Online();
+  known.state = ReadState(fmt::format(R"({{"operatingMode":"{}"}})", mode));
+  return known;
+}
+
+// With `protocolFeatures` and `protocolLimits` of 3.0.
+KnownRobot WithActions(std::string_view actions) {
+  KnownRobot known = Online();
+  known.factsheet =
+      Shared(fmt::format(R"({{"protocolFeatures":{{"mobileRobotActions":[{}]}}}})", actions));
+  return known;
+}
+
+KnownRobot WithLimits(std::string_view strings, std::string_view arrays = "") {
+  KnownRobot known = Online();
+  known.factsheet = Shared(fmt::format(
+      R"({{"protocolLimits":{{"maximumStringLengths":{{{}}},"maximumArrayLengths":{{{}}}}}}})",
+      strings, arrays));
+  return known;
+}
+
+// `refused: …` and `warning: …`, one per finding.
+std::vector<std::string> Findings(const KnownRobot& known, const InstantAction& action,
+                                  const Dialect& dialect = {}, std::size_t payload_bytes = 0) {
+  const auto findings = CheckRobot(kRobot, dialect, std::span(&action, 1), known, payload_bytes);
+  std::vector<std::string> lines;
+  for (const auto& sentence : findings.refusals) lines.push_back("refused: " + sentence);
+  for (const auto& sentence : findings.warnings) lines.push_back("warning: " + sentence);
+  return lines;
+}
+
+// ── connection ──
+
+TEST(Preflight, FindsNothingWrongWithARobotThatIsOnline) {
+  EXPECT_THAT(Findings(Online(), Action("startPause")), IsEmpty());
+}
+
+TEST(Preflight, RefusesARobotThatNobodyKnows) {
+  for (const std::string type : {"cancelOrder", "startPause", "stopHibernation"}) {
+    EXPECT_THAT(Findings({}, Action(type)),
+                ElementsAre("refused: KIT/0001 is unknown: no connection message of it is at the "
+                            "broker; --no-check sends it all the same"));
+  }
+}
+
+TEST(Preflight, RefusesARobotThatIsNotOnline) {
+  for (const std::string state : {"OFFLINE", "CONNECTION_BROKEN", "DISCONNECTED"}) {
+    EXPECT_THAT(Findings(In(state), Action("cancelOrder")),
+                ElementsAre("refused: KIT/0001 is " + state +
+                            " since 2026-01-02T03:04:05.678Z; --no-check sends it all the same"));
+  }
+  EXPECT_THAT(Findings(In(""), Action("cancelOrder")),
+              ElementsAre(HasSubstr("is without a connectionState since")));
+}
+
+TEST(Preflight, SaysHowToWakeARobotThatHibernates) {
+  EXPECT_THAT(Findings(In("HIBERNATING"), Action("shutdown")),
+              ElementsAre("refused: KIT/0001 is HIBERNATING since 2026-01-02T03:04:05.678Z: wake "
+                          "it with stopHibernation, or --no-check"));
+}
+
+TEST(Preflight, SendsAPauseToARobotThatLooksOffline) {
+  for (const std::string state : {"OFFLINE", "CONNECTION_BROKEN", "HIBERNATING", ""}) {
+    EXPECT_THAT(
+        Findings(In(state), Action("startPause")),
+        ElementsAre(MatchesRegex("warning: KIT/0001 is .*; startPause is sent all the same")));
+  }
+}
+
+TEST(Preflight, WakesOnlyARobotThatHibernates) {
+  EXPECT_THAT(Findings(In("HIBERNATING"), Action("stopHibernation")), IsEmpty());
+  EXPECT_THAT(Findings(In("ONLINE"), Action("stopHibernation")),
+              ElementsAre("warning: KIT/0001 is ONLINE: there is no hibernation to stop"));
+  for (const std::string state : {"OFFLINE", "CONNECTION_BROKEN"}) {
+    EXPECT_THAT(Findings(In(state), Action("stopHibernation")),
+                ElementsAre("refused: KIT/0001 is " + state +
+                            ", not HIBERNATING; --no-check sends it all the same"));
+  }
+}
+
+TEST(Preflight, MakesNoExceptionForAMessageOfSeveralActions) {
+  const std::vector actions{Action("startPause"), Action("cancelOrder")};
+  EXPECT_THAT(CheckRobot(kRobot, {}, actions, In("OFFLINE")).refusals,
+              ElementsAre(HasSubstr("is OFFLINE")));
+  EXPECT_THAT(CheckRobot(kRobot, {}, actions, InMode("INTERVENED")).refusals,
+              ElementsAre(HasSubstr("is in INTERVENED")));
+}
+
+// ── version and topics ──
+
+TEST(Preflight, NamesTheVersionThatTheRobotSpeaks) {
+  for (const bool assumed : {true, false}) {
+    EXPECT_THAT(Findings(Online("2.1.0"), Action("startPause"), {.assumed = assumed}),
+                ElementsAre("refused: KIT/0001 speaks 2.1.0: use --vda auto, or --no-check"));
+  }
+  EXPECT_THAT(Findings(Online("2.0.0"), Action("startPause"), {.version = Version::k210}),
+              ElementsAre("refused: KIT/0001 speaks 2.0.0: use --vda auto, or --no-check"));
+  EXPECT_THAT(Findings(Online("v2"), Action("startPause")),
+              ElementsAre("refused: KIT/0001 speaks v2: use --vda auto, or --no-check"));
+  EXPECT_THAT(Findings(Online("4.0.0"), Action("startPause")),
+              ElementsAre("refused: KIT/0001 speaks 4.0.0, which fleetpub does not; --no-check "
+                          "sends it all the same"));
+}
+
+TEST(Preflight, TakesAVersionThatIsSaidInOtherWords) {
+  const std::pair<std::string_view, Version> cases[] = {
+      {"3.0", Version::k300}, {"v3", Version::k300},    {"3.1.0", Version::k300},
+      {"2", Version::k200},   {"v2", Version::k210},    {"2.2.0", Version::k210},
+      {"", Version::k200},    {"latest", Version::k110}};
+  for (const auto& [spoken, ours] : cases) {
+    EXPECT_THAT(Findings(Online(spoken), Action("startPause"), {.version = ours}), IsEmpty())
+        << spoken;
+  }
+}
+
+TEST(Preflight, DoesNotCheckTheVersionBesideAHeaderVersionOfItsOwn) {
+  EXPECT_THAT(Findings(Online("2.1.0"), Action("startPause"),
+                       {.version = Version::k200, .header_version = "2.1.0"}),
+              IsEmpty());
+}
+
+KnownRobot At(std::string topic, std::string_view version) {
+  KnownRobot known = Online(version);
+  known.connection_topic = std::move(topic);
+  return known;
+}
+
+TEST(Preflight, RefusesARobotThatWouldNotHearUs) {
+  EXPECT_THAT(Findings(At("vda5050/v3/KIT/0001/connection", "3.0.0"), Action("startPause")),
+              IsEmpty());
+  for (const std::string header_version : {"", "3.0"}) {
+    EXPECT_THAT(Findings(At("fts/v3/KIT/0001/connection", "3.0.0"), Action("startPause"),
+                         {.header_version = header_version}),
+                ElementsAre("refused: KIT/0001 is found at fts/v3/KIT/0001/connection, which is "
+                            "not where it would be sent to: use --vda auto, or --interface and "
+                            "--topic-template, or --no-check"));
+  }
+}
+
+TEST(Preflight, AdvisesAutoWhenTheVersionAloneDoesNotHelp) {
+  EXPECT_THAT(Findings(At("uagv/v2/KIT/0001/connection", "2.1.0"), Action("startPause")),
+              ElementsAre(HasSubstr("use --vda auto,")));
+  EXPECT_THAT(Findings(At("fts/v2/KIT/0001/connection", "2.1.0"), Action("startPause")),
+              ElementsAre(HasSubstr("use --vda auto,")));
+}
+
+// ── operating mode ──
+
+TEST(Preflight, ObeysTheTableOfModes) {
+  for (const std::string mode : {"AUTOMATIC", "SEMIAUTOMATIC", "semi-automatic", "", "PARTY"}) {
+    EXPECT_THAT(Findings(InMode(mode), Action("startPause")), IsEmpty()) << mode;
+  }
+  for (const std::string mode : {"MANUAL", "SERVICE", "TEACH_IN", "STARTUP"}) {
+    for (const std::string type :
+         {"startPause", "cancelOrder", "stateRequest", "factsheetRequest", "initializePosition"}) {
+      EXPECT_THAT(Findings(InMode(mode), Action(type)),
+                  ElementsAre("refused: KIT/0001 is in " + mode +
+                              ", in which it obeys no instant action; --no-check sends it all the "
+                              "same"));
+    }
+  }
+  EXPECT_THAT(Findings(InMode("teachin"), Action("startPause")),
+              ElementsAre(HasSubstr("is in TEACH_IN")));
+}
+
+TEST(Preflight, CancelsAnOrderOfARobotThatIsIntervened) {
+  EXPECT_THAT(Findings(InMode("INTERVENED"), Action("cancelOrder")), IsEmpty());
+  EXPECT_THAT(Findings(InMode("INTERVENED"), Action("startPause")),
+              ElementsAre("refused: KIT/0001 is in INTERVENED, in which it obeys cancelOrder "
+                          "alone; --no-check sends it all the same"));
+}
+
+// ── factsheet: actions ──
+
+TEST(Preflight, RefusesAnActionThatTheFactsheetDoesNotList) {
+  const auto known = WithActions(R"({"actionType":"startPause","actionScopes":["INSTANT"]})");
+  EXPECT_THAT(Findings(known, Action("startPause")), IsEmpty());
+  EXPECT_THAT(Findings(known, Action("beep")),
+              ElementsAre("refused: KIT/0001's factsheet does not list beep; --no-check sends it "
+                          "all the same"));
+}
+
+TEST(Preflight, RefusesAnActionThatIsNotInstant) {
+  EXPECT_THAT(
+      Findings(WithActions(R"({"actionType":"beep","actionScopes":["NODE","EDGE"]})"),
+               Action("beep")),
+      ElementsAre("refused: KIT/0001's factsheet lists beep for NODE, EDGE only, not INSTANT; "
+                  "--no-check sends it all the same"));
+  EXPECT_THAT(Findings(WithActions(R"({"actionType":"beep"})"), Action("beep")), IsEmpty());
+}
+
+TEST(Preflight, TakesAFactsheetThatListsNothingForOneThatSaysNothing) {
+  EXPECT_THAT(Findings(WithActions(""), Action("beep")), IsEmpty());
+}
+
+TEST(Preflight, LooksForTheNameThatTheVersionKnows) {
+  KnownRobot known = Online("2.1.0");
+  known.factsheet =
+      Shared(R"({"protocolFeatures":{"agvActions":[{"actionType":"initPosition"}]}})");
+  EXPECT_THAT(Findings(known, Action("initializePosition"), {.version = Version::k210}), IsEmpty());
+}
+
+constexpr std::string_view kBeep =
+    R"({"actionType":"beep","actionParameters":[{"key":"tone","isOptional":false},)"
+    R"({"key":"volume"},{"key":"colour","isOptional":true}]})";
+
+TEST(Preflight, RefusesAnActionWithoutAParameterThatTheFactsheetNeeds) {
+  InstantAction action = Action("beep");
+  action.parameters = {{"volume", "1"}};
+  EXPECT_THAT(Findings(WithActions(kBeep), action),
+              ElementsAre("refused: KIT/0001's factsheet has the parameter tone for beep and needs "
+                          "it; --no-check sends it all the same"));
+}
+
+TEST(Preflight, WarnsOfAParameterOfWhichTheFactsheetDoesNotSayIfItIsOptional) {
+  InstantAction action = Action("beep");
+  action.parameters = {{"tone", "1"}};
+  EXPECT_THAT(
+      Findings(WithActions(kBeep), action),
+      ElementsAre("warning: KIT/0001's factsheet has the parameter volume for beep and does "
+                  "not call it optional"));
+}
+
+TEST(Preflight, WarnsOfAParameterThatTheFactsheetDoesNotHave) {
+  InstantAction action = Action("beep");
+  action.parameters = {{"tone", "1"}, {"volume", "1"}, {"tune", "1"}};
+  EXPECT_THAT(Findings(WithActions(kBeep), action),
+              ElementsAre("warning: KIT/0001's factsheet has no parameter tune for beep"));
+  EXPECT_THAT(Findings(WithActions(R"({"actionType":"beep"})"), action), IsEmpty());
+}
+
+TEST(Preflight, NamesABlockingTypeThatTheRobotTakes) {
+  KnownRobot known = Online("2.1.0");
+  known.factsheet = Shared(
+      R"({"protocolFeatures":{"agvActions":[{"actionType":"beep","blockingTypes":["SOFT","HARD"]}]}})");
+  const Dialect dialect{.version = Version::k210};
+  InstantAction action = Action("beep");
+  EXPECT_THAT(Findings(known, action, dialect),
+              ElementsAre("refused: KIT/0001's factsheet does not list the blocking type NONE for "
+                          "beep: use --blocking-type SOFT or HARD, or --no-check"));
+  action.blocking_type = "HARD";
+  EXPECT_THAT(Findings(known, action, dialect), IsEmpty());
+}
+
+TEST(Preflight, OnlyWarnsOfTheBlockingTypeWhereThereIsNoOther) {
+  EXPECT_THAT(
+      Findings(WithActions(R"({"actionType":"beep","blockingTypes":["HARD"]})"), Action("beep")),
+      ElementsAre(HasSubstr("warning: KIT/0001's factsheet does not list the blocking")));
+}
+
+// ── factsheet: limits ──
+
+TEST(Preflight, RefusesAnActionIdThatTheRobotDoesNotTake) {
+  const auto refusal = [](std::string_view fitting) {
+    return fmt::format(
+        "refused: KIT/0001 does not take the actionId {}: its factsheet allows {}: give another "
+        "--id, or none, or --no-check",
+        kUuid, fitting);
+  };
+  EXPECT_THAT(Findings(WithLimits(R"("maximumIdLength":35)"), Action("startPause")),
+              ElementsAre(refusal("any characters, at most 35")));
+  EXPECT_THAT(Findings(WithLimits(R"("idNumericalOnly":true)"), Action("startPause")),
+              ElementsAre(refusal("only digits")));
+  EXPECT_THAT(
+      Findings(WithLimits(R"("idNumericalOnly":true,"maximumIdLength":8)"), Action("startPause")),
+      ElementsAre(refusal("only digits, at most 8")));
+  EXPECT_THAT(Findings(WithLimits(R"("maximumIdLength":36)"), Action("startPause")), IsEmpty());
+  EXPECT_THAT(Findings(WithLimits(R"("maximumIdLength":0)"), Action("startPause")), IsEmpty());
+  EXPECT_THAT(Findings(WithLimits(R"("idNumericalOnly":true)"),
+                       InstantAction{.type = "startPause", .id = "42"}),
+              IsEmpty());
+}
+
+TEST(Preflight, RefusesWhatIsMoreThanTheRobotTakes) {
+  InstantAction action = Action("beep");
+  action.parameters = {{"a", "1"}, {"b", "1"}};
+  EXPECT_THAT(Findings(WithLimits("", R"("actions.actionsParameters":1)"), action),
+              ElementsAre(HasSubstr("allows 1 parameters for an action, beep has 2")));
+  EXPECT_THAT(Findings(WithLimits("", R"("actions.actionsParameters":2)"), action), IsEmpty());
+  EXPECT_THAT(Findings(WithLimits(R"("maximumMessageLength":100)"), action, {}, 101),
+              ElementsAre(HasSubstr("allows messages of 100 bytes, this one has 101")));
+  EXPECT_THAT(Findings(WithLimits(R"("maximumMessageLength":100)"), action, {}, 100), IsEmpty());
+  const std::vector actions{Action("beep"), Action("beep")};
+  EXPECT_THAT(CheckRobot(kRobot, {}, actions, WithLimits("", R"("instantActions":1)")).refusals,
+              ElementsAre(HasSubstr("allows 1 actions in a message, there are 2")));
+}
+
+TEST(Preflight, ShowsNothingOfARobotThatMovesACursor) {
+  KnownRobot known = In("OFF\\u001b[2J");
+  EXPECT_THAT(Findings(known, Action("cancelOrder")), ElementsAre(HasSubstr("OFF\\x1b[2J")));
+}
+
+TEST(Preflight, FindsEverythingAtOnce) {
+  KnownRobot known = InMode("MANUAL");
+  known.connection->connection_state = "OFFLINE";
+  known.factsheet = Shared(R"({"protocolLimits":{"maxStringLens":{"idLen":5}},
+    "protocolFeatures":{"agvActions":[{"actionType":"beep"}]}})");
+  EXPECT_THAT(Findings(known, Action("cancelOrder")),
+              ElementsAre(HasSubstr("OFFLINE"), HasSubstr("MANUAL"), HasSubstr("does not list"),
+                          HasSubstr("does not take the actionId")));
+}
+
+// ── ids ──
+
+Factsheet WithIds(bool numerical_only, std::size_t length) {
+  Factsheet factsheet;
+  factsheet.limits.id_numerical_only = numerical_only;
+  factsheet.limits.id_length = length;
+  return factsheet;
+}
+
+TEST(SuitableActionId, IsAUuidWhereItCanBe) {
+  const char* const uuid = "[0-9a-f]+-[0-9a-f]+-4[0-9a-f]+-[0-9a-f]+-[0-9a-f]+";
+  EXPECT_THAT(SuitableActionId(nullptr), MatchesRegex(uuid));
+  for (const std::size_t length : {0U, 36U, 100U}) {
+    const auto factsheet = WithIds(false, length);
+    EXPECT_THAT(SuitableActionId(&factsheet), MatchesRegex(uuid));
+  }
+}
+
+TEST(SuitableActionId, IsANumberWhereItMustBe) {
+  const std::tuple<bool, std::size_t, std::size_t> cases[] = {
+      {true, 0, 18}, {true, 100, 18}, {true, 10, 10}, {true, 1, 1}, {false, 35, 18}, {false, 4, 4}};
+  for (const auto& [numerical_only, length, digits] : cases) {
+    const auto factsheet = WithIds(numerical_only, length);
+    const std::string id = SuitableActionId(&factsheet);
+    EXPECT_EQ(id.size(), digits);
+    EXPECT_THAT(id, MatchesRegex("[1-9][0-9]*"));
+  }
+}
+
+TEST(SuitableActionId, PassesThePreflightAndIsNeverTheSame) {
+  std::set<std::string> ids;
+  const KnownRobot known = WithLimits(R"("idNumericalOnly":true,"maximumIdLength":12)");
+  for (int i = 0; i < 100; ++i) {
+    const std::string id = SuitableActionId(&*known.factsheet);
+    EXPECT_THAT(Findings(known, InstantAction{.type = "startPause", .id = id}), IsEmpty());
+    ids.insert(id);
+  }
+  EXPECT_EQ(ids.size(), 100U);
+}
+
+}  // namespace
+}  // namespace fleetpub::vda5050

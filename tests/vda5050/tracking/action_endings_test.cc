@@ -1,0 +1,184 @@
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+
+#include "vda5050/tracking/action_tracker.h"
+#include "vda5050/tracking/tracker_support.h"
+
+namespace fleetpub::vda5050 {
+namespace {
+
+using ::testing::HasSubstr;
+
+// ── connection ──
+
+TEST_F(ResponseTracker, EndsWithOfflineWhenTheRobotGoes) {
+  for (const std::string state : {"OFFLINE", "CONNECTION_BROKEN", "CONNECTIONBROKEN", "offline"}) {
+    FollowAndPublish("cancelOrder");
+    HearActions(Entry(kId, "RUNNING"));
+    HearConnection(state);
+    EXPECT_EQ(Ending(), "OFFLINE") << state;
+    EXPECT_THAT(Told(), HasSubstr("the action last was RUNNING"));
+  }
+}
+
+TEST_F(ResponseTracker, EndsWithOfflineWhenTheRobotGoesToSleep) {
+  FollowAndPublish("cancelOrder");
+  HearConnection("HIBERNATING");
+  EXPECT_EQ(Ending(), "OFFLINE");
+  EXPECT_EQ(Told(), "the robot became HIBERNATING while we waited; it has sent no state since");
+}
+
+TEST_F(ResponseTracker, TellsThatARetainedMessageSaysOffline) {
+  FollowAndPublish("startPause");
+  HearConnection("OFFLINE", kRetained);
+  EXPECT_EQ(Ending(), "WAITING");
+  EXPECT_THAT(Told(), HasSubstr("it is OFFLINE"));
+}
+
+struct ConnectionCase {
+  std::string type;
+  std::string state;
+  std::string ending;
+};
+
+TEST_F(ResponseTracker, EndsAsTheActionDoesWhenTheConnectionChanges) {
+  const ConnectionCase cases[] = {
+      {"shutdown", "OFFLINE", "FINISHED"},
+      {"shutdown", "CONNECTION_BROKEN", "OFFLINE"},  // its last will: no coordinated shutdown
+      {"shutdown", "ONLINE", "WAITING"},
+      {"startHibernation", "HIBERNATING", "FINISHED"},
+      {"startHibernation", "OFFLINE", "OFFLINE"},
+      {"startHibernation", "CONNECTION_BROKEN", "OFFLINE"},
+      {"stopHibernation", "ONLINE", "FINISHED"},
+      {"stopHibernation", "OFFLINE", "WAITING"},
+      {"stopHibernation", "CONNECTION_BROKEN", "WAITING"},
+      {"stopHibernation", "HIBERNATING", "WAITING"},
+      {"updateCertificate", "OFFLINE", "WAITING"},
+      {"updateCertificate", "CONNECTION_BROKEN", "WAITING"},
+      {"updateCertificate", "ONLINE", "WAITING"},
+      {"startPause", "ONLINE", "WAITING"},
+  };
+  for (const auto& [type, state, ending] : cases) {
+    FollowAndPublish(type);
+    HearConnection(state);
+    EXPECT_EQ(Ending(), ending) << type << " " << state;
+  }
+}
+
+TEST_F(ResponseTracker, LetsTheRobotReconnectForANewCertificate) {
+  FollowAndPublish("updateCertificate");
+  HearActions(Entry(kId, "RUNNING"));
+  HearConnection("CONNECTION_BROKEN");
+  EXPECT_THAT(Told(), HasSubstr("it is CONNECTION_BROKEN"));
+  HearConnection("ONLINE");
+  HearActions(Entry(kId, "FINISHED"));
+  EXPECT_EQ(Ending(), "FINISHED");
+}
+
+TEST_F(ResponseTracker, EndsHibernationAndShutdownByFinishedToo) {
+  for (const std::string type : {"shutdown", "startHibernation", "stopHibernation"}) {
+    FollowAndPublish(type);
+    HearActions(Entry(kId, "FINISHED"));
+    EXPECT_EQ(Ending(), "FINISHED") << type;
+    FollowAndPublish(type);
+    HearActions(Entry(kId, "FAILED"));
+    EXPECT_EQ(Ending(), "FAILED") << type;
+  }
+}
+
+// ── endings of their own ──
+
+TEST_F(ResponseTracker, TakesTheStateThatListsAStateRequestForItsAnswer) {
+  FollowAndPublish("stateRequest");
+  HearActions(Entry(kId, "RUNNING"));
+  EXPECT_EQ(Ending(), "FINISHED");
+  FollowAndPublish("stateRequest");
+  HearActions(Entry(kOther, "FINISHED"));
+  EXPECT_EQ(Ending(), "WAITING");
+}
+
+TEST_F(ResponseTracker, EndsAFactsheetRequestByALiveFactsheet) {
+  FollowAndPublish("factsheetRequest");
+  Hear("factsheet", R"({"version":"3.0.0"})", kRetained);
+  EXPECT_EQ(Ending(), "WAITING");
+  Hear("factsheet", "rubbish");
+  EXPECT_EQ(Ending(), "WAITING");
+  Hear("factsheet", R"({"version":"3.0.0"})");
+  EXPECT_EQ(Ending(), "FINISHED");
+  EXPECT_TRUE(Now().seen);
+}
+
+TEST_F(ResponseTracker, EndsAFactsheetRequestByFinishedToo) {
+  FollowAndPublish("factsheetRequest");
+  HearActions(Entry(kId, "FINISHED"));
+  EXPECT_EQ(Ending(), "FINISHED");
+}
+
+TEST_F(ResponseTracker, DoesNotCareForFactsheetsOtherwise) {
+  FollowAndPublish("startPause");
+  Hear("factsheet", R"({"version":"3.0.0"})");
+  EXPECT_EQ(Ending(), "WAITING");
+}
+
+TEST_F(ResponseTracker, EndsClearInstantActionsWhenItsOwnEntryIsCleared) {
+  FollowAndPublish("clearInstantActions");
+  HearActions(Entry(kId, "RUNNING"));
+  EXPECT_EQ(Ending(), "WAITING");
+  HearActions("");
+  EXPECT_EQ(Ending(), "FINISHED");
+}
+
+TEST_F(ResponseTracker, EndsClearInstantActionsWhenTheEndedOnesAreGone) {
+  Follow("clearInstantActions");
+  HearActions(Entry(kOther, "FINISHED") + "," + Entry("b", "RUNNING"));
+  Publish();
+  HearActions(Entry(kOther, "FINISHED") + "," + Entry("b", "RUNNING"));
+  EXPECT_EQ(Ending(), "WAITING");
+  HearActions(Entry("b", "RUNNING"));
+  EXPECT_EQ(Ending(), "FINISHED");
+}
+
+TEST_F(ResponseTracker, TakesAClearedListForNothingElse) {
+  FollowAndPublish("startPause");
+  HearActions(Entry(kOther, "FINISHED"));
+  HearActions("");
+  EXPECT_EQ(Ending(), "WAITING");
+  HearActions(Entry(kId, "RUNNING"));
+  HearActions("");
+  EXPECT_EQ(Ending(), "VANISHED");
+}
+
+TEST_F(ResponseTracker, DoesNotTakeAnEmptyListForAClearedOne) {
+  Follow("clearInstantActions");
+  HearActions(Entry(kOther, "FINISHED"), "", kRetained);  // who knows how old
+  Publish();
+  HearActions("");
+  HearState(R"("actionStates":[])");
+  EXPECT_EQ(Ending(), "WAITING");
+}
+
+// ── accepted ──
+
+TEST_F(ResponseTracker, EndsWithAcceptedWhenTheRobotListsIt) {
+  for (const std::string_view status :
+       {"WAITING", "INITIALIZING", "RUNNING", "PAUSED", "RETRIABLE", "FINISHED", "DREAMING"}) {
+    FollowAndPublish("cancelOrder", WaitFor::kAccepted);
+    HearActions("");
+    EXPECT_EQ(Ending(), "WAITING");
+    HearActions(Entry(kId, status));
+    EXPECT_EQ(Ending(), "ACCEPTED") << status;
+    EXPECT_EQ(Told(), fmt::format("the robot lists it as {}", status));
+  }
+}
+
+TEST_F(ResponseTracker, IsNotAcceptedWhenItFailedOrWasRejected) {
+  FollowAndPublish("cancelOrder", WaitFor::kAccepted);
+  HearActions(Entry(kId, "FAILED"));
+  EXPECT_EQ(Ending(), "FAILED");
+  FollowAndPublish("cancelOrder", WaitFor::kAccepted);
+  HearErrors(Error("E", "actionId", kId));
+  EXPECT_EQ(Ending(), "REJECTED");
+}
+
+}  // namespace
+}  // namespace fleetpub::vda5050
