@@ -65,7 +65,7 @@ TEST(AnyRobotAddress, MeansThatRobotAloneWhereverItIsReadBack) {
     RC_ASSERT(options.words == std::vector{word});
     cli::Output output({.quiet = true});
     const auto read =
-        cli::ParseTargetSpec(options.words, {cli::GlobalOptions(), output, cli::Config()});
+        cli::ParseTargetSpec(options.words, {cli::GlobalOptions(), output, config::Config()});
     RC_ASSERT(read.has_value());
     RC_ASSERT(read->patterns.empty() && read->set.empty());
     RC_ASSERT(read->robots == std::vector{robot});

@@ -10,8 +10,8 @@
 namespace fleetpub::cli {
 namespace {
 
-using delivery::Command;
-using delivery::CommandStatus;
+using message::Command;
+using message::CommandStatus;
 
 constexpr std::size_t kLongestLine = base::JsonLimits{}.bytes;
 // More text than that is not read before what there is has left.
@@ -24,16 +24,16 @@ std::string ReferenceOf(std::size_t line, const LineOrigin& origin) {
 
 }  // namespace
 
-void BatchResults::Show(const delivery::Report& report) {
+void BatchResults::Show(const message::Report& report) {
   const ExitCode code = CodeOf(report);
   worst_ = Worse(worst_, code);
   output_.JsonLine("{" + report.reference + R"(,"exitCode":)" +
                    std::to_string(static_cast<int>(code)) + ReportJson(report).replace(0, 1, ","));
 }
 
-delivery::Report BadLineReport(std::string reference, const LineOrigin& origin,
+message::Report BadLineReport(std::string reference, const LineOrigin& origin,
                                const Error& error) {
-  delivery::Report report;
+  message::Report report;
   report.reference = std::move(reference);
   report.target = origin.target;
   report.message = error.message;

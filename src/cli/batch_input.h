@@ -24,7 +24,7 @@ class BatchResults {
   explicit BatchResults(Output& output) : output_(output) {}
 
   /// The report's reference is its line's.
-  void Show(const delivery::Report& report);
+  void Show(const message::Report& report);
   [[nodiscard]] ExitCode worst() const { return worst_; }
 
  private:
@@ -36,8 +36,8 @@ enum class AfterBadLine { kGoOn, kPause };
 
 /// Lines that were there together.
 struct LineGroup {
-  std::vector<delivery::Command> commands;
-  std::vector<delivery::Report> bad;  ///< of lines that made no command
+  std::vector<message::Command> commands;
+  std::vector<message::Report> bad;  ///< of lines that made no command
   std::vector<std::string> warnings;
   std::size_t last_line = 0;  ///< counted from 1
   bool is_last = false;       ///< the input has ended
@@ -82,7 +82,7 @@ class BatchInput {
 };
 
 /// The report on a line of which no command was made.
-[[nodiscard]] delivery::Report BadLineReport(std::string reference, const LineOrigin& origin,
+[[nodiscard]] message::Report BadLineReport(std::string reference, const LineOrigin& origin,
                                              const Error& error);
 
 }  // namespace fleetpub::cli

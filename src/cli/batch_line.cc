@@ -21,7 +21,7 @@ namespace {
 using base::FindMember;
 using base::Printable;
 using base::StringMember;
-using delivery::Command;
+using message::Command;
 using Value = base::JsonValue;
 using vda5050::Dialect;
 using vda5050::RobotAddress;
@@ -254,7 +254,7 @@ struct Request {
     auto command =
         vda5050::BuildInstantActions(robot, dialect, std::span(&action, 1), HeaderIdOf(line));
     if (!command || !wait_for) return command;
-    const ledger::ActionRef& sent = command->actions.front();
+    const message::ActionRef& sent = command->actions.front();
     auto tracker = vda5050::TrackInstantAction(robot, dialect, sent.type, sent.id, *wait_for);
     if (!tracker) return Fail(std::move(tracker.error()));
     command->tracker = std::move(*tracker);

@@ -37,7 +37,7 @@ struct LineOrigin {
 };
 
 struct LineCommands {
-  std::vector<delivery::Command> commands;  ///< valid, one for each target
+  std::vector<message::Command> commands;  ///< valid, one for each target
   std::vector<std::string> warnings;
 };
 
@@ -52,7 +52,7 @@ class LineParser {
  private:
   template <class Request>
   Result<LineCommands> ForEach(const base::JsonValue& line, const Request& request);
-  Status Validate(const delivery::Command& command, std::vector<std::string>& warnings);
+  Status Validate(const message::Command& command, std::vector<std::string>& warnings);
 
   LineDefaults defaults_;
   schema::Registry registry_;

@@ -13,14 +13,14 @@ namespace {
 
 using Texts = std::vector<std::string>;
 
-void AddBrokers(const ConfigSection& section, Texts& texts) {
+void AddBrokers(const config::ConfigSection& section, Texts& texts) {
   const auto found = section.find("broker");
   if (found == section.end()) return;
   texts.insert(texts.end(), found->second.texts.begin(), found->second.texts.end());
 }
 
 // For whom a setting of the configuration is written; empty: no broker is named.
-Texts OwnersOf(const ConfigValue& value, const Config& config) {
+Texts OwnersOf(const config::ConfigValue& value, const config::Config& config) {
   Texts texts;
   if (!value.profile.empty()) {
     AddBrokers(config.profiles.find(value.profile)->second, texts);
@@ -98,7 +98,7 @@ Status CheckLogin(const Context& context, std::span<const mqtt::BrokerUrl> broke
   for (const auto& [key, way_out, is_for_tls] : kLogin) {
     if (is_for_tls && !any_tls) continue;
     if (std::find(configured.begin(), configured.end(), key) == configured.end()) continue;
-    const ConfigValue& value = *context.config.Find(key);
+    const config::ConfigValue& value = *context.config.Find(key);
     const Texts owners = OwnersOf(value, context.config);
     if (owners.empty() || value.texts.front().empty() || value.texts.front() == "false") continue;
     const mqtt::BrokerUrl* const stranger = FindStranger(brokers, owners);

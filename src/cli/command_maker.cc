@@ -11,13 +11,13 @@
 namespace fleetpub::cli {
 namespace {
 
-using delivery::Command;
-using delivery::CommandStatus;
+using message::Command;
+using message::CommandStatus;
 using vda5050::Dialect;
 using vda5050::PreflightFindings;
 
 // The end of a command to a robot that will not answer: it is told, not waited for.
-class NotAwaited final : public delivery::ResponseTracker {
+class NotAwaited final : public message::ResponseTracker {
  public:
   explicit NotAwaited(std::string why) {
     progress_.status = CommandStatus::kOffline;
@@ -25,11 +25,11 @@ class NotAwaited final : public delivery::ResponseTracker {
   }
   [[nodiscard]] std::vector<std::string> Topics() const override { return {}; }
   void Published(std::uint32_t /*header_id*/) override { progress_.ended = true; }
-  void Receive(const delivery::Incoming& /*message*/) override {}
-  [[nodiscard]] const delivery::Progress& progress() const override { return progress_; }
+  void Receive(const message::Incoming& /*message*/) override {}
+  [[nodiscard]] const message::Progress& progress() const override { return progress_; }
 
  private:
-  delivery::Progress progress_;
+  message::Progress progress_;
 };
 
 std::string AwaySentence(const ListedRobot& robot) {
@@ -147,11 +147,11 @@ PreflightFindings CommandMaker::FindingsOn(const ListedRobot& robot,
   return findings;
 }
 
-delivery::Report CommandMaker::ReportOn(const ListedRobot& robot, CommandStatus status,
+message::Report CommandMaker::ReportOn(const ListedRobot& robot, CommandStatus status,
                                         ErrorKind kind, std::string message) const {
   const auto& [address, entry] = robot;
   const auto command = sending_.make_message()->Build(address, *entry.Spoken(), sending_.header_id);
-  delivery::Report report = command ? delivery::ReportOn(*command) : delivery::Report();
+  message::Report report = command ? message::ReportOn(*command) : message::Report();
   report.target = address.ToString();
   report.status = status;
   report.error = kind;

@@ -37,15 +37,15 @@ class CommandMaker {
   [[nodiscard]] Status Judge(const std::vector<const ListedRobot*>& robots);
 
   struct Made {
-    std::vector<delivery::Command> commands;
-    std::vector<delivery::Report> refused;
+    std::vector<message::Command> commands;
+    std::vector<message::Report> refused;
     std::vector<std::string> warnings;
   };
   /// Adds to `made`. Errors: what an option's value makes impossible for all.
   [[nodiscard]] Status Make(const ListedRobot& robot, Made& made);
 
   /// A report on a robot that gets nothing.
-  [[nodiscard]] delivery::Report ReportOn(const ListedRobot& robot, delivery::CommandStatus status,
+  [[nodiscard]] message::Report ReportOn(const ListedRobot& robot, message::CommandStatus status,
                                           ErrorKind kind, std::string message) const;
 
  private:

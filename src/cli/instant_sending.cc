@@ -21,7 +21,7 @@ class InstantMessage final : public RobotMessage {
     if (!has_given_id_) action_.id = vda5050::SuitableActionId(nullptr);
   }
 
-  [[nodiscard]] Result<delivery::Command> Build(
+  [[nodiscard]] Result<message::Command> Build(
       const RobotAddress& robot, const Dialect& dialect,
       std::optional<std::uint32_t> header_id) const override {
     return vda5050::BuildInstantActions(robot, dialect, {&action_, 1}, header_id);
@@ -37,10 +37,10 @@ class InstantMessage final : public RobotMessage {
     return vda5050::CheckRobot(robot, dialect, {&named, 1}, known, bytes);
   }
 
-  [[nodiscard]] Result<std::unique_ptr<delivery::ResponseTracker>> Confirm(
-      const RobotAddress& robot, const Dialect& dialect, const delivery::Command& command,
+  [[nodiscard]] Result<std::unique_ptr<message::ResponseTracker>> Confirm(
+      const RobotAddress& robot, const Dialect& dialect, const message::Command& command,
       vda5050::WaitFor wait_for) const override {
-    const ledger::ActionRef& action = command.actions.front();
+    const message::ActionRef& action = command.actions.front();
     return vda5050::TrackInstantAction(robot, dialect, action.type, action.id, wait_for);
   }
 

@@ -33,7 +33,7 @@ Result<Output::Settings> OutputSettings(const GlobalOptions& options) {
 }
 
 ExitCode Complain(const Error& error, bool verbose) {
-  Output({.verbose = verbose}).Complain(error);
+  Output({.verbose = verbose}).PrintError(error);
   return CodeOf(error.kind);
 }
 

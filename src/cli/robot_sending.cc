@@ -20,8 +20,8 @@
 namespace fleetpub::cli {
 namespace {
 
-using delivery::CommandStatus;
-using delivery::Report;
+using message::CommandStatus;
+using message::Report;
 using std::chrono::milliseconds;
 using std::chrono::steady_clock;
 using vda5050::RobotAddress;
@@ -216,7 +216,7 @@ class RobotSender {
   }
 
   // The next ones; what cannot be sent is shown at once.
-  Result<std::vector<delivery::Command>> Next(std::size_t most) {
+  Result<std::vector<message::Command>> Next(std::size_t most) {
     CommandMaker::Made made;
     const std::size_t end = std::min(robots_.size(), next_ + most);
     made.commands.reserve(end - next_);
@@ -234,7 +234,7 @@ class RobotSender {
     while (next_ < robots_.size()) {
       const auto commands = Next(options_.batch);
       if (!commands) return Fail(commands.error());
-      for (const delivery::Command& command : *commands) {
+      for (const message::Command& command : *commands) {
         const auto report = dry_run->Report(command);
         if (!report) return Fail(report.error());
         context_.output.Debug(
@@ -256,15 +256,15 @@ class RobotSender {
     InterruptGuard::Begin(robots_.size());
     ProgressBar bar(sending_.targets.IsSet() ? robots_.size() : 0, context_.output);
     bar_ = sending_.targets.IsSet() && bar.IsPossible() ? &bar : nullptr;
-    delivery::CommandSession stream(transport_, **ledger, options_, sending_.waiting.wait,
+    delivery::CommandSession session(transport_, **ledger, options_, sending_.waiting.wait,
                                     HooksFor());
-    auto sent = SendAll(stream);
+    auto sent = SendAll(session);
     bar_ = nullptr;
     if (transport_ != nullptr) transport_->Disconnect();
     if (!sent) return sent;
-    if (!stream.trouble()) {
+    if (!session.trouble()) {
       context_.output.Warn(fmt::format("sent, but the outcome is not in the ledger: {}",
-                                       stream.trouble().error().message));
+                                       session.trouble().error().message));
     }
     return {};
   }
@@ -288,35 +288,35 @@ class RobotSender {
             .again = [this] { context_.output.Warn("connected again"); }};
   }
 
-  Status SendAll(delivery::CommandSession& stream) {
-    while (next_ < robots_.size() || stream.waiting() > 0) {
+  Status SendAll(delivery::CommandSession& session) {
+    while (next_ < robots_.size() || session.waiting() > 0) {
       if (bar_ != nullptr) bar_->Draw(summary_);
       const auto now = steady_clock::now();
-      const std::size_t room = kMostWaiting - std::min(kMostWaiting, stream.waiting());
+      const std::size_t room = kMostWaiting - std::min(kMostWaiting, session.waiting());
       const std::size_t most = std::min({options_.batch, rate_limiter_.Available(now), room});
       if (next_ == robots_.size() || most == 0) {
         const bool is_paced = next_ < robots_.size() && room > 0;
         auto deadline = is_paced ? rate_limiter_.Next() : mqtt::Deadline::max();
         if (bar_ != nullptr) deadline = std::min(deadline, now + kGlance);
-        stream.Listen(deadline);
+        session.Listen(deadline);
         continue;
       }
       const bool is_first = next_ == 0;
       const auto commands = Next(most);
       if (!commands) {
-        static_cast<void>(stream.Send({}));  // what has left is told of
+        static_cast<void>(session.Send({}));  // what has left is told of
         return Fail(commands.error());
       }
       rate_limiter_.Consume(commands->size(), now);
       if (is_first && next_ == robots_.size()) {  // else one robot's topics may be forbidden
-        if (auto ok = stream.Subscribe(*commands); !ok) {
+        if (auto ok = session.Subscribe(*commands); !ok) {
           return Fail(NothingSentToAny(CommandStatus::kError, ok.error()));
         }
       }
       using More = delivery::CommandSession::More;
       const bool follow = next_ < robots_.size() && rate_limiter_.Available(now) > 0;
-      const auto sent = stream.Send(*commands, follow ? More::kFollow : More::kNone);
-      if (!sent && stream.lost()) GiveUpRest(sent.error());
+      const auto sent = session.Send(*commands, follow ? More::kFollow : More::kNone);
+      if (!sent && session.lost()) GiveUpRest(sent.error());
     }
     return {};
   }

@@ -29,15 +29,15 @@ class RobotMessage {
   virtual ~RobotMessage() = default;
 
   /// Again when the dialect turns out to be another.
-  [[nodiscard]] virtual Result<delivery::Command> Build(
+  [[nodiscard]] virtual Result<message::Command> Build(
       const vda5050::RobotAddress& robot, const vda5050::Dialect& dialect,
       std::optional<std::uint32_t> header_id) const = 0;
   [[nodiscard]] virtual vda5050::PreflightFindings Check(
       const vda5050::RobotAddress& robot, const vda5050::Dialect& dialect,
       const vda5050::KnownRobot& known) const = 0;
-  [[nodiscard]] virtual Result<std::unique_ptr<delivery::ResponseTracker>> Confirm(
+  [[nodiscard]] virtual Result<std::unique_ptr<message::ResponseTracker>> Confirm(
       const vda5050::RobotAddress& robot, const vda5050::Dialect& dialect,
-      const delivery::Command& command, vda5050::WaitFor wait_for) const = 0;
+      const message::Command& command, vda5050::WaitFor wait_for) const = 0;
   /// Whether, in one dialect, it is valid for every robot or for none.
   [[nodiscard]] virtual bool IsAlikeForAll() const { return false; }
   /// The robot's limits, before it is built for the last time.

@@ -305,7 +305,7 @@ Chosen Choose(const Targets& targets, const RobotDirectory& directory, Output& o
 }
 
 std::optional<std::string> UnusedExclusion(const Targets& targets, const Excluded& excluded,
-                                           const Config& config) {
+                                           const config::Config& config) {
   if (targets.include.patterns.empty()) return std::nullopt;
   for (const RobotAddress& robot : targets.except.robots) {
     const bool is_configured =

@@ -51,7 +51,7 @@ struct DiscoveryOptions {
 /// would command whom it should spare. One that the configuration names may just be away.
 [[nodiscard]] std::optional<std::string> UnusedExclusion(const Targets& targets,
                                                          const Excluded& excluded,
-                                                         const Config& config);
+                                                         const config::Config& config);
 
 /// Those that are meant, and satisfy the conditions. Robots without a connection message are meant
 /// only when they are named outright. Warns of robots that are offline and whose state is not

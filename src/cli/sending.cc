@@ -19,9 +19,9 @@
 namespace fleetpub::cli {
 namespace {
 
-using delivery::Command;
-using delivery::CommandStatus;
-using delivery::Report;
+using message::Command;
+using message::CommandStatus;
+using message::Report;
 
 Result<ExitCode> ShowOnly(const std::vector<Command>& commands, const Context& context) {
   auto dry_run = DryRun::Open(context);
@@ -142,7 +142,7 @@ Error NothingSent(const std::vector<Command>& commands, CommandStatus status, Er
                   const Context& context) {
   if (context.output.json()) {
     for (const Command& command : commands) {
-      Report report = delivery::ReportOn(command);
+      Report report = message::ReportOn(command);
       report.status = status;
       report.error = error.kind;
       report.message = "not sent: " + error.message;

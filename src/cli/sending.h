@@ -43,7 +43,7 @@ void DeclareQos(OptionSet& set, std::string& qos);
 
 /// What is to be sent, and how.
 struct Outgoing {
-  std::vector<delivery::Command> commands;
+  std::vector<message::Command> commands;
   std::optional<delivery::WaitOptions> wait;  ///< for the commands' trackers
 };
 
@@ -53,7 +53,7 @@ void WarnOfSilentRefusals(mqtt::ProtocolVersion version, mqtt::Qos qos, Output& 
 
 /// Checks a command and returns what is to be warned of, with its target's name before it. Errors:
 /// kInvalid, naming the target.
-[[nodiscard]] Result<std::vector<std::string>> ValidateCommand(const delivery::Command& command,
+[[nodiscard]] Result<std::vector<std::string>> ValidateCommand(const message::Command& command,
                                                                schema::Registry& registry);
 
 /// Sends all of the commands, or none when one of them is invalid. Prints a result for each.
@@ -61,8 +61,8 @@ void WarnOfSilentRefusals(mqtt::ProtocolVersion version, mqtt::Qos qos, Output& 
                                             const Context& context);
 
 /// When nothing at all was sent, a person reads one sentence, a script an object per target.
-[[nodiscard]] Error NothingSent(const std::vector<delivery::Command>& commands,
-                                delivery::CommandStatus status, Error error,
+[[nodiscard]] Error NothingSent(const std::vector<message::Command>& commands,
+                                message::CommandStatus status, Error error,
                                 const Context& context);
 
 }  // namespace fleetpub::cli

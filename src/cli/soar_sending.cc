@@ -49,7 +49,7 @@ Result<ExitCode> SendSoarMessage(const SoarSendingOptions& options, soar::Messag
   const auto waiting = SoarWaitingOf(options.waiting, *destination);
   if (!waiting) return Fail(waiting.error());
 
-  delivery::Command command = soar::BuildMessage(type, *destination, *sender, payload);
+  message::Command command = soar::BuildMessage(type, *destination, *sender, payload);
   Outgoing outgoing;
   if (waiting->wait_for) {
     outgoing.wait = waiting->wait;

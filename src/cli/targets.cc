@@ -34,7 +34,7 @@ std::string Nearby(std::string_view word, const std::vector<std::string_view>& n
   return nearest ? fmt::format(": did you mean {}{}?", sign, base::Printable(*nearest)) : "";
 }
 
-Result<std::vector<RobotAddress>> GroupOf(std::string_view name, const Config& config) {
+Result<std::vector<RobotAddress>> GroupOf(std::string_view name, const config::Config& config) {
   const auto group = config.group_robots.find(name);
   if (group != config.group_robots.end()) return group->second;
   std::string hint = Nearby(name, NamesIn(config.groups), "@");
@@ -44,7 +44,7 @@ Result<std::vector<RobotAddress>> GroupOf(std::string_view name, const Config& c
 }
 
 // One robot, or those of a group.
-Result<std::vector<RobotAddress>> Resolve(const std::string& word, const Config& config) {
+Result<std::vector<RobotAddress>> Resolve(const std::string& word, const config::Config& config) {
   if (word.starts_with('@')) return GroupOf(std::string_view(word).substr(1), config);
   if (const auto alias = config.aliases.find(word); alias != config.aliases.end()) {
     return std::vector{alias->second};
@@ -67,7 +67,7 @@ Result<std::vector<RobotAddress>> Resolve(const std::string& word, const Config&
 VdaOptions Completed(VdaOptions given, const auto& find) {
   const auto take = [&](std::string_view key, std::string& text) {
     if (!text.empty()) return;
-    if (const ConfigValue* value = find(key)) text = value->texts.front();
+    if (const config::ConfigValue* value = find(key)) text = value->texts.front();
   };
   take("vda", given.version);
   take("interface", given.interface_name);
@@ -251,15 +251,15 @@ void DeclareTargetOptions(OptionSet& set, TargetOptions& o) {
       .Group(kTargets);
 }
 
-VdaOptions Configured(VdaOptions given, const Config& config) {
+VdaOptions Configured(VdaOptions given, const config::Config& config) {
   return Completed(std::move(given), [&](std::string_view key) { return config.Find(key); });
 }
 
-VdaOptions Configured(VdaOptions given, const Config& config, const RobotAddress& robot) {
+VdaOptions Configured(VdaOptions given, const config::Config& config, const RobotAddress& robot) {
   return Completed(std::move(given), [&](std::string_view key) { return config.Find(robot, key); });
 }
 
-Result<DialectResolver> DialectResolver::For(const VdaOptions& given, const Config& config) {
+Result<DialectResolver> DialectResolver::For(const VdaOptions& given, const config::Config& config) {
   DialectResolver resolver(given, config);
   const VdaOptions common = Configured(given, config);
   auto dialect = Shared(common, {});
@@ -313,7 +313,7 @@ bool Targets::IsExcepted(const RobotAddress& robot) const {
          std::any_of(except.patterns.begin(), except.patterns.end(), matches);
 }
 
-Result<RobotAddress> RobotOf(const std::string& word, const Config& config) {
+Result<RobotAddress> RobotOf(const std::string& word, const config::Config& config) {
   auto robots = Resolve(word, config);
   if (!robots) return Fail(std::move(robots.error()));
   if (robots->size() == 1) return std::move(robots->front());

@@ -41,7 +41,7 @@ struct AddressedRobot {
 class DialectResolver {
  public:
   /// Errors: ErrorKind::kUsage.
-  [[nodiscard]] static Result<DialectResolver> For(const VdaOptions& given, const Config& config);
+  [[nodiscard]] static Result<DialectResolver> For(const VdaOptions& given, const config::Config& config);
 
   /// One that was named outright. Errors: ErrorKind::kUsage, in the robot's own table.
   [[nodiscard]] Result<AddressedRobot> Named(vda5050::RobotAddress robot) const;
@@ -58,11 +58,11 @@ class DialectResolver {
   [[nodiscard]] const vda5050::Dialect& common() const { return *common_; }
 
  private:
-  DialectResolver(VdaOptions given, const Config& config)
+  DialectResolver(VdaOptions given, const config::Config& config)
       : given_(std::move(given)), config_(&config) {}
 
   VdaOptions given_;
-  const Config* config_;
+  const config::Config* config_;
   std::shared_ptr<const vda5050::Dialect> common_;
   bool automatic_ = false;
   std::optional<vda5050::Version> assumed_;
@@ -82,15 +82,15 @@ struct Targets {
   std::chrono::milliseconds state_wait{};
 
   /// Whether the broker is asked which robots are meant.
-  [[nodiscard]] bool AreFound() const { return !who.patterns.empty() || !where.empty(); }
+  [[nodiscard]] bool AreFound() const { return !include.patterns.empty() || !where.empty(); }
   /// Whether a word stands for several.
-  [[nodiscard]] bool IsSet() const { return !who.set.empty() || !where.empty(); }
+  [[nodiscard]] bool IsSet() const { return !include.set.empty() || !where.empty(); }
   [[nodiscard]] bool IsExcepted(const vda5050::RobotAddress& robot) const;
 };
 
 /// The robot that a target's word means, by address or alias; a group only when it has one member.
 /// Errors: ErrorKind::kUsage.
-[[nodiscard]] Result<vda5050::RobotAddress> RobotOf(const std::string& word, const Config& config);
+[[nodiscard]] Result<vda5050::RobotAddress> RobotOf(const std::string& word, const config::Config& config);
 
 /// Words without `-`. One that is named twice outright counts once, with a warning. Errors:
 /// ErrorKind::kUsage.
@@ -106,9 +106,9 @@ struct Targets {
     const std::vector<std::string>& words, const Context& context);
 
 /// `given`, completed with what the configuration says of everybody.
-[[nodiscard]] VdaOptions Configured(VdaOptions given, const Config& config);
+[[nodiscard]] VdaOptions Configured(VdaOptions given, const config::Config& config);
 /// `given`, completed with what the configuration says of this robot, and of everybody.
-[[nodiscard]] VdaOptions Configured(VdaOptions given, const Config& config,
+[[nodiscard]] VdaOptions Configured(VdaOptions given, const config::Config& config,
                                     const vda5050::RobotAddress& robot);
 
 enum class NeedsConsent { kNo, kYes };

@@ -6,7 +6,7 @@
 
 #include "base/text.h"
 
-namespace fleetpub::cli {
+namespace fleetpub::config {
 namespace {
 
 using vda5050::RobotAddress;
@@ -136,4 +136,4 @@ Status Resolve(const std::optional<std::string>& asked, Config& config) {
   return ResolveGroups(config);
 }
 
-}  // namespace fleetpub::cli
+}  // namespace fleetpub::config

@@ -14,7 +14,7 @@
 #include "base/result.h"
 #include "vda5050/model/robot_address.h"
 
-namespace fleetpub::cli {
+namespace fleetpub::config {
 
 /// Where something stands.
 struct ConfigPlace {
@@ -77,4 +77,4 @@ struct Config {
 /// robots, a group's unknown member.
 [[nodiscard]] Status Resolve(const std::optional<std::string>& asked, Config& config);
 
-}  // namespace fleetpub::cli
+}  // namespace fleetpub::config

@@ -14,7 +14,7 @@
 #include "base/file.h"
 #include "base/text.h"
 
-namespace fleetpub::cli {
+namespace fleetpub::config {
 namespace {
 
 namespace fs = std::filesystem;
@@ -106,4 +106,4 @@ Result<Config> LoadConfig(const std::optional<std::string>& file,
   return LoadConfigFiles(files, Missing::kIsAllowed, profile);
 }
 
-}  // namespace fleetpub::cli
+}  // namespace fleetpub::config

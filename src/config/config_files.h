@@ -10,7 +10,7 @@
 #include "base/result.h"
 #include "config/config.h"
 
-namespace fleetpub::cli {
+namespace fleetpub::config {
 
 inline constexpr const char* kHostConfigFile = "/etc/fleetpub/config.toml";
 
@@ -33,4 +33,4 @@ enum class Missing { kIsAllowed, kIsAnError };
 [[nodiscard]] Result<Config> LoadConfig(const std::optional<std::string>& file,
                                         const std::optional<std::string>& profile);
 
-}  // namespace fleetpub::cli
+}  // namespace fleetpub::config

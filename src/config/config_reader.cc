@@ -12,7 +12,7 @@
 #include "config/config_settings.h"
 #include "config/toml_text.h"
 
-namespace fleetpub::cli {
+namespace fleetpub::config {
 namespace {
 
 using Type = TomlValue::Type;
@@ -293,4 +293,4 @@ Status ReadConfig(std::string_view text, const std::string& file, Config& config
   return Reader(file, config).Read(*document);
 }
 
-}  // namespace fleetpub::cli
+}  // namespace fleetpub::config

@@ -11,7 +11,7 @@
 #include "mqtt/broker_url.h"
 #include "vda5050/model/version.h"
 
-namespace fleetpub::cli {
+namespace fleetpub::config {
 namespace {
 
 template <std::size_t N>
@@ -132,4 +132,4 @@ Status CheckTargetName(const std::string& name) {
                           base::Printable(name)));
 }
 
-}  // namespace fleetpub::cli
+}  // namespace fleetpub::config

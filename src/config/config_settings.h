@@ -7,7 +7,7 @@
 
 #include "base/result.h"
 
-namespace fleetpub::cli {
+namespace fleetpub::config {
 
 enum class SettingType {
   kText,
@@ -35,4 +35,4 @@ struct Setting {
 /// A name that can be written as a target: an alias, a group. Errors: ErrorKind::kUsage.
 [[nodiscard]] Status CheckTargetName(const std::string& name);
 
-}  // namespace fleetpub::cli
+}  // namespace fleetpub::config

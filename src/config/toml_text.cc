@@ -11,16 +11,16 @@
 #include <sstream>
 #include <stdexcept>
 
-namespace fleetpub::cli {
+namespace fleetpub::config {
 // The library asserts things about times that a file can break (`1979-05-27Tx:00`): an error of the
 // file then, in every build, instead of an abort or of undefined behaviour.
 constexpr void RequireOfToml(bool holds) {
   if (!holds) throw std::invalid_argument("a date or time that is none");
 }
-}  // namespace fleetpub::cli
+}  // namespace fleetpub::config
 
 #undef NDEBUG
-#define TOML_ASSERT(holds) fleetpub::cli::RequireOfToml(static_cast<bool>(holds))
+#define TOML_ASSERT(holds) fleetpub::config::RequireOfToml(static_cast<bool>(holds))
 #define TOML_HEADER_ONLY 1
 #define TOML_EXCEPTIONS 1
 // "Is this character a blank?" takes some characters for such as are never asked about, and `9ǿ`
@@ -36,7 +36,7 @@ constexpr void RequireOfToml(bool holds) {
 #include "base/json.h"
 #include "base/text.h"
 
-namespace fleetpub::cli {
+namespace fleetpub::config {
 namespace {
 
 using base::JsonString;
@@ -196,4 +196,4 @@ Result<std::string> TomlToJson(std::string_view text) {
   }
 }
 
-}  // namespace fleetpub::cli
+}  // namespace fleetpub::config

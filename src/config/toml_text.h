@@ -7,7 +7,7 @@
 
 #include "base/result.h"
 
-namespace fleetpub::cli {
+namespace fleetpub::config {
 
 /// The document as JSON text: tables as objects, dates and times as strings. Errors:
 /// ErrorKind::kInvalid with the line: no TOML (https://toml.io/en/v1.0.0), or a number that JSON
@@ -40,4 +40,4 @@ struct TomlMember {
 /// `LINE:COLUMN: `. A line that speaks of a password is never repeated.
 [[nodiscard]] Result<TomlValue> ParseToml(std::string_view text);
 
-}  // namespace fleetpub::cli
+}  // namespace fleetpub::config

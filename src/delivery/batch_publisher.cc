@@ -12,8 +12,8 @@ namespace {
 using std::chrono::milliseconds;
 using std::chrono::steady_clock;
 
-ledger::Draft DraftOf(const Command& command, const std::string& broker, base::WallTime now) {
-  const PayloadTemplate& payload = command.payload;
+ledger::Draft DraftOf(const message::Command& command, const std::string& broker, base::WallTime now) {
+  const message::PayloadTemplate& payload = command.payload;
   return {.topic = command.topic,
           .target = command.target,
           .protocol = command.protocol,
@@ -30,20 +30,10 @@ ledger::Draft DraftOf(const Command& command, const std::string& broker, base::W
 
 }  // namespace
 
-Report ReportOn(const Command& command) {
-  return {.reference = command.reference,
-          .target = command.target,
-          .protocol = command.protocol,
-          .version = command.version,
-          .version_assumed = command.version_assumed,
-          .topic = command.topic,
-          .actions = command.actions};
-}
-
-Status BatchPublisher::Open(std::span<const Command> commands, milliseconds lock_timeout,
+Status BatchPublisher::Open(std::span<const message::Command> commands, milliseconds lock_timeout,
                             const SentHook& sent) {
   started_ = steady_clock::now();
-  for (const Command& command : commands) {
+  for (const message::Command& command : commands) {
     auto admitted = transport_.Admits(command.topic, command.payload.LargestSize(), options_.qos);
     if (!admitted) return admitted;
   }
@@ -51,7 +41,7 @@ Status BatchPublisher::Open(std::span<const Command> commands, milliseconds lock
   if (!lock) return Fail(std::move(lock.error()));
   lock_ = std::move(*lock);
   reports_.reserve(commands.size());
-  for (const Command& command : commands) reports_.push_back(ReportOn(command));
+  for (const message::Command& command : commands) reports_.push_back(message::ReportOn(command));
   // The broker may have gone while somebody else held the topic.
   if (auto ready = transport_.AwaitReady(steady_clock::now() + options_.acknowledge_timeout);
       !ready) {
@@ -64,11 +54,11 @@ Status BatchPublisher::Open(std::span<const Command> commands, milliseconds lock
   return {};
 }
 
-Result<std::unique_ptr<ledger::TopicLock>> BatchPublisher::Lock(std::span<const Command> commands,
+Result<std::unique_ptr<ledger::TopicLock>> BatchPublisher::Lock(std::span<const message::Command> commands,
                                                                 milliseconds lock_timeout) {
   std::vector<std::string> topics;
   topics.reserve(commands.size());
-  for (const Command& command : commands) topics.push_back(command.topic);
+  for (const message::Command& command : commands) topics.push_back(command.topic);
   std::sort(topics.begin(), topics.end());
   topics.erase(std::unique(topics.begin(), topics.end()), topics.end());
   return ledger_.Lock(topics, started_ + lock_timeout);
@@ -76,16 +66,16 @@ Result<std::unique_ptr<ledger::TopicLock>> BatchPublisher::Lock(std::span<const 
 
 // Nothing was sent, and no id was used.
 void BatchPublisher::GiveUp(Error error) {
-  for (Report& report : reports_) SetError(report, error, "not sent: ");
+  for (message::Report& report : reports_) SetError(report, error, "not sent: ");
   broken_ = std::move(error);
 }
 
-Status BatchPublisher::Reserve(std::span<const Command> commands) {
+Status BatchPublisher::Reserve(std::span<const message::Command> commands) {
   const base::WallTime now = options_.now();
   const std::string broker = transport_.server().broker.ToString();
   std::vector<ledger::Draft> drafts;
   drafts.reserve(commands.size());
-  for (const Command& command : commands) drafts.push_back(DraftOf(command, broker, now));
+  for (const message::Command& command : commands) drafts.push_back(DraftOf(command, broker, now));
   const auto reservations = ledger_.Reserve(drafts);
   if (!reservations) return Fail(reservations.error());
   for (std::size_t i = 0; i < reports_.size(); ++i) {
@@ -106,7 +96,7 @@ void BatchPublisher::Publish(const SentHook& sent) {
 
 void BatchPublisher::PublishEach(const SentHook& sent) {
   const auto deadline = steady_clock::now() + options_.acknowledge_timeout;
-  for (Report& report : reports_) {
+  for (message::Report& report : reports_) {
     if (broken_) {
       SetError(report, *broken_, "not sent: ");
       continue;
@@ -124,7 +114,7 @@ void BatchPublisher::PublishEach(const SentHook& sent) {
     }
     if (sent) sent();
     if (options_.qos == mqtt::Qos::kAtMostOnce) {
-      SetVerdict(report, CommandStatus::kSent);
+      SetVerdict(report, message::CommandStatus::kSent);
     } else {
       awaited_[*token] = &report;
     }
@@ -141,7 +131,7 @@ bool BatchPublisher::Take(const mqtt::Acknowledgement& acknowledgement) {
                           transport_.server().broker.ToString(), acknowledgement.reason)},
              "");
   } else {
-    SetVerdict(*found->second, CommandStatus::kPublished);
+    SetVerdict(*found->second, message::CommandStatus::kPublished);
   }
   awaited_.erase(found);
   return true;
@@ -163,13 +153,13 @@ BatchResult BatchPublisher::Close(const Error& reason) {
   return {std::move(reports_), std::move(broken_)};
 }
 
-void BatchPublisher::SetVerdict(Report& report, CommandStatus status) const {
+void BatchPublisher::SetVerdict(message::Report& report, message::CommandStatus status) const {
   report.status = status;
   report.elapsed = steady_clock::now() - started_;
 }
 
-void BatchPublisher::SetError(Report& report, const Error& error, std::string_view prefix) const {
-  SetVerdict(report, CommandStatus::kError);
+void BatchPublisher::SetError(message::Report& report, const Error& error, std::string_view prefix) const {
+  SetVerdict(report, message::CommandStatus::kError);
   report.error = error.kind;
   report.message = fmt::format("{}{}", prefix, error.message);
 }

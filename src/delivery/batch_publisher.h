@@ -42,7 +42,7 @@ using SentHook = std::function<void()>;
 
 /// What became of a batch: a report per command, in order.
 struct BatchResult {
-  std::vector<Report> reports;
+  std::vector<message::Report> reports;
   /// The connection is of no further use.
   std::optional<Error> broken;
 };
@@ -55,7 +55,7 @@ class BatchPublisher {
       : transport_(transport), ledger_(ledger), options_(options) {}
 
   /// Locks, stamps, records and writes. Errors: nothing was sent, and no id was used.
-  [[nodiscard]] Status Open(std::span<const Command> commands,
+  [[nodiscard]] Status Open(std::span<const message::Command> commands,
                             std::chrono::milliseconds lock_timeout, const SentHook& sent);
 
   /// Messages that have left and are not acknowledged yet; none at QoS 0.
@@ -72,13 +72,13 @@ class BatchPublisher {
 
  private:
   [[nodiscard]] Result<std::unique_ptr<ledger::TopicLock>> Lock(
-      std::span<const Command> commands, std::chrono::milliseconds lock_timeout);
+      std::span<const message::Command> commands, std::chrono::milliseconds lock_timeout);
   void GiveUp(Error error);
-  [[nodiscard]] Status Reserve(std::span<const Command> commands);
+  [[nodiscard]] Status Reserve(std::span<const message::Command> commands);
   void Publish(const SentHook& sent);
   void PublishEach(const SentHook& sent);
-  void SetVerdict(Report& report, CommandStatus status) const;
-  void SetError(Report& report, const Error& error, std::string_view prefix) const;
+  void SetVerdict(message::Report& report, message::CommandStatus status) const;
+  void SetError(message::Report& report, const Error& error, std::string_view prefix) const;
 
   mqtt::Transport& transport_;
   ledger::Ledger& ledger_;
@@ -86,12 +86,9 @@ class BatchPublisher {
   std::unique_ptr<ledger::TopicLock> lock_;
   std::chrono::steady_clock::time_point started_;
   mqtt::Deadline deadline_;
-  std::vector<Report> reports_;
-  std::map<int, Report*> awaited_;  // by token
+  std::vector<message::Report> reports_;
+  std::map<int, message::Report*> awaited_;  // by token
   std::optional<Error> broken_;
 };
-
-/// A report with everything that the command already tells.
-[[nodiscard]] Report ReportOn(const Command& command);
 
 }  // namespace fleetpub::delivery

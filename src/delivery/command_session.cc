@@ -30,7 +30,7 @@ constexpr std::size_t kMostIdle = 5'000;
 
 }  // namespace
 
-Stream::Stream(std::unique_ptr<mqtt::Transport>& transport, ledger::Ledger& ledger,
+CommandSession::CommandSession(std::unique_ptr<mqtt::Transport>& transport, ledger::Ledger& ledger,
                const SendOptions& send, const WaitOptions& wait, SessionHooks hooks)
     : transport_(transport),
       ledger_(ledger),
@@ -38,9 +38,9 @@ Stream::Stream(std::unique_ptr<mqtt::Transport>& transport, ledger::Ledger& ledg
       resends_(wait.resend > 0),
       hooks_(std::move(hooks)),
       pending_(wait,
-               [this](PendingCommands::Key key, Report ended) {
+               [this](PendingCommands::Key key, message::Report ended) {
                  again_.erase(key);
-                 if (lost_ && ended.status == CommandStatus::kTimeout) {
+                 if (lost_ && ended.status == message::CommandStatus::kTimeout) {
                    ended.message += "; the broker was out of reach at the end";
                  }
                  ended_.push_back(std::move(ended));
@@ -50,10 +50,10 @@ Stream::Stream(std::unique_ptr<mqtt::Transport>& transport, ledger::Ledger& ledg
                   Done(first_key, std::move(result));
                 }) {}
 
-Status Stream::Subscribe(std::span<const Command> commands) {
+Status CommandSession::Subscribe(std::span<const message::Command> commands) {
   if (subscribed_.size() > pending_.topics() + kMostIdle) UnsubscribeIdle();
   std::vector<std::string> topics;
-  for (const Command& command : commands) {
+  for (const message::Command& command : commands) {
     if (command.tracker == nullptr) continue;
     for (std::string& topic : command.tracker->Topics()) {
       if (!subscribed_.contains(topic)) topics.push_back(std::move(topic));
@@ -65,7 +65,7 @@ Status Stream::Subscribe(std::span<const Command> commands) {
 }
 
 // A connection that was lost shows itself again; a subscription that stays costs only time.
-void Stream::UnsubscribeIdle() {
+void CommandSession::UnsubscribeIdle() {
   if (lost_) return;
   std::vector<std::string> idle;
   std::erase_if(subscribed_, [&](const std::string& topic) {
@@ -76,7 +76,7 @@ void Stream::UnsubscribeIdle() {
   static_cast<void>(transport_->Unsubscribe(idle, steady_clock::now() + send_.acknowledge_timeout));
 }
 
-Status Stream::SubscribeNew(std::vector<std::string> topics) {
+Status CommandSession::SubscribeNew(std::vector<std::string> topics) {
   if (topics.empty()) return {};
   if (lost_) return Fail(*lost_);
   auto subscribed = transport_->Subscribe(topics, mqtt::kListeningQos,
@@ -86,7 +86,7 @@ Status Stream::SubscribeNew(std::vector<std::string> topics) {
   return {};
 }
 
-Status Stream::Send(std::span<const Command> commands, More more) {
+Status CommandSession::Send(std::span<const message::Command> commands, More more) {
   auto sent = Subscribe(commands);
   if (sent) {
     sent = SendBatch(commands, more);
@@ -100,7 +100,7 @@ Status Stream::Send(std::span<const Command> commands, More more) {
   return sent;
 }
 
-Status Stream::SendOneByOne(std::span<const Command> commands) {
+Status CommandSession::SendOneByOne(std::span<const message::Command> commands) {
   Status first;
   for (std::size_t i = 0; i < commands.size(); ++i) {
     auto sent = Send(commands.subspan(i, 1));
@@ -109,12 +109,12 @@ Status Stream::SendOneByOne(std::span<const Command> commands) {
   return first;
 }
 
-Status Stream::SendBatch(std::span<const Command> commands, More more) {
+Status CommandSession::SendBatch(std::span<const message::Command> commands, More more) {
   const PendingCommands::Key first_key = next_key_;
   next_key_ += commands.size();
   for (std::size_t i = 0; i < commands.size(); ++i) {
     if (!commands[i].tracker) continue;
-    pending_.Watch(first_key + i, commands[i].tracker);
+    pending_.Track(first_key + i, commands[i].tracker);
     if (resends_) again_[first_key + i] = commands[i];
   }
   // What was retained or sent before our command must not be taken for an answer.
@@ -144,7 +144,7 @@ Status Stream::SendBatch(std::span<const Command> commands, More more) {
   return Fail(why);
 }
 
-void Stream::Done(PendingCommands::Key first_key, BatchResult result) {
+void CommandSession::Done(PendingCommands::Key first_key, BatchResult result) {
   Record(result.reports);
   for (std::size_t i = 0; i < result.reports.size(); ++i) {
     Resolve(first_key + i, std::move(result.reports[i]));
@@ -153,8 +153,8 @@ void Stream::Done(PendingCommands::Key first_key, BatchResult result) {
 }
 
 // A command has left, or not.
-void Stream::Resolve(PendingCommands::Key key, Report report) {
-  if (report.error || !pending_.Watches(key)) {
+void CommandSession::Resolve(PendingCommands::Key key, message::Report report) {
+  if (report.error || !pending_.IsTracked(key)) {
     Forget(key);
     return hooks_.report(report);
   }
@@ -163,17 +163,17 @@ void Stream::Resolve(PendingCommands::Key key, Report report) {
   pending_.Published(key, std::move(report));
 }
 
-void Stream::Forget(PendingCommands::Key key) {
+void CommandSession::Forget(PendingCommands::Key key) {
   pending_.Forget(key);
   again_.erase(key);
 }
 
 // Whose repetition does not leave is waited for on: his time runs, and ends as a timeout.
-void Stream::SendAgain(const std::vector<PendingCommands::Key>& keys) {
+void CommandSession::SendAgain(const std::vector<PendingCommands::Key>& keys) {
   PublishPipeline pipeline(ledger_, send_, hooks_.sent,
                            [this](PublishPipeline::Key key, BatchResult result) {
                              Record(result.reports);
-                             Report& report = result.reports.front();
+                             message::Report& report = result.reports.front();
                              if (!report.error) pending_.Published(key, std::move(report));
                              if (result.broken) broken_ = std::move(result.broken);
                            });
@@ -186,7 +186,7 @@ void Stream::SendAgain(const std::vector<PendingCommands::Key>& keys) {
   }
 }
 
-void Stream::Listen(mqtt::Deadline deadline) {
+void CommandSession::Listen(mqtt::Deadline deadline) {
   const auto limit = std::min(deadline, pending_.NextLimit());
   for (int i = 0; i < kTurn; ++i) {
     // Who has ended is told soon, but with those that end at the same time.
@@ -196,7 +196,7 @@ void Stream::Listen(mqtt::Deadline deadline) {
   TellEnded();
 }
 
-void Stream::ReadUntilQuiet() {
+void CommandSession::ReadUntilQuiet() {
   since_pause_ = 0;
   if (lost_) return;
   transport_->WakeOn({});
@@ -208,7 +208,7 @@ void Stream::ReadUntilQuiet() {
 }
 
 // False when nothing came.
-bool Stream::ReadOne(mqtt::Deadline deadline) {
+bool CommandSession::ReadOne(mqtt::Deadline deadline) {
   if (lost_) {
     TryAgain(deadline);
     return false;
@@ -223,7 +223,7 @@ bool Stream::ReadOne(mqtt::Deadline deadline) {
   return true;
 }
 
-void Stream::Lose(Error error) {
+void CommandSession::Lose(Error error) {
   if (lost_) return;
   pipeline_.Await(*transport_, 0);  // at once: nothing more comes
   broken_.reset();
@@ -238,7 +238,7 @@ void Stream::Lose(Error error) {
 }
 
 // The targets go on working while the broker is away: what they say afterwards still counts.
-void Stream::TryAgain(mqtt::Deadline deadline) {
+void CommandSession::TryAgain(mqtt::Deadline deadline) {
   std::this_thread::sleep_until(std::min(deadline, next_try_));
   const auto now = steady_clock::now();
   if (now < next_try_) return;
@@ -258,25 +258,25 @@ void Stream::TryAgain(mqtt::Deadline deadline) {
   if (hooks_.again) hooks_.again();
 }
 
-void Stream::WakeOn(std::vector<int> descriptors) {
+void CommandSession::WakeOn(std::vector<int> descriptors) {
   if (descriptors == wake_) return;
   wake_ = std::move(descriptors);
   if (!lost_) transport_->WakeOn(wake_);
 }
 
-void Stream::EndAll(const Error& reason) {
+void CommandSession::EndAll(const Error& reason) {
   pending_.EndAll(reason);
   TellEnded();
 }
 
 // Records and tells the ends that are known by now.
-void Stream::TellEnded() {
+void CommandSession::TellEnded() {
   if (ended_.empty()) return;
   Record(ended_);
-  for (const Report& ended : std::exchange(ended_, {})) hooks_.report(ended);
+  for (const message::Report& ended : std::exchange(ended_, {})) hooks_.report(ended);
 }
 
-void Stream::Record(std::span<const Report> reports) {
+void CommandSession::Record(std::span<const message::Report> reports) {
   auto recorded = RecordOutcomes(reports, ledger_);
   if (!recorded && trouble_) trouble_ = std::move(recorded);
 }

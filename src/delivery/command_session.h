@@ -33,15 +33,15 @@ struct SessionHooks {
 
 /// Sends and follows over one connection, which is opened again whenever it is lost. No command is
 /// ever sent again for that. One thread at a time.
-class Stream {
+class CommandSession {
  public:
   /// `transport` is the open connection, and null while there is none. It and the ledger must
   /// outlive the stream.
-  Stream(std::unique_ptr<mqtt::Transport>& transport, ledger::Ledger& ledger,
+  CommandSession(std::unique_ptr<mqtt::Transport>& transport, ledger::Ledger& ledger,
          const SendOptions& send, const WaitOptions& wait, SessionHooks hooks);
 
   /// Subscribes to what these commands' trackers need, and waits for the acknowledgement.
-  [[nodiscard]] Status Subscribe(std::span<const Command> commands);
+  [[nodiscard]] Status Subscribe(std::span<const message::Command> commands);
 
   /// Sends valid commands through one bracket, SendOptions::batch at most. Each gets its report: at
   /// once when it has no tracker or did not leave, else when its end is known. Those with a
@@ -52,7 +52,7 @@ class Stream {
   /// With More::kFollow the next Send comes at once: the bracket may still wait for the broker's
   /// acknowledgements on return, and is told of by a later Send.
   enum class More : std::uint8_t { kNone, kFollow };
-  Status Send(std::span<const Command> commands, More more = More::kNone);
+  Status Send(std::span<const message::Command> commands, More more = More::kNone);
 
   /// Reads answers until the deadline or until something else is to be done: a report was made, a
   /// descriptor of WakeOn() is readable, many messages have been read, the connection was lost.
@@ -73,10 +73,10 @@ class Stream {
  private:
   Status SubscribeNew(std::vector<std::string> topics);
   void UnsubscribeIdle();
-  Status SendOneByOne(std::span<const Command> commands);
-  Status SendBatch(std::span<const Command> commands, More more);
+  Status SendOneByOne(std::span<const message::Command> commands);
+  Status SendBatch(std::span<const message::Command> commands, More more);
   void Done(PendingCommands::Key first_key, BatchResult result);
-  void Resolve(PendingCommands::Key key, Report report);
+  void Resolve(PendingCommands::Key key, message::Report report);
   void Forget(PendingCommands::Key key);
   void SendAgain(const std::vector<PendingCommands::Key>& keys);
   void ReadUntilQuiet();
@@ -84,7 +84,7 @@ class Stream {
   void Lose(Error error);
   void TryAgain(mqtt::Deadline deadline);
   void TellEnded();
-  void Record(std::span<const Report> reports);
+  void Record(std::span<const message::Report> reports);
 
   std::unique_ptr<mqtt::Transport>& transport_;
   ledger::Ledger& ledger_;
@@ -94,9 +94,9 @@ class Stream {
   PendingCommands pending_;
   PublishPipeline pipeline_;
   std::optional<Error> broken_;  // a bracket tells that the connection is
-  std::vector<Report> ended_;    // not told yet
+  std::vector<message::Report> ended_;    // not told yet
   PendingCommands::Key next_key_ = 0;
-  std::unordered_map<PendingCommands::Key, Command> again_;  // what may have to be sent again
+  std::unordered_map<PendingCommands::Key, message::Command> again_;  // what may have to be sent again
   std::unordered_set<std::string> subscribed_;
   std::size_t since_pause_ = 0;  // sent, with an answer expected
   std::vector<int> wake_;

@@ -20,7 +20,7 @@ namespace fleetpub::delivery {
 /// that is lost while waiting is opened again and subscribed again until time is up; `transport` is
 /// null when that did not succeed. Errors: the subscription failed, and nothing was sent. `trouble`
 /// receives what changes no status: an outcome that could not be recorded.
-[[nodiscard]] Status Converse(std::span<const Command> commands,
+[[nodiscard]] Status Converse(std::span<const message::Command> commands,
                               std::unique_ptr<mqtt::Transport>& transport, ledger::Ledger& ledger,
                               const SendOptions& send, const WaitOptions& wait,
                               const SessionHooks& hooks, Status& trouble);

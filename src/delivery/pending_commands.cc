@@ -13,14 +13,14 @@ PendingCommands::KeysByTopic& PendingCommands::MapFor(const std::string& topic) 
   return HasWildcard(topic) ? by_filter_ : by_topic_;
 }
 
-void PendingCommands::Watch(Key key, std::shared_ptr<ResponseTracker> tracker) {
+void PendingCommands::Track(Key key, std::shared_ptr<message::ResponseTracker> tracker) {
   for (const std::string& topic : tracker->Topics()) MapFor(topic)[topic].insert(key);
-  watched_[key].tracker = std::move(tracker);
+  tracked_[key].tracker = std::move(tracker);
 }
 
 void PendingCommands::Forget(Key key) {
-  const auto found = watched_.find(key);
-  if (found == watched_.end()) return;
+  const auto found = tracked_.find(key);
+  if (found == tracked_.end()) return;
   for (const std::string& topic : found->second.tracker->Topics()) {
     KeysByTopic& map = MapFor(topic);
     const auto keys = map.find(topic);
@@ -30,7 +30,7 @@ void PendingCommands::Forget(Key key) {
   }
   limits_.erase({found->second.limit, key});
   if (found->second.open) --waiting_;
-  watched_.erase(found);
+  tracked_.erase(found);
 }
 
 std::vector<std::string> PendingCommands::Topics() const {
@@ -45,10 +45,10 @@ std::chrono::milliseconds PendingCommands::PatienceToBeSeen() const {
   return options_.total ? *options_.total / (options_.resend + 1) : options_.seen;
 }
 
-void PendingCommands::Published(Key key, Report report) {
-  const auto found = watched_.find(key);
-  if (found == watched_.end()) return;
-  Watched& watched = found->second;
+void PendingCommands::Published(Key key, message::Report report) {
+  const auto found = tracked_.find(key);
+  if (found == tracked_.end()) return;
+  Tracked& watched = found->second;
   const auto now = Clock::now();
   if (!watched.open) {
     watched.open = true;
@@ -58,7 +58,7 @@ void PendingCommands::Published(Key key, Report report) {
   SetLimit(*found, now + PatienceToBeSeen());
   watched.tracker->Published(report.header_id.value_or(0));
   watched.report = std::move(report);
-  if (watched.tracker->progress().ended) Look(*found);  // of whom no answer is expected
+  if (watched.tracker->progress().ended) Update(*found);  // of whom no answer is expected
 }
 
 void PendingCommands::SetLimit(Entry& entry, Clock::time_point limit) {
@@ -76,18 +76,18 @@ void PendingCommands::Deliver(const mqtt::Message& message) {
     if (Matches(filter, message.topic)) keys.insert(keys.end(), listeners.begin(), listeners.end());
   }
   for (const Key key : keys) {
-    const auto found = watched_.find(key);
-    if (found == watched_.end()) continue;
+    const auto found = tracked_.find(key);
+    if (found == tracked_.end()) continue;
     found->second.tracker->Receive({message.topic, message.payload, message.retained});
-    if (found->second.open) Look(*found);
+    if (found->second.open) Update(*found);
   }
 }
 
-void PendingCommands::Look(Entry& entry) {
-  Watched& watched = entry.second;
-  const Progress& progress = watched.tracker->progress();
+void PendingCommands::Update(Entry& entry) {
+  Tracked& watched = entry.second;
+  const message::Progress& progress = watched.tracker->progress();
   if (progress.ended) {
-    return End(entry, progress.status, TroubleOf(progress.status), progress.message);
+    return End(entry, progress.status, message::TroubleOf(progress.status), progress.message);
   }
   if (progress.seen && !watched.seen) {
     watched.seen = true;
@@ -96,9 +96,9 @@ void PendingCommands::Look(Entry& entry) {
   }
 }
 
-void PendingCommands::End(Entry& entry, CommandStatus status, std::optional<ErrorKind> error,
+void PendingCommands::End(Entry& entry, message::CommandStatus status, std::optional<ErrorKind> error,
                           std::string message) {
-  Report report = std::move(entry.second.report);
+  message::Report report = std::move(entry.second.report);
   report.status = status;
   report.error = error;
   report.message = std::move(message);
@@ -112,15 +112,15 @@ std::vector<PendingCommands::Key> PendingCommands::Expire() {
   std::vector<Key> again;
   const auto now = Clock::now();
   while (!limits_.empty() && limits_.begin()->first <= now) {
-    Entry& entry = *watched_.find(limits_.begin()->second);
-    Watched& watched = entry.second;
+    Entry& entry = *tracked_.find(limits_.begin()->second);
+    Tracked& watched = entry.second;
     if (!watched.seen && watched.repeats < options_.resend) {
       ++watched.repeats;
       // Should it not leave, it is not repeated at once.
       SetLimit(entry, now + PatienceToBeSeen());
       again.push_back(entry.first);
     } else {
-      End(entry, CommandStatus::kTimeout, TroubleOf(CommandStatus::kTimeout),
+      End(entry, message::CommandStatus::kTimeout, message::TroubleOf(message::CommandStatus::kTimeout),
           watched.tracker->progress().message);
     }
   }
@@ -130,7 +130,7 @@ std::vector<PendingCommands::Key> PendingCommands::Expire() {
 
 void PendingCommands::EndAll(const Error& reason) {
   while (!limits_.empty()) {
-    End(*watched_.find(limits_.begin()->second), CommandStatus::kError, reason.kind,
+    End(*tracked_.find(limits_.begin()->second), message::CommandStatus::kError, reason.kind,
         reason.message);
   }
 }

@@ -39,14 +39,14 @@ class PendingCommands {
   using Clock = std::chrono::steady_clock;
   using Key = std::uint64_t;
   /// Told once for each command when its fate is known; the report is complete.
-  using EndHook = std::function<void(Key key, Report report)>;
+  using EndHook = std::function<void(Key key, message::Report report)>;
 
   PendingCommands(const WaitOptions& options, EndHook ended);
 
   /// Registers a command under the caller's key before it is published.
-  void Watch(Key key, std::shared_ptr<ResponseTracker> tracker);
+  void Track(Key key, std::shared_ptr<message::ResponseTracker> tracker);
 
-  [[nodiscard]] bool Watches(Key key) const { return watched_.contains(key); }
+  [[nodiscard]] bool IsTracked(Key key) const { return tracked_.contains(key); }
 
   /// The command did not leave.
   void Forget(Key key);
@@ -59,7 +59,7 @@ class PendingCommands {
   }
 
   /// The command left; `report` says how, and is completed when the end is known.
-  void Published(Key key, Report report);
+  void Published(Key key, message::Report report);
 
   /// A message arrived.
   void Deliver(const mqtt::Message& message);
@@ -78,27 +78,27 @@ class PendingCommands {
   [[nodiscard]] Clock::time_point NextLimit() const;
 
  private:
-  struct Watched {
-    std::shared_ptr<ResponseTracker> tracker;
-    Report report = {};
+  struct Tracked {
+    std::shared_ptr<message::ResponseTracker> tracker;
+    message::Report report = {};
     Clock::time_point published = {};
     Clock::time_point limit = {};
     int repeats = 0;
     bool open = false;
     bool seen = false;
   };
-  using Entry = std::unordered_map<Key, Watched>::value_type;
+  using Entry = std::unordered_map<Key, Tracked>::value_type;
 
   using KeysByTopic = std::unordered_map<std::string, std::set<Key>>;
   KeysByTopic& MapFor(const std::string& topic);
-  void Look(Entry& entry);
+  void Update(Entry& entry);
   void SetLimit(Entry& entry, Clock::time_point limit);
-  void End(Entry& entry, CommandStatus status, std::optional<ErrorKind> error, std::string message);
+  void End(Entry& entry, message::CommandStatus status, std::optional<ErrorKind> error, std::string message);
   [[nodiscard]] std::chrono::milliseconds PatienceToBeSeen() const;
 
   WaitOptions options_;
   EndHook ended_;
-  std::unordered_map<Key, Watched> watched_;
+  std::unordered_map<Key, Tracked> tracked_;
   KeysByTopic by_topic_;
   KeysByTopic by_filter_;                               // with wildcards
   std::set<std::pair<Clock::time_point, Key>> limits_;  // of those that are waited for

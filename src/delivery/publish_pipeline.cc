@@ -12,7 +12,7 @@ PublishPipeline::PublishPipeline(ledger::Ledger& ledger, const SendOptions& opti
                                  DoneHook done)
     : ledger_(ledger), options_(options), sent_(std::move(sent)), done_(std::move(done)) {}
 
-Status PublishPipeline::Send(mqtt::Transport& transport, std::span<const Command> commands,
+Status PublishPipeline::Send(mqtt::Transport& transport, std::span<const message::Command> commands,
                              Key key) {
   if (!under_way_.empty()) {
     // What came meanwhile lets topics go. A lost connection shows itself again.
@@ -23,7 +23,7 @@ Status PublishPipeline::Send(mqtt::Transport& transport, std::span<const Command
   return Open(transport, commands, key, options_.lock_timeout);
 }
 
-Status PublishPipeline::Open(mqtt::Transport& transport, std::span<const Command> commands, Key key,
+Status PublishPipeline::Open(mqtt::Transport& transport, std::span<const message::Command> commands, Key key,
                              milliseconds lock_timeout) {
   BatchPublisher bracket(transport, ledger_, options_);
   if (auto opened = bracket.Open(commands, lock_timeout, sent_); !opened) return opened;

@@ -7,26 +7,26 @@
 #include "delivery/publish_pipeline.h"
 
 namespace fleetpub::delivery {
-void ReportNotSent(std::span<const Command> commands, const Error& error, const ReportSink& sink) {
-  for (const Command& command : commands) {
-    Report report = ReportOn(command);
+void ReportNotSent(std::span<const message::Command> commands, const Error& error, const ReportSink& sink) {
+  for (const message::Command& command : commands) {
+    message::Report report = message::ReportOn(command);
     report.error = error.kind;
     report.message = "not sent: " + error.message;
     sink(report);
   }
 }
 
-Status RecordOutcomes(std::span<const Report> reports, ledger::Ledger& ledger) {
+Status RecordOutcomes(std::span<const message::Report> reports, ledger::Ledger& ledger) {
   std::vector<ledger::Outcome> outcomes;
   outcomes.reserve(reports.size());
-  for (const Report& report : reports) {
+  for (const message::Report& report : reports) {
     if (report.ledger_row == 0) continue;  // it came to nothing before it was recorded
     outcomes.push_back({report.ledger_row, std::string(NameOf(report.status)), report.message});
   }
   return ledger.RecordOutcomes(outcomes);
 }
 
-Status Send(std::span<const Command> commands, mqtt::Transport& transport, ledger::Ledger& ledger,
+Status Send(std::span<const message::Command> commands, mqtt::Transport& transport, ledger::Ledger& ledger,
             const SendOptions& options, const ReportSink& report, const SentHook& sent) {
   Status trouble;
   std::optional<Error> broken;
@@ -35,7 +35,7 @@ Status Send(std::span<const Command> commands, mqtt::Transport& transport, ledge
         if (auto recorded = RecordOutcomes(result.reports, ledger); !recorded && trouble) {
           trouble = std::move(recorded);
         }
-        for (const Report& done : result.reports) report(done);
+        for (const message::Report& done : result.reports) report(done);
         if (result.broken && !broken) broken = std::move(result.broken);
       });
   while (!commands.empty() && !broken) {

@@ -6,19 +6,19 @@
 
 namespace fleetpub::delivery {
 Findings Check(const base::JsonValue& message, const schema::Schema& schema,
-               const TextRules& rules) {
+               const message::TextRules& rules) {
   Findings findings;
   findings.errors = schema.Validate(message);
   findings.satisfies_schema = findings.errors.empty();
   if (!findings.satisfies_schema || !rules) return findings;
-  for (TextFinding& finding : rules(message)) {
+  for (message::TextFinding& finding : rules(message)) {
     auto& list = finding.is_error ? findings.errors : findings.warnings;
     list.push_back(std::move(finding.violation));
   }
   return findings;
 }
 
-Result<Findings> Validate(const Command& command, schema::Registry& registry) {
+Result<Findings> Validate(const message::Command& command, schema::Registry& registry) {
   const auto schema = registry.Find(command.schema);
   if (!schema) return Fail(schema.error());
   auto message = base::ParseJson(

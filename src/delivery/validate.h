@@ -23,11 +23,11 @@ struct Findings {
 /// Checks a message against a schema and then, when it satisfies that, against the rules of the
 /// text.
 [[nodiscard]] Findings Check(const base::JsonValue& message, const schema::Schema& schema,
-                             const TextRules& rules);
+                             const message::TextRules& rules);
 
 /// Renders the command with a placeholder header and checks it. An invalid one costs no header id.
 /// An Error: the schema itself cannot be had.
-[[nodiscard]] Result<Findings> Validate(const Command& command, schema::Registry& registry);
+[[nodiscard]] Result<Findings> Validate(const message::Command& command, schema::Registry& registry);
 
 /// What is wrong, in one line for a person: `/actions/0/blockingType: must be …; …`
 [[nodiscard]] std::string Describe(const Findings& findings);

@@ -22,19 +22,14 @@
 #include <vector>
 
 #include "base/result.h"
+#include "message/command.h"
 
 namespace fleetpub::ledger {
 
 using Deadline = std::chrono::steady_clock::time_point;
 using WallTime = std::chrono::system_clock::time_point;
 
-/// An action of a message, as the audit trail names it.
-struct ActionRef {
-  std::string type;
-  std::string id;
-
-  friend bool operator==(const ActionRef&, const ActionRef&) = default;
-};
+using message::ActionRef;
 
 /// A message about to be sent. The payload is `before_id` + decimal header id + `after_id`, or
 /// `before_id` alone when the message is not counted (SoAR has no header ids).

@@ -5,7 +5,9 @@
 #include <limits>
 #include <string_view>
 
-namespace fleetpub::delivery {
+#include "message/report.h"
+
+namespace fleetpub::message {
 
 std::string PayloadTemplate::Render(std::uint32_t header_id, base::WallTime now) const {
   const std::string id = counted ? fmt::format("{}", header_id) : std::string();
@@ -18,4 +20,14 @@ std::size_t PayloadTemplate::LargestSize() const {
   return before_id.size() + kHeaderId + before_time.size() + kTimestamp + rest.size();
 }
 
-}  // namespace fleetpub::delivery
+Report ReportOn(const Command& command) {
+  return {.reference = command.reference,
+          .target = command.target,
+          .protocol = command.protocol,
+          .version = command.version,
+          .version_assumed = command.version_assumed,
+          .topic = command.topic,
+          .actions = command.actions};
+}
+
+}  // namespace fleetpub::message

@@ -1,22 +1,19 @@
-// A command on its way, in terms that no protocol owns. The protocols build Commands; dispatch
+// A command on its way, in terms that no protocol owns. The protocols build Commands; delivery
 // moves them.
 #pragma once
 
 #include <cstdint>
-#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
-#include "base/rapidjson.h"
 #include "base/time.h"
-#include "ledger/ledger.h"
+#include "message/finding.h"
 #include "message/response_tracker.h"
-#include "schema/schema.h"
 
-namespace fleetpub::delivery {
+namespace fleetpub::message {
 
 /// A payload with holes for what is known only when it is sent: the header id and the timestamp.
 /// It reads `before_id` id `before_time` timestamp `rest`; without ids, `before_id` is empty and
@@ -32,13 +29,13 @@ struct PayloadTemplate {
   [[nodiscard]] std::size_t LargestSize() const;
 };
 
-/// What a rule says that stands in the specification's text and not in its schema.
-struct TextFinding {
-  schema::Violation violation;
-  bool is_error = true;  ///< false: a warning, and the message may go
-};
+/// An action of a command, as the ledger and reports name it.
+struct ActionRef {
+  std::string type;
+  std::string id;
 
-using TextRules = std::function<std::vector<TextFinding>(const base::JsonValue& message)>;
+  friend bool operator==(const ActionRef&, const ActionRef&) = default;
+};
 
 struct Command {
   std::string reference;  ///< the caller's own word for it, handed back with its report
@@ -51,11 +48,11 @@ struct Command {
   TextRules text_rules;          ///< may be empty
   /// A robot's quirk: this member of the payload stands for that one of the schema. May be empty.
   std::pair<std::string, std::string> renamed_member;
-  std::vector<ledger::ActionRef> actions;
+  std::vector<ActionRef> actions;
   PayloadTemplate payload;
   std::optional<std::uint32_t> header_id;    ///< asked for outright
   std::vector<std::string> warnings;         ///< what the builder noticed
   std::shared_ptr<ResponseTracker> tracker;  ///< how its end is recognised; null: nobody waits
 };
 
-}  // namespace fleetpub::delivery
+}  // namespace fleetpub::message

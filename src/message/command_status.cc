@@ -1,6 +1,6 @@
 #include "message/command_status.h"
 
-namespace fleetpub::delivery {
+namespace fleetpub::message {
 
 std::optional<ErrorKind> TroubleOf(CommandStatus status) {
   switch (status) {
@@ -17,4 +17,4 @@ std::optional<ErrorKind> TroubleOf(CommandStatus status) {
   }
 }
 
-}  // namespace fleetpub::delivery
+}  // namespace fleetpub::message

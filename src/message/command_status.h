@@ -9,7 +9,7 @@
 
 #include "base/result.h"
 
-namespace fleetpub::delivery {
+namespace fleetpub::message {
 
 enum class CommandStatus {
   kDryRun,     ///< built and validated; nothing was sent
@@ -53,4 +53,4 @@ inline constexpr auto kRecordedOutcomes = std::to_array<std::string_view>(
 /// kError are ours: they carry the kind of their cause.)
 [[nodiscard]] std::optional<ErrorKind> TroubleOf(CommandStatus status);
 
-}  // namespace fleetpub::delivery
+}  // namespace fleetpub::message

@@ -8,10 +8,10 @@
 #include <vector>
 
 #include "base/result.h"
-#include "ledger/ledger.h"
+#include "message/command.h"
 #include "message/command_status.h"
 
-namespace fleetpub::delivery {
+namespace fleetpub::message {
 
 struct Report {
   std::string reference;  ///< the command's
@@ -20,7 +20,7 @@ struct Report {
   std::string version;
   bool version_assumed = false;
   std::string topic;
-  std::vector<ledger::ActionRef> actions;
+  std::vector<ActionRef> actions;
   std::optional<std::uint32_t> header_id;  ///< none when nothing was stamped
   CommandStatus status = CommandStatus::kError;
   std::string message;  ///< why, when it is not a success; one line
@@ -31,4 +31,7 @@ struct Report {
   std::chrono::nanoseconds elapsed{0};
 };
 
-}  // namespace fleetpub::delivery
+/// A report with everything that the command already tells.
+[[nodiscard]] Report ReportOn(const Command& command);
+
+}  // namespace fleetpub::message

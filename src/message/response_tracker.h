@@ -11,7 +11,7 @@
 #include "base/time.h"
 #include "message/command_status.h"
 
-namespace fleetpub::delivery {
+namespace fleetpub::message {
 
 /// A message that arrived on one of a ResponseTracker's topics.
 struct Incoming {
@@ -56,4 +56,4 @@ class ResponseTracker {
   [[nodiscard]] virtual const Progress& progress() const = 0;
 };
 
-}  // namespace fleetpub::delivery
+}  // namespace fleetpub::message

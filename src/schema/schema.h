@@ -18,19 +18,11 @@
 
 #include "base/rapidjson.h"
 #include "base/result.h"
+#include "message/finding.h"
 
 namespace fleetpub::schema {
 
-/// One thing that is wrong with a message.
-struct Violation {
-  /// JSON Pointer (RFC 6901) to the offending value; "" is the whole message. With the message's
-  /// own names in it: base::Printable before it is shown on a terminal.
-  std::string path;
-  /// In a person's words, safe to show: `must be one of NONE, SOFT, HARD, not "LOUD"`.
-  std::string message;
-
-  friend bool operator==(const Violation&, const Violation&) = default;
-};
+using message::Violation;
 
 /// A compiled schema: JSON Schema draft-07, with `date-time` asserted (RFC 3339, real calendar) and
 /// every other `format` an annotation. `pattern` is matched by RE2 in linear time. A schema that

@@ -14,10 +14,10 @@ namespace {
 
 using base::FindMember;
 using base::StringMember;
-using delivery::CommandStatus;
+using message::CommandStatus;
 using std::chrono::steady_clock;
 
-class MessageTracker : public delivery::ResponseTracker {
+class MessageTracker : public message::ResponseTracker {
  public:
   explicit MessageTracker(TrackerOptions options) : options_(std::move(options)) {
     progress_.message = "nobody acknowledged it";
@@ -27,7 +27,7 @@ class MessageTracker : public delivery::ResponseTracker {
 
   void Published(std::uint32_t /*header_id*/) override { published_ = steady_clock::now(); }
 
-  void Receive(const delivery::Incoming& message) override {
+  void Receive(const message::Incoming& message) override {
     if (!published_ || progress_.ended || message.retained) return;
     if (!CanName(message.payload)) return;
     const auto said = ReadAcknowledgement(message.topic, message.payload, options_.prefix);
@@ -39,7 +39,7 @@ class MessageTracker : public delivery::ResponseTracker {
     if (options_.on_level) options_.on_level(*said, steady_clock::now() - *published_);
   }
 
-  [[nodiscard]] const delivery::Progress& progress() const override { return progress_; }
+  [[nodiscard]] const message::Progress& progress() const override { return progress_; }
 
  private:
   // A busy backbone brings the acknowledgements of everybody: most need no parsing. JSON may escape
@@ -81,7 +81,7 @@ class MessageTracker : public delivery::ResponseTracker {
 
   TrackerOptions options_;
   std::optional<steady_clock::time_point> published_;
-  delivery::Progress progress_;
+  message::Progress progress_;
   std::map<std::string, Level> levels_;  // by who said it
 };
 
@@ -113,7 +113,7 @@ std::optional<Acknowledgement> ReadAcknowledgement(std::string_view topic, std::
                          FromOf(topic, source, prefix)};
 }
 
-std::unique_ptr<delivery::ResponseTracker> TrackAcknowledgements(TrackerOptions options) {
+std::unique_ptr<message::ResponseTracker> TrackAcknowledgements(TrackerOptions options) {
   return std::make_unique<MessageTracker>(std::move(options));
 }
 

@@ -46,7 +46,7 @@ struct TrackerOptions {
 
 /// Ends with kFinished when the message is executed, with kAccepted when a lower level was waited
 /// for and reached.
-[[nodiscard]] std::unique_ptr<delivery::ResponseTracker> TrackAcknowledgements(
+[[nodiscard]] std::unique_ptr<message::ResponseTracker> TrackAcknowledgements(
     TrackerOptions options);
 
 }  // namespace fleetpub::soar

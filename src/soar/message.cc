@@ -57,10 +57,10 @@ Result<std::string> PlanningConfigurationOf(std::string_view json,
   return PayloadOf(kType, members);
 }
 
-delivery::Command BuildMessage(MessageType type, const Destination& destination,
+message::Command BuildMessage(MessageType type, const Destination& destination,
                                const Sender& sender, std::string_view payload) {
   const std::string id = base::RandomUuid();
-  delivery::Command command;
+  message::Command command;
   command.target = destination.name;
   command.protocol = "soar";
   command.version = kFormatVersion;

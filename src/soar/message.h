@@ -42,7 +42,7 @@ struct Sender {
 
 /// The message with all seven header fields, a hole for the timestamp and a fresh message_ID, which
 /// is the id of its only action.
-[[nodiscard]] delivery::Command BuildMessage(MessageType type, const Destination& destination,
+[[nodiscard]] message::Command BuildMessage(MessageType type, const Destination& destination,
                                              const Sender& sender, std::string_view payload);
 
 }  // namespace fleetpub::soar

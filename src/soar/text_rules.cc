@@ -42,7 +42,7 @@ std::string PlaceInWords(std::string_view path) {
 // user's own schema let pass and is of another kind is passed over.
 class Checker {
  public:
-  Checker(Strictness strictness, std::vector<delivery::TextFinding>& findings)
+  Checker(Strictness strictness, std::vector<message::TextFinding>& findings)
       : is_error_(strictness == Strictness::kRefuse), findings_(findings) {}
 
   void Header(const Value& header, const std::string& path) {
@@ -230,15 +230,15 @@ class Checker {
   }
 
   bool is_error_;
-  std::vector<delivery::TextFinding>& findings_;
+  std::vector<message::TextFinding>& findings_;
   std::map<double, std::string> squads_;
   std::map<double, std::string> platforms_;
 };
 
 }  // namespace
 
-std::vector<delivery::TextFinding> CheckMessage(const Value& message, Strictness strictness) {
-  std::vector<delivery::TextFinding> findings;
+std::vector<message::TextFinding> CheckMessage(const Value& message, Strictness strictness) {
+  std::vector<message::TextFinding> findings;
   Checker checker(strictness, findings);
   const Value* payload = FindMember(message, "payload");
   if (payload == nullptr) {

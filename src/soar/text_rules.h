@@ -16,7 +16,7 @@ enum class Strictness { kWarn, kRefuse };
 /// plans and squads that are not empty, as many platforms as no_of_platforms says, no platform_ID
 /// twice, velocities the right way round, heading and battery within their ranges, an action that
 /// nearly is one of the named ones, and a header that does not fit its payload.
-[[nodiscard]] std::vector<delivery::TextFinding> CheckMessage(const base::JsonValue& message,
+[[nodiscard]] std::vector<message::TextFinding> CheckMessage(const base::JsonValue& message,
                                                               Strictness strictness);
 
 }  // namespace fleetpub::soar

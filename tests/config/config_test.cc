@@ -9,7 +9,7 @@
 #include "support/environment.h"
 #include "support/temporary_folder.h"
 
-namespace fleetpub::cli {
+namespace fleetpub::config {
 namespace {
 
 using fleetpub::testing::EnvironmentVariable;
@@ -232,4 +232,4 @@ TEST_F(ConfigFiles, AreRefusedWhenTheyCannotBeTrustedOrRead) {
 }
 
 }  // namespace
-}  // namespace fleetpub::cli
+}  // namespace fleetpub::config

@@ -2,7 +2,7 @@
 
 #include <gmock/gmock.h>
 
-namespace fleetpub::cli {
+namespace fleetpub::config {
 namespace {
 
 using ::testing::HasSubstr;
@@ -47,4 +47,4 @@ TEST(TomlText, SurvivesALetterBehindANumber) {
 }
 
 }  // namespace
-}  // namespace fleetpub::cli
+}  // namespace fleetpub::config

@@ -24,11 +24,11 @@ class Streaming : public ::testing::Test {
     transport_ = std::move(fake);
   }
 
-  std::unique_ptr<Stream> Open(SendOptions options = {}) {
-    return std::make_unique<Stream>(
+  std::unique_ptr<CommandSession> Open(SendOptions options = {}) {
+    return std::make_unique<CommandSession>(
         transport_, ledger_, options, WaitOptions{},
         SessionHooks{.report =
-                         [this](const Report& report) {
+                         [this](const message::Report& report) {
                            reports_.push_back(report.reference + " " +
                                               std::string(NameOf(report.status)) + " " +
                                               report.message);
@@ -44,10 +44,10 @@ class Streaming : public ::testing::Test {
                      .again = {}});
   }
 
-  static std::vector<Command> Commands(int count, int first = 0) {
-    std::vector<Command> commands(static_cast<std::size_t>(count));
+  static std::vector<message::Command> Commands(int count, int first = 0) {
+    std::vector<message::Command> commands(static_cast<std::size_t>(count));
     for (int i = 0; i < count; ++i) {
-      Command& command = commands[static_cast<std::size_t>(i)];
+      message::Command& command = commands[static_cast<std::size_t>(i)];
       command.reference = "#" + std::to_string(first + i);
       command.topic = "t/" + std::to_string((first + i) % 2);
       command.payload = {"{", ",", "}"};
@@ -97,26 +97,26 @@ TEST_F(Streaming, ConnectsAgainAndSendsNothingTwice) {
 }
 
 // Awaits its robot, or is at its end once it has left.
-class OfOneRobot final : public ResponseTracker {
+class OfOneRobot final : public message::ResponseTracker {
  public:
   OfOneRobot(int robot, bool ends) : topic_("state/" + std::to_string(robot)), ends_(ends) {}
   std::vector<std::string> Topics() const override { return {topic_}; }
   void Published(std::uint32_t /*header_id*/) override {
-    if (ends_) progress_ = {.seen = true, .ended = true, .status = CommandStatus::kFinished};
+    if (ends_) progress_ = {.seen = true, .ended = true, .status = message::CommandStatus::kFinished};
   }
-  void Receive(const Incoming& /*message*/) override {}
-  const Progress& progress() const override { return progress_; }
+  void Receive(const message::Incoming& /*message*/) override {}
+  const message::Progress& progress() const override { return progress_; }
 
  private:
   std::string topic_;
   bool ends_;
-  Progress progress_;
+  message::Progress progress_;
 };
 
 TEST_F(Streaming, EndsSubscriptionsThatNobodyAwaits) {
   const auto stream = Open();
   const auto send = [&](int robot, bool ends) {
-    std::vector<Command> commands = Commands(1);
+    std::vector<message::Command> commands = Commands(1);
     commands.front().tracker = std::make_shared<OfOneRobot>(robot, ends);
     ASSERT_TRUE(stream->Send(commands));
   };
@@ -134,7 +134,7 @@ TEST_F(Streaming, EndsSubscriptionsThatNobodyAwaits) {
 TEST_F(Streaming, LetsOneForbiddenTopicStopNobodyElse) {
   const auto stream = Open();
   fake_->forbidden = "state/1";
-  std::vector<Command> commands = Commands(3);
+  std::vector<message::Command> commands = Commands(3);
   for (int robot = 0; robot < 3; ++robot) {
     commands[static_cast<std::size_t>(robot)].tracker = std::make_shared<OfOneRobot>(robot, true);
   }

@@ -14,31 +14,31 @@ using ::testing::UnorderedElementsAre;
 using std::chrono::milliseconds;
 
 // Ends with the word that it is told.
-class Told : public ResponseTracker {
+class Told : public message::ResponseTracker {
  public:
   explicit Told(std::string topic) : topic_(std::move(topic)) {}
   std::vector<std::string> Topics() const override { return {topic_}; }
   void Published(std::uint32_t /*header_id*/) override {}
-  void Receive(const Incoming& message) override {
+  void Receive(const message::Incoming& message) override {
     progress_.seen = true;
     if (message.payload != "done") return;
-    progress_ = {.seen = true, .ended = true, .status = CommandStatus::kFinished, .message = "so"};
+    progress_ = {.seen = true, .ended = true, .status = message::CommandStatus::kFinished, .message = "so"};
   }
-  const Progress& progress() const override { return progress_; }
+  const message::Progress& progress() const override { return progress_; }
 
  private:
   std::string topic_;
-  Progress progress_;
+  message::Progress progress_;
 };
 
 class Following : public ::testing::Test {
  protected:
   void Publish(PendingCommands& follower, PendingCommands::Key key, const std::string& topic) {
-    follower.Watch(key, std::make_shared<Told>(topic));
+    follower.Track(key, std::make_shared<Told>(topic));
     follower.Published(key, {.reference = std::to_string(key)});
   }
   PendingCommands::EndHook Note() {
-    return [this](PendingCommands::Key key, const Report& report) {
+    return [this](PendingCommands::Key key, const message::Report& report) {
       EXPECT_EQ(report.reference, std::to_string(key));
       ended_.push_back(std::to_string(key) + " " + std::string(NameOf(report.status)));
     };
@@ -71,7 +71,7 @@ class NotAwaited final : public Told {
 
 TEST_F(Following, EndsAtOnceOfWhomNoAnswerIsExpected) {
   PendingCommands follower({}, Note());
-  follower.Watch(7, std::make_shared<NotAwaited>());
+  follower.Track(7, std::make_shared<NotAwaited>());
   follower.Published(7, {.reference = "7"});
   EXPECT_THAT(ended_, ElementsAre("7 FINISHED"));
   EXPECT_EQ(follower.waiting(), 0U);
@@ -105,7 +105,7 @@ TEST_F(Following, AsksForWhatWasNotSeenToBeSentAgain) {
 
 TEST_F(Following, ForgetsWhatDidNotLeave) {
   PendingCommands follower({}, Note());
-  follower.Watch(1, std::make_shared<Told>("a"));
+  follower.Track(1, std::make_shared<Told>("a"));
   Publish(follower, 2, "a");
   follower.Forget(1);
   follower.Forget(1);

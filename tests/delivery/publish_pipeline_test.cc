@@ -19,10 +19,10 @@ class AtADistance : public ::testing::Test {
  protected:
   AtADistance() { transport_.is_distant = true; }
 
-  static std::vector<Command> To(const std::vector<std::string>& targets) {
-    std::vector<Command> commands;
+  static std::vector<message::Command> To(const std::vector<std::string>& targets) {
+    std::vector<message::Command> commands;
     for (const std::string& target : targets) {
-      Command& command = commands.emplace_back();
+      message::Command& command = commands.emplace_back();
       command.target = target;
       command.topic = "t/" + target;
       command.payload = {"{", ",", "}"};
@@ -35,7 +35,7 @@ class AtADistance : public ::testing::Test {
   }
 
   void Done(PublishPipeline::Key key, const BatchResult& result) {
-    for (const Report& report : result.reports) {
+    for (const message::Report& report : result.reports) {
       done_.push_back(std::to_string(key) + " " + report.target + " " +
                       std::string(NameOf(report.status)) + " " + report.message);
     }

@@ -22,8 +22,8 @@ using ::testing::IsEmpty;
 using ::testing::Not;
 using ::testing::SizeIs;
 
-Command CommandFor(const std::string& target) {
-  Command command;
+message::Command CommandFor(const std::string& target) {
+  message::Command command;
   command.target = target;
   command.protocol = "vda5050";
   command.version = "3.0.0";
@@ -33,15 +33,15 @@ Command CommandFor(const std::string& target) {
   return command;
 }
 
-std::vector<Command> CommandsFor(int count) {
-  std::vector<Command> commands;
+std::vector<message::Command> CommandsFor(int count) {
+  std::vector<message::Command> commands;
   commands.reserve(static_cast<std::size_t>(count));
   for (int i = 0; i < count; ++i) commands.push_back(CommandFor(std::to_string(i)));
   return commands;
 }
 
-auto Is(CommandStatus status) { return Field(&Report::status, status); }
-auto Says(const std::string& message) { return Field(&Report::message, HasSubstr(message)); }
+auto Is(message::CommandStatus status) { return Field(&message::Report::status, status); }
+auto Says(const std::string& message) { return Field(&message::Report::message, HasSubstr(message)); }
 
 class Sending : public ::testing::Test {
  protected:
@@ -49,11 +49,11 @@ class Sending : public ::testing::Test {
     options_.now = [] { return base::WallTime(1767323045678ms); };
   }
 
-  Status SendAll(const std::vector<Command>& commands, mqtt::Qos qos = mqtt::Qos::kAtMostOnce) {
+  Status SendAll(const std::vector<message::Command>& commands, mqtt::Qos qos = mqtt::Qos::kAtMostOnce) {
     options_.qos = qos;
     return Send(
         commands, transport_, ledger_, options_,
-        [&](const Report& report) { reports_.push_back(report); }, [&] { ++left_; });
+        [&](const message::Report& report) { reports_.push_back(report); }, [&] { ++left_; });
   }
 
   [[nodiscard]] std::vector<std::string> Statuses() const {
@@ -66,7 +66,7 @@ class Sending : public ::testing::Test {
   testing::FakeLedger ledger_{journal_};
   testing::FakeTransport transport_{journal_};
   SendOptions options_;
-  std::vector<Report> reports_;
+  std::vector<message::Report> reports_;
   int left_ = 0;
 };
 
@@ -83,15 +83,15 @@ TEST_F(SendAtQos0, ReservesUnderTheLockAndPublishesAfterwards) {
 TEST_F(SendAtQos0, ReportsWhatWasSent) {
   EXPECT_TRUE(SendAll({CommandFor("a")}));
   ASSERT_THAT(reports_, SizeIs(1));
-  const Report& report = reports_.front();
+  const message::Report& report = reports_.front();
   EXPECT_EQ(report.target, "a");
   EXPECT_EQ(report.topic, "t/a");
   EXPECT_EQ(report.version, "3.0.0");
   EXPECT_EQ(report.header_id, 0U);
-  EXPECT_EQ(report.status, CommandStatus::kSent);
+  EXPECT_EQ(report.status, message::CommandStatus::kSent);
   EXPECT_EQ(report.error, std::nullopt);
   EXPECT_EQ(report.payload, "<0|2026-01-02T03:04:05.678Z>");
-  EXPECT_THAT(report.actions, ElementsAre(ledger::ActionRef{"startPause", "id of a"}));
+  EXPECT_THAT(report.actions, ElementsAre(message::ActionRef{"startPause", "id of a"}));
   EXPECT_GT(report.elapsed.count(), 0);
 }
 
@@ -109,12 +109,12 @@ TEST_F(SendAtQos0, PublishesExactlyWhatItRecordedAndNeverRetained) {
 TEST_F(SendAtQos0, CountsEachTopicOnItsOwn) {
   EXPECT_TRUE(SendAll({CommandFor("a"), CommandFor("b"), CommandFor("a")}));
   std::vector<std::uint32_t> ids;
-  for (const Report& report : reports_) ids.push_back(report.header_id.value());
+  for (const message::Report& report : reports_) ids.push_back(report.header_id.value());
   EXPECT_THAT(ids, ElementsAre(0U, 0U, 1U));
 }
 
 TEST_F(SendAtQos0, SendsTheHeaderIdAskedFor) {
-  Command command = CommandFor("a");
+  message::Command command = CommandFor("a");
   command.header_id = 41;
   EXPECT_TRUE(SendAll({command, CommandFor("a")}));
   EXPECT_THAT(transport_.published()[0].payload, HasSubstr("<41|"));
@@ -122,7 +122,7 @@ TEST_F(SendAtQos0, SendsTheHeaderIdAskedFor) {
 }
 
 TEST_F(SendAtQos0, GivesNoIdToAMessageThatIsNotCounted) {
-  Command command = CommandFor("a");
+  message::Command command = CommandFor("a");
   command.payload = {.before_id = "", .before_time = "{", .rest = "}", .counted = false};
   EXPECT_TRUE(SendAll({command}));
   EXPECT_EQ(reports_.front().header_id, std::nullopt);
@@ -136,7 +136,7 @@ TEST_F(SendAtQos0, RecordsBrokerAndTargetWithTheMessage) {
   EXPECT_EQ(row.target, "a");
   EXPECT_EQ(row.broker, "mqtt://broker:1883");
   EXPECT_EQ(row.status, "SENT");
-  EXPECT_THAT(row.actions, ElementsAre(ledger::ActionRef{"startPause", "id of a"}));
+  EXPECT_THAT(row.actions, ElementsAre(message::ActionRef{"startPause", "id of a"}));
 }
 
 TEST_F(SendAtQos0, TellsOfEachMessageThatLeft) {
@@ -155,9 +155,9 @@ TEST_F(SendAtQos0, SendsNothingWhenTheLockIsNotToBeHad) {
   EXPECT_THAT(transport_.published(), IsEmpty());
   EXPECT_THAT(reports_, SizeIs(2));
   EXPECT_THAT(reports_,
-              Each(AllOf(Is(CommandStatus::kError), Field(&Report::error, ErrorKind::kLedger),
+              Each(AllOf(Is(message::CommandStatus::kError), Field(&message::Report::error, ErrorKind::kLedger),
                          Says("not sent: t/0 is held by somebody else"),
-                         Field(&Report::header_id, std::nullopt))));
+                         Field(&message::Report::header_id, std::nullopt))));
   EXPECT_EQ(left_, 0);
 }
 
@@ -175,7 +175,7 @@ TEST_F(SendAtQos0, SendsNothingWhenTheLedgerRefuses) {
   EXPECT_THAT(journal_.entries(), ElementsAre("lock t/0 t/1", "unlock"));
   EXPECT_THAT(reports_, SizeIs(2));
   EXPECT_THAT(reports_,
-              Each(AllOf(Is(CommandStatus::kError), Field(&Report::error, ErrorKind::kUsage),
+              Each(AllOf(Is(message::CommandStatus::kError), Field(&message::Report::error, ErrorKind::kUsage),
                          Says("not sent: header id 3 is not above"))));
 }
 
@@ -184,7 +184,7 @@ TEST_F(SendAtQos0, UsesNoHeaderIdWhenTheConnectionWentWhileItWaited) {
   EXPECT_TRUE(SendAll(CommandsFor(2)));
   EXPECT_THAT(journal_.entries(), ElementsAre("lock t/0 t/1", "unlock", "record"));
   EXPECT_THAT(reports_,
-              Each(AllOf(Is(CommandStatus::kError), Field(&Report::error, ErrorKind::kBroker),
+              Each(AllOf(Is(message::CommandStatus::kError), Field(&message::Report::error, ErrorKind::kBroker),
                          Says("not sent: broker: gone"))));
   EXPECT_THAT(reports_, SizeIs(2));
 }
@@ -203,9 +203,9 @@ TEST_F(SendAtQos0, SendsNothingMoreOnceTheLedgerHasEndedTheLock) {
   ASSERT_TRUE(SendAll(CommandsFor(4)));
   EXPECT_THAT(transport_.published(), SizeIs(2));
   EXPECT_THAT(reports_,
-              ElementsAre(Is(CommandStatus::kSent), Is(CommandStatus::kSent),
-                          AllOf(Is(CommandStatus::kError), Says("not sent: the ledger ended")),
-                          Is(CommandStatus::kError)));
+              ElementsAre(Is(message::CommandStatus::kSent), Is(message::CommandStatus::kSent),
+                          AllOf(Is(message::CommandStatus::kError), Says("not sent: the ledger ended")),
+                          Is(message::CommandStatus::kError)));
   EXPECT_EQ(reports_.back().error, ErrorKind::kLedger);
   EXPECT_THAT(Statuses(), ElementsAre("SENT", "SENT", "ERROR", "ERROR"));
 }
@@ -214,7 +214,7 @@ TEST_F(SendAtQos0, StopsAtALostConnection) {
   transport_.publish_fails_at = 1;
   EXPECT_TRUE(SendAll(CommandsFor(3)));
   EXPECT_THAT(reports_,
-              ElementsAre(Is(CommandStatus::kSent), Says("perhaps sent: broker: connection lost"),
+              ElementsAre(Is(message::CommandStatus::kSent), Says("perhaps sent: broker: connection lost"),
                           Says("not sent: broker: connection lost")));
   EXPECT_EQ(reports_[1].error, ErrorKind::kBroker);
   EXPECT_EQ(reports_[2].error, ErrorKind::kBroker);
@@ -229,8 +229,8 @@ TEST_F(SendAtQos0, OnlyReturnsTroubleWithRecordingTheOutcome) {
   const Status ended = SendAll(CommandsFor(2));
   ASSERT_FALSE(ended);
   EXPECT_EQ(ended.error().message, "disk full");
-  EXPECT_THAT(reports_, ElementsAre(Is(CommandStatus::kSent), Is(CommandStatus::kSent)));
-  EXPECT_THAT(reports_, Each(Field(&Report::error, std::nullopt)));
+  EXPECT_THAT(reports_, ElementsAre(Is(message::CommandStatus::kSent), Is(message::CommandStatus::kSent)));
+  EXPECT_THAT(reports_, Each(Field(&message::Report::error, std::nullopt)));
 }
 
 TEST_F(SendAtQos1, HoldsTheLockUntilTheAcknowledgement) {
@@ -238,14 +238,14 @@ TEST_F(SendAtQos1, HoldsTheLockUntilTheAcknowledgement) {
   EXPECT_THAT(journal_.entries(),
               ElementsAre("lock t/a t/b", "reserve 2", "publish t/a", "publish t/b", "await",
                           "unlock", "record PUBLISHED PUBLISHED"));
-  EXPECT_THAT(reports_, Each(Is(CommandStatus::kPublished)));
+  EXPECT_THAT(reports_, Each(Is(message::CommandStatus::kPublished)));
   EXPECT_THAT(transport_.published(), Each(Field(&mqtt::Message::qos, mqtt::Qos::kAtLeastOnce)));
 }
 
 TEST_F(SendAtQos1, WaitsAtQos2Too) {
   EXPECT_TRUE(SendAll(CommandsFor(1), mqtt::Qos::kExactlyOnce));
   EXPECT_THAT(journal_.entries(), Contains("await"));
-  EXPECT_THAT(reports_, ElementsAre(Is(CommandStatus::kPublished)));
+  EXPECT_THAT(reports_, ElementsAre(Is(message::CommandStatus::kPublished)));
 }
 
 TEST_F(SendAtQos1, NamesTheMessagesThatTheBrokerDidNotAcknowledge) {
@@ -254,8 +254,8 @@ TEST_F(SendAtQos1, NamesTheMessagesThatTheBrokerDidNotAcknowledge) {
     return token == 2 ? std::nullopt : std::optional(mqtt::Acknowledgement{.token = token});
   };
   EXPECT_TRUE(SendAll(CommandsFor(3), mqtt::Qos::kAtLeastOnce));
-  EXPECT_THAT(reports_, ElementsAre(Is(CommandStatus::kPublished), Is(CommandStatus::kError),
-                                    Is(CommandStatus::kPublished)));
+  EXPECT_THAT(reports_, ElementsAre(Is(message::CommandStatus::kPublished), Is(message::CommandStatus::kError),
+                                    Is(message::CommandStatus::kPublished)));
   EXPECT_EQ(reports_[1].error, ErrorKind::kBroker);
   EXPECT_EQ(reports_[1].message,
             "sent, but not acknowledged: mqtt://broker:1883 did not acknowledge within 1.5 s: it "
@@ -271,11 +271,11 @@ TEST_F(SendAtQos1, NamesTheMessageThatTheBrokerRefused) {
                                  .reason = refused ? "not authorized (0x87)" : ""};
   };
   EXPECT_TRUE(SendAll(CommandsFor(2), mqtt::Qos::kAtLeastOnce));
-  EXPECT_EQ(reports_[0].status, CommandStatus::kError);
+  EXPECT_EQ(reports_[0].status, message::CommandStatus::kError);
   EXPECT_EQ(reports_[0].error, ErrorKind::kBroker);
   EXPECT_EQ(reports_[0].message,
             "mqtt://broker:1883 refused the message, nobody got it: not authorized (0x87)");
-  EXPECT_EQ(reports_[1].status, CommandStatus::kPublished)
+  EXPECT_EQ(reports_[1].status, message::CommandStatus::kPublished)
       << "nobody subscribed (0x10) is a success";
 }
 
@@ -283,7 +283,7 @@ TEST_F(SendAtQos1, SaysThatSentMessagesMayHaveArrivedWhenTheConnectionIsLost) {
   transport_.await_error = Error{ErrorKind::kBroker, "broker: connection lost"};
   EXPECT_TRUE(SendAll(CommandsFor(2), mqtt::Qos::kAtLeastOnce));
   EXPECT_THAT(reports_,
-              Each(AllOf(Is(CommandStatus::kError), Field(&Report::error, ErrorKind::kBroker),
+              Each(AllOf(Is(message::CommandStatus::kError), Field(&message::Report::error, ErrorKind::kBroker),
                          Says("sent, but not acknowledged: broker: connection lost"))));
   EXPECT_EQ(left_, 2);
 }
@@ -291,7 +291,7 @@ TEST_F(SendAtQos1, SaysThatSentMessagesMayHaveArrivedWhenTheConnectionIsLost) {
 TEST_F(SendAtQos1, StillTakesAcknowledgementsOfWhatWentBeforeALostConnection) {
   transport_.publish_fails_at = 1;
   EXPECT_TRUE(SendAll(CommandsFor(3), mqtt::Qos::kAtLeastOnce));
-  EXPECT_THAT(reports_, ElementsAre(Is(CommandStatus::kPublished), Says("perhaps sent: "),
+  EXPECT_THAT(reports_, ElementsAre(Is(message::CommandStatus::kPublished), Says("perhaps sent: "),
                                     Says("not sent: ")));
 }
 
@@ -299,7 +299,7 @@ TEST_F(SendAtQos1, PassesOverAcknowledgementsOfOthers) {
   options_.acknowledge_timeout = std::chrono::milliseconds(50);
   transport_.acknowledge = [](int token) { return mqtt::Acknowledgement{.token = token + 100}; };
   EXPECT_TRUE(SendAll(CommandsFor(1), mqtt::Qos::kAtLeastOnce));
-  EXPECT_THAT(reports_, ElementsAre(Is(CommandStatus::kError)));
+  EXPECT_THAT(reports_, ElementsAre(Is(message::CommandStatus::kError)));
 }
 
 TEST_F(SendInBatches, TakesTheLockAnewForEach) {
@@ -322,7 +322,7 @@ TEST_F(SendInBatches, ReportsInTheOrderOfTheCommands) {
   options_.batch = 2;
   EXPECT_TRUE(SendAll(CommandsFor(5), mqtt::Qos::kAtLeastOnce));
   std::string targets;
-  for (const Report& report : reports_) targets += report.target;
+  for (const message::Report& report : reports_) targets += report.target;
   EXPECT_EQ(targets, "01234");
 }
 
@@ -343,7 +343,7 @@ TEST_F(SendInBatches, ReservesNothingMoreOnceTheConnectionIsLost) {
   transport_.publish_fails_at = 1;
   EXPECT_TRUE(SendAll(CommandsFor(5)));
   EXPECT_THAT(ledger_.rows(), SizeIs(2));
-  EXPECT_THAT(reports_, ElementsAre(Is(CommandStatus::kSent), Says("perhaps sent: "),
+  EXPECT_THAT(reports_, ElementsAre(Is(message::CommandStatus::kSent), Says("perhaps sent: "),
                                     Says("not sent: "), Says("not sent: "), Says("not sent: ")));
   EXPECT_EQ(reports_[4].header_id, std::nullopt);
 }
@@ -366,7 +366,7 @@ TEST_F(SendInBatches, GoesOnAfterAMessageThatTheBrokerRefused) {
     return mqtt::Acknowledgement{.token = token, .reason_code = token == 1 ? 0x87 : 0};
   };
   EXPECT_TRUE(SendAll(CommandsFor(2), mqtt::Qos::kAtLeastOnce));
-  EXPECT_THAT(reports_, ElementsAre(Is(CommandStatus::kError), Is(CommandStatus::kPublished)));
+  EXPECT_THAT(reports_, ElementsAre(Is(message::CommandStatus::kError), Is(message::CommandStatus::kPublished)));
 }
 
 TEST_F(SendInBatches, KeepsWhatWasSentWhenTheLedgerRefusesLater) {
@@ -374,7 +374,7 @@ TEST_F(SendInBatches, KeepsWhatWasSentWhenTheLedgerRefusesLater) {
   ledger_.reserve_error = Error{ErrorKind::kLedger, "disk full"};
   ledger_.reserve_errors_begin_at = 1;
   EXPECT_TRUE(SendAll(CommandsFor(4)));
-  EXPECT_THAT(reports_, ElementsAre(Is(CommandStatus::kSent), Is(CommandStatus::kSent),
+  EXPECT_THAT(reports_, ElementsAre(Is(message::CommandStatus::kSent), Is(message::CommandStatus::kSent),
                                     Says("not sent: disk full"), Says("not sent: disk full")));
   EXPECT_THAT(transport_.published(), SizeIs(2));
 }
@@ -384,7 +384,7 @@ TEST_F(SendInBatches, GoesOnWhenAnOutcomeCannotBeRecorded) {
   ledger_.record_error = Error{ErrorKind::kLedger, "disk full"};
   EXPECT_FALSE(SendAll(CommandsFor(3)));
   EXPECT_THAT(reports_, SizeIs(3));
-  EXPECT_THAT(reports_, Each(Is(CommandStatus::kSent)));
+  EXPECT_THAT(reports_, Each(Is(message::CommandStatus::kSent)));
 }
 
 TEST_F(SendInBatches, StampsEachWithItsOwnTime) {
@@ -396,13 +396,13 @@ TEST_F(SendInBatches, StampsEachWithItsOwnTime) {
 }
 
 TEST(ReportOn, CarriesWhatTheCommandTells) {
-  Command command = CommandFor("a");
+  message::Command command = CommandFor("a");
   command.version_assumed = true;
-  const Report report = ReportOn(command);
+  const message::Report report = message::ReportOn(command);
   EXPECT_EQ(report.target, "a");
   EXPECT_EQ(report.protocol, "vda5050");
   EXPECT_TRUE(report.version_assumed);
-  EXPECT_EQ(report.status, CommandStatus::kError) << "until somebody knows better";
+  EXPECT_EQ(report.status, message::CommandStatus::kError) << "until somebody knows better";
   EXPECT_THAT(report.payload, Not(HasSubstr("<")));
 }
 

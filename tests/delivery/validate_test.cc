@@ -15,8 +15,8 @@ using ::testing::SizeIs;
 constexpr std::string_view kAction = R"([{"actionType":"a","actionId":"1","blockingType":"NONE"}])";
 
 // A command whose message is the header and these members.
-Command CommandWith(const std::string& members) {
-  Command command;
+message::Command CommandWith(const std::string& members) {
+  message::Command command;
   command.schema = "vda5050/2.0.0/instantActions";
   command.payload = {
       R"({"headerId":)", R"(,"timestamp":")",
@@ -24,15 +24,15 @@ Command CommandWith(const std::string& members) {
   return command;
 }
 
-Command ValidCommand() { return CommandWith(R"("actions":)" + std::string(kAction)); }
+message::Command ValidCommand() { return CommandWith(R"("actions":)" + std::string(kAction)); }
 
-TextRules Finding(bool is_error) {
+message::TextRules Finding(bool is_error) {
   return [is_error](const base::JsonValue&) {
-    return std::vector<TextFinding>{{{"/actions", "is odd"}, is_error}};
+    return std::vector<message::TextFinding>{{{"/actions", "is odd"}, is_error}};
   };
 }
 
-Findings MustValidate(const Command& command) {
+Findings MustValidate(const message::Command& command) {
   schema::Registry registry;
   auto findings = Validate(command, registry);
   if (!findings) throw std::runtime_error(findings.error().message);
@@ -53,7 +53,7 @@ TEST(Validate, ListsViolationsOfTheSchema) {
 }
 
 TEST(Validate, TellsErrorsOfTheTextFromWarnings) {
-  Command command = ValidCommand();
+  message::Command command = ValidCommand();
   command.text_rules = Finding(true);
   EXPECT_THAT(MustValidate(command).errors, ElementsAre(schema::Violation{"/actions", "is odd"}));
   EXPECT_TRUE(MustValidate(command).satisfies_schema);
@@ -63,35 +63,35 @@ TEST(Validate, TellsErrorsOfTheTextFromWarnings) {
 }
 
 TEST(Validate, AsksTheTextOnlyWhenTheSchemaIsSatisfied) {
-  Command command = CommandWith(R"("actions":7)");
+  message::Command command = CommandWith(R"("actions":7)");
   bool asked = false;
   command.text_rules = [&](const base::JsonValue&) {
     asked = true;
-    return std::vector<TextFinding>();
+    return std::vector<message::TextFinding>();
   };
   EXPECT_THAT(MustValidate(command).errors, SizeIs(1));
   EXPECT_FALSE(asked);
 }
 
 TEST(Validate, ReadsARenamedMemberUnderItsOwnName) {
-  Command command = CommandWith(R"("instantActions":)" + std::string(kAction));
+  message::Command command = CommandWith(R"("instantActions":)" + std::string(kAction));
   EXPECT_THAT(MustValidate(command).errors, SizeIs(1)) << "without the quirk it lacks actions";
   command.renamed_member = {"instantActions", "actions"};
   command.text_rules = [](const base::JsonValue& message) {
     EXPECT_NE(base::FindMember(message, "actions"), nullptr);
-    return std::vector<TextFinding>();
+    return std::vector<message::TextFinding>();
   };
   EXPECT_THAT(MustValidate(command).errors, IsEmpty());
 }
 
 TEST(Validate, ChecksTheHeaderIdAskedFor) {
-  Command command = ValidCommand();
+  message::Command command = ValidCommand();
   command.header_id = 4'294'967'295U;
   EXPECT_THAT(MustValidate(command).errors, IsEmpty());
 }
 
 TEST(Validate, FailsWithoutTheSchema) {
-  Command command = ValidCommand();
+  message::Command command = ValidCommand();
   command.schema = "vda5050/2.0.0/nonsense";
   schema::Registry registry;
   const auto findings = Validate(command, registry);

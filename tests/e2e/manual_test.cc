@@ -146,8 +146,8 @@ TEST(TheManual, DocumentsEveryExitCodeAndNoOther) {
 }
 
 TEST(TheManual, DocumentsEveryStatusAndNoOther) {
-  const std::set<std::string> statuses(delivery::kCommandStatusNames.begin(),
-                                       delivery::kCommandStatusNames.end());
+  const std::set<std::string> statuses(message::kCommandStatusNames.begin(),
+                                       message::kCommandStatusNames.end());
   EXPECT_EQ(statuses.size(), 14U);
   EXPECT_EQ(Matches(Chapter("JSON"), std::regex("\n\\| `([A-Z_]+)` \\|")), statuses);
 }

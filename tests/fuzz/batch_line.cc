@@ -15,7 +15,7 @@ FUZZ(text) {
     return;
   }
   fuzz::Require(!line->commands.empty());
-  for (const delivery::Command& command : line->commands) {
+  for (const message::Command& command : line->commands) {
     const std::string payload =
         command.payload.Render(4'294'967'295, std::chrono::system_clock::now());
     fuzz::Require(base::ParseJson(payload).has_value());

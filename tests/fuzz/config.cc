@@ -9,12 +9,12 @@ using namespace fleetpub;
 
 FUZZ(text) {
   cli::Config config;
-  if (const auto read = cli::ReadConfig(text, "/f/c.toml", config); !read) {
+  if (const auto read = config::ReadConfig(text, "/f/c.toml", config); !read) {
     fuzz::Require(read.error().kind == ErrorKind::kUsage && !read.error().message.empty());
   } else {
     static_cast<void>(cli::Resolve("north", config));
     static_cast<void>(cli::Resolve(std::nullopt, config));
   }
-  const auto json = cli::TomlToJson(text);
+  const auto json = config::TomlToJson(text);
   fuzz::Require(!json || base::ParseJson(*json, {.bytes = 1U << 30U, .depth = 1000}));
 }

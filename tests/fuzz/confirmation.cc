@@ -15,8 +15,8 @@ namespace {
 
 const vda5050::RobotAddress kRobot{"K", "1"};
 
-std::vector<std::shared_ptr<delivery::ResponseTracker>> AllFor(std::string_view action) {
-  std::vector<std::shared_ptr<delivery::ResponseTracker>> all;
+std::vector<std::shared_ptr<message::ResponseTracker>> AllFor(std::string_view action) {
+  std::vector<std::shared_ptr<message::ResponseTracker>> all;
   static const auto order =
       base::ParseJson(R"({"orderId":"o","orderUpdateId":1,"nodes":[{"nodeId":"n"}],"edges":[]})");
   for (const vda5050::Version version : vda5050::kVersions) {

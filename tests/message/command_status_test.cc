@@ -2,7 +2,7 @@
 
 #include <gmock/gmock.h>
 
-namespace fleetpub::delivery {
+namespace fleetpub::message {
 namespace {
 
 TEST(CommandStatus, IsNamedAsTheManualNamesIt) {
@@ -18,4 +18,4 @@ TEST(CommandStatus, IsNamedAsTheManualNamesIt) {
 }
 
 }  // namespace
-}  // namespace fleetpub::delivery
+}  // namespace fleetpub::message

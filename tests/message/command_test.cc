@@ -5,7 +5,7 @@
 #include <chrono>
 #include <limits>
 
-namespace fleetpub::delivery {
+namespace fleetpub::message {
 namespace {
 
 using namespace std::chrono_literals;
@@ -35,4 +35,4 @@ TEST(PayloadTemplate, KnowsItsLargestSize) {
 }
 
 }  // namespace
-}  // namespace fleetpub::delivery
+}  // namespace fleetpub::message

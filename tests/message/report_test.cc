@@ -2,7 +2,7 @@
 
 #include <gmock/gmock.h>
 
-namespace fleetpub::delivery {
+namespace fleetpub::message {
 namespace {
 
 TEST(Report, IsAnErrorUntilSomebodyKnowsBetter) {
@@ -11,4 +11,4 @@ TEST(Report, IsAnErrorUntilSomebodyKnowsBetter) {
 }
 
 }  // namespace
-}  // namespace fleetpub::delivery
+}  // namespace fleetpub::message

@@ -6,7 +6,7 @@
 namespace fleetpub::soar {
 namespace {
 
-using delivery::CommandStatus;
+using message::CommandStatus;
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 
@@ -21,7 +21,7 @@ std::string Said(std::string_view id, std::string_view status, std::string_view 
 class AcknowledgementTracker : public ::testing::Test {
  protected:
   void Follow(Level wait_for, std::size_t count = 1) {
-    confirmation_ = TrackAcknowledgements(
+    tracker_ = TrackAcknowledgements(
         {.message_id = "id-1",
          .topics = {kTopic},
          .prefix = {},
@@ -30,20 +30,20 @@ class AcknowledgementTracker : public ::testing::Test {
          .on_level = [this](const Acknowledgement& said, auto /*after*/) {
            levels_.push_back(said.from + " " + std::string(NameOf(said.level)));
          }});
-    confirmation_->Published(0);
+    tracker_->Published(0);
   }
   void Hear(const std::string& payload, std::string_view topic = kTopic, bool retained = false) {
-    confirmation_->Receive({topic, payload, retained});
+    tracker_->Receive({topic, payload, retained});
   }
-  [[nodiscard]] const delivery::Progress& Now() const { return confirmation_->progress(); }
+  [[nodiscard]] const message::Progress& Now() const { return tracker_->progress(); }
 
-  std::unique_ptr<delivery::ResponseTracker> confirmation_;
+  std::unique_ptr<message::ResponseTracker> tracker_;
   std::vector<std::string> levels_;
 };
 
 TEST_F(AcknowledgementTracker, GoesThroughTheLevels) {
   Follow(Level::kExecuted);
-  EXPECT_THAT(confirmation_->Topics(), ElementsAre(kTopic));
+  EXPECT_THAT(tracker_->Topics(), ElementsAre(kTopic));
   EXPECT_FALSE(Now().seen);
   Hear(Said("id-1", "c2_received"));
   EXPECT_TRUE(Now().seen);
@@ -111,7 +111,7 @@ TEST_F(AcknowledgementTracker, ReadsAnIdWhoseCharactersAreEscaped) {
 }
 
 TEST_F(AcknowledgementTracker, HearsNothingBeforeItIsPublished) {
-  confirmation_ = TrackAcknowledgements({.message_id = "id-1", .topics = {}, .prefix = {}});
+  tracker_ = TrackAcknowledgements({.message_id = "id-1", .topics = {}, .prefix = {}});
   Hear(Said("id-1", "executed"));
   EXPECT_FALSE(Now().seen);
 }

@@ -27,8 +27,8 @@
 namespace fleetpub::cli {
 namespace {
 
-using delivery::Command;
-using delivery::Report;
+using message::Command;
+using message::Report;
 using std::chrono::steady_clock;
 
 // So many wait for their robots at once: more are not read.
@@ -89,16 +89,16 @@ class Batch {
     if (!plan_.defaults.wait_for) {
       WarnOfSilentRefusals(connect_.version, plan_.send.qos, context_.output);
     }
-    delivery::CommandSession stream(transport_, **ledger, plan_.send, plan_.wait, HooksFor());
-    while (!IsDone(stream)) {
-      if (MayRead(stream)) SendWhatIsThere(stream);
-      LookForTheEnd(stream);
-      if (!IsDone(stream)) Wait(stream);
+    delivery::CommandSession session(transport_, **ledger, plan_.send, plan_.wait, HooksFor());
+    while (!IsDone(session)) {
+      if (MayRead(session)) SendWhatIsThere(session);
+      LookForTheEnd(session);
+      if (!IsDone(session)) Wait(session);
     }
     if (transport_ != nullptr) transport_->Disconnect();
-    if (!stream.trouble()) {
+    if (!session.trouble()) {
       context_.output.Warn(fmt::format("sent, but not every outcome is in the ledger: {}",
-                                       stream.trouble().error().message));
+                                       session.trouble().error().message));
     }
     return End();
   }
@@ -120,17 +120,17 @@ class Batch {
             .again = [this] { context_.output.Warn("connected again"); }};
   }
 
-  [[nodiscard]] bool IsDone(const delivery::CommandSession& stream) const {
-    return (input_.ended() || !stopped_.empty()) && stream.waiting() == 0;
+  [[nodiscard]] bool IsDone(const delivery::CommandSession& session) const {
+    return (input_.ended() || !stopped_.empty()) && session.waiting() == 0;
   }
 
   // What arrives behind a signal is not sent.
-  [[nodiscard]] bool MayRead(const delivery::CommandSession& stream) const {
-    return !input_.ended() && stopped_.empty() && !StopSignal::Noted() && !stream.lost() &&
-           stream.waiting() < kMostWaiting;
+  [[nodiscard]] bool MayRead(const delivery::CommandSession& session) const {
+    return !input_.ended() && stopped_.empty() && !StopSignal::Noted() && !session.lost() &&
+           session.waiting() < kMostWaiting;
   }
 
-  void SendWhatIsThere(delivery::CommandSession& stream) {
+  void SendWhatIsThere(delivery::CommandSession& session) {
     const auto allowed = plan_.pace.Available(steady_clock::now());
     const std::size_t most = std::min(allowed, plan_.send.batch);
     const LineGroup group = input_.Take(most);
@@ -142,13 +142,13 @@ class Batch {
     std::span<const Command> left = group.commands;
     while (!left.empty()) {
       const auto some = left.first(std::min(left.size(), plan_.send.batch));
-      static_cast<void>(stream.Send(some));  // the reports say it
+      static_cast<void>(session.Send(some));  // the reports say it
       left = left.subspan(some.size());
     }
   }
 
   // Whatever forbids to go on.
-  void LookForTheEnd(delivery::CommandSession& stream) {
+  void LookForTheEnd(delivery::CommandSession& session) {
     const auto flushed = context_.output.Flush();
     if (!stopped_.empty()) return;
     if (const auto signal = StopSignal::Noted()) {
@@ -157,21 +157,21 @@ class Batch {
       stopped_ = "nobody reads the results";
     } else if (plan_.stop_on_error && results_.worst() != ExitCode::kDone) {
       stopped_ = "stopped at the first error";
-    } else if (stream.lost() && steady_clock::now() >= lost_at_ + plan_.reconnect) {
+    } else if (session.lost() && steady_clock::now() >= lost_at_ + plan_.reconnect) {
       stopped_ = fmt::format("no connection within {}", base::FormatElapsed(plan_.reconnect));
       gave_up_ = true;
-      stream.EndAll({ErrorKind::kBroker,
+      session.EndAll({ErrorKind::kBroker,
                      "sent, but the connection was lost before the robot answered: whether it "
                      "was done is not known"});
     }
   }
 
-  void Wait(delivery::CommandSession& stream) {
+  void Wait(delivery::CommandSession& session) {
     auto deadline = mqtt::Deadline::max();
     std::vector<int> wake;
     if (!StopSignal::Noted()) wake.push_back(stop_.descriptor());
-    if (stream.lost() && stopped_.empty()) deadline = lost_at_ + plan_.reconnect;
-    if (MayRead(stream)) {
+    if (session.lost() && stopped_.empty()) deadline = lost_at_ + plan_.reconnect;
+    if (MayRead(session)) {
       const auto now = steady_clock::now();
       if (plan_.pace.Next() > now) {
         deadline = std::min(deadline, plan_.pace.Next());
@@ -181,8 +181,8 @@ class Batch {
         wake.push_back(input_.descriptor());
       }
     }
-    stream.WakeOn(std::move(wake));
-    stream.Listen(deadline);
+    session.WakeOn(std::move(wake));
+    session.Listen(deadline);
   }
 
   Result<ExitCode> End() {
@@ -236,7 +236,7 @@ Result<ExitCode> ShowOnly(base::LineReader reader, const Plan& plan, const Conte
   return results.worst();
 }
 
-Result<Plan> PlanOf(const Options& options, const Config& config) {
+Result<Plan> PlanOf(const Options& options, const config::Config& config) {
   Plan plan;
   if (options.vda.IsAutomatic()) {
     return Fail(ErrorKind::kUsage,

@@ -141,7 +141,7 @@ Result<ExitCode> RunConfigInit(const Options& options, const Context& context) {
     return ExitCode::kDone;
   }
   const fs::path file =
-      context.options.config_file ? fs::path(*context.options.config_file) : UserConfigFile();
+      context.options.config_file ? fs::path(*context.options.config_file) : config::UserConfigFile();
   if (file.empty()) {
     return Fail(ErrorKind::kUsage,
                 "no place for the configuration: this user has no home folder; set HOME or name "

@@ -41,7 +41,7 @@ struct Row {
 };
 
 std::string_view StandardOf(std::string_view key) {
-  for (const Setting& setting : Settings()) {
+  for (const config::Setting& setting : config::Settings()) {
     if (setting.key == key) return setting.standard;
   }
   return "";
@@ -102,7 +102,7 @@ Row ProfileRow(const OptionSet& set, const Context& context) {
   return row;
 }
 
-void AddRobots(const Config& config, std::vector<Row>& rows) {
+void AddRobots(const config::Config& config, std::vector<Row>& rows) {
   for (const auto& [robot, table] : config.robots) {
     for (const auto& [key, value] : table.settings) {
       rows.push_back(

@@ -24,7 +24,7 @@ namespace fleetpub::cli {
 namespace {
 
 using base::JsonString;
-using delivery::kRecordedOutcomes;
+using message::kRecordedOutcomes;
 using ledger::Record;
 using vda5050::Version;
 
@@ -110,7 +110,7 @@ void ShowTable(const std::vector<Record>& records, Output& output) {
 }
 
 // What a person may write; the ledger knows the specification's names only.
-Status Normalize(ledger::HistoryFilter& filter, const Config& config) {
+Status Normalize(ledger::HistoryFilter& filter, const config::Config& config) {
   if (const auto alias = config.aliases.find(filter.target); alias != config.aliases.end()) {
     filter.target = alias->second.ToString();
   }

@@ -49,7 +49,7 @@ class UserMessage final : public RobotMessage {
               vda5050::HeaderMismatch foreign)
       : topic_(topic), message_(std::move(message)), foreign_(foreign) {}
 
-  [[nodiscard]] Result<delivery::Command> Build(
+  [[nodiscard]] Result<message::Command> Build(
       const RobotAddress& robot, const Dialect& dialect,
       std::optional<std::uint32_t> header_id) const override {
     return vda5050::BuildUserMessage(robot, dialect, topic_, *message_, foreign_, header_id);
@@ -65,8 +65,8 @@ class UserMessage final : public RobotMessage {
     return vda5050::CheckRobot(robot, dialect, actions, known, bytes);
   }
 
-  [[nodiscard]] Result<std::unique_ptr<delivery::ResponseTracker>> Confirm(
-      const RobotAddress& robot, const Dialect& dialect, const delivery::Command& /*command*/,
+  [[nodiscard]] Result<std::unique_ptr<message::ResponseTracker>> Confirm(
+      const RobotAddress& robot, const Dialect& dialect, const message::Command& /*command*/,
       vda5050::WaitFor wait_for) const override {
     return vda5050::TrackUserMessage(robot, dialect, topic_, *message_, wait_for);
   }

@@ -92,8 +92,8 @@ Result<std::string> ModeOf(const std::string& text, Version version) {
                                              base::Join(names, ", "), base::Printable(text)));
 }
 
-Result<robot::RejectStyle> StyleOf(const std::string& text) {
-  using robot::RejectStyle;
+Result<simulator::RejectStyle> StyleOf(const std::string& text) {
+  using simulator::RejectStyle;
   if (text.empty()) return RejectStyle::kAsTheVersionSays;
   if (text == "state") return RejectStyle::kState;
   if (text == "error") return RejectStyle::kError;
@@ -118,7 +118,7 @@ Status SetTime(const std::string& text, std::chrono::milliseconds& time) {
   return {};
 }
 
-Status SetTimes(const Options& o, robot::Settings& settings) {
+Status SetTimes(const Options& o, simulator::Settings& settings) {
   if (auto ok = SetTime(o.delay, settings.delay); !ok) return ok;
   if (auto ok = SetTime(o.order_time, settings.order_time); !ok) return ok;
   if (auto ok = SetTime(o.state_interval, settings.state_interval); !ok) return ok;
@@ -128,7 +128,7 @@ Status SetTimes(const Options& o, robot::Settings& settings) {
   return {};
 }
 
-Status SetDrop(const Options& o, robot::Settings& settings) {
+Status SetDrop(const Options& o, simulator::Settings& settings) {
   const std::string text = o.drop.ends_with('%') ? o.drop.substr(0, o.drop.size() - 1) : o.drop;
   const auto percent = NumberOf(text, "--drop", 100);
   if (!percent) return Fail(percent.error());
@@ -141,7 +141,7 @@ Status SetDrop(const Options& o, robot::Settings& settings) {
 
 // As this robot, or each of them, is configured; never `auto`, which is for robots that are there.
 VdaOptions SpokenBy(const std::vector<RobotAddress>& robots, const Options& o,
-                    const Config& config) {
+                    const config::Config& config) {
   const VdaOptions given{.version = o.version,
                          .interface_name = o.interface_name,
                          .topic_template = o.topic_template,
@@ -152,13 +152,13 @@ VdaOptions SpokenBy(const std::vector<RobotAddress>& robots, const Options& o,
   return vda;
 }
 
-Result<robot::Settings> SettingsOf(const Options& o, const VdaOptions& vda) {
+Result<simulator::Settings> SettingsOf(const Options& o, const VdaOptions& vda) {
   if (o.version == "auto") {
     return Fail(ErrorKind::kUsage, "--vda auto is for robots that are there: name a version");
   }
   const auto dialect = DialectOf(vda);
   if (!dialect) return Fail(dialect.error());
-  robot::Settings settings;
+  simulator::Settings settings;
   settings.version = dialect->version;
   settings.topics = dialect->topics;
   settings.actions_key = dialect->actions_key;
@@ -189,7 +189,7 @@ Result<std::vector<RobotAddress>> Robots(const Options& o, const Context& contex
   if (!targets) return Fail(targets.error());
   std::vector<RobotAddress> robots;
   for (const RobotAddress& target : *targets) {
-    auto some = robot::CountUp(target, *count);
+    auto some = simulator::CountUp(target, *count);
     if (!some) return Fail(std::move(some.error()));
     robots.insert(robots.end(), some->begin(), some->end());
   }
@@ -207,9 +207,9 @@ void StopOnSignals() {
   sigaction(SIGTERM, &action, nullptr);
 }
 
-void Show(std::string_view robot, const robot::Event& event, Output& output) {
+void Show(std::string_view robot, const simulator::Event& event, Output& output) {
   const std::string line = base::Printable(fmt::format("{}: {}", robot, event.text));
-  if (event.kind == robot::Event::Kind::kFault) {
+  if (event.kind == simulator::Event::Kind::kFault) {
     output.Warn(line);
   } else {
     output.Debug(line);
@@ -270,22 +270,22 @@ Result<ExitCode> RunSimulate(const Options& o, const Context& context) {
   const std::string_view version = vda5050::FactsOf(settings->version).name;
   schema::Registry registry(context.options.schema_directory);
   WarnOfMisspelt(o, output);
-  const auto fleet = robot::Fleet::Make(
+  const auto fleet = simulator::Fleet::Make(
       *std::move(settings), *robots, registry,
-      [&](std::string_view robot, const robot::Event& event) { Show(robot, event, output); });
+      [&](std::string_view robot, const simulator::Event& event) { Show(robot, event, output); });
   if (!fleet) return Fail(fleet.error());
   auto connect = ConnectOptionsOf(context);
   if (!connect) return Fail(std::move(connect.error()));
 
-  robot::RunOptions run{.connect = *std::move(connect)};
+  simulator::RunOptions run{.connect = *std::move(connect)};
   run.connect.properties = {};  // they are a command's; what a robot is does not expire
   if (!o.duration.empty()) {
     auto duration = base::ParseDuration(o.duration);
     if (!duration) return Fail(std::move(duration.error()));
     run.duration = *duration;
   }
-  if (robots->size() > robot::kMostWills) {
-    output.Debug(fmt::format("more than {} robots: they have no last will", robot::kMostWills));
+  if (robots->size() > simulator::kMostWills) {
+    output.Debug(fmt::format("more than {} robots: they have no last will", simulator::kMostWills));
   }
   run.stopped = [] { return g_stopped != 0; };
   run.on_lost = [&](const Error& error) { output.Warn(error.message + ": connecting again"); };
@@ -295,7 +295,7 @@ Result<ExitCode> RunSimulate(const Options& o, const Context& context) {
                               robots->size() == 1 ? "" : "s",
                               run.connect.brokers.front().ToString(), version));
   };
-  if (auto ended = robot::Run(**fleet, run); !ended) return Fail(std::move(ended.error()));
+  if (auto ended = simulator::Run(**fleet, run); !ended) return Fail(std::move(ended.error()));
   return ExitCode::kDone;
 }
 

@@ -31,7 +31,7 @@ bool IsToml(std::string_view name, std::string_view content) {
 Result<std::string> PayloadFrom(std::string_view name, std::string_view content,
                                 std::string_view id) {
   if (!IsToml(name, content)) return soar::PlanningConfigurationOf(content, id);
-  const auto json = TomlToJson(content);
+  const auto json = config::TomlToJson(content);
   if (!json) return Fail(json.error());
   return soar::PlanningConfigurationOf(*json, id);
 }

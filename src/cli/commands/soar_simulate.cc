@@ -10,8 +10,8 @@
 namespace fleetpub::cli {
 namespace {
 
-Result<robot::PlatformSettings> SettingsOf(const SoarSimulation& simulation) {
-  robot::PlatformSettings settings;
+Result<simulator::PlatformSettings> SettingsOf(const SoarSimulation& simulation) {
+  simulator::PlatformSettings settings;
   auto prefix = soar::ParsePrefix(simulation.prefix);
   if (!prefix) return Fail(std::move(prefix.error()));
   settings.prefix = *std::move(prefix);
@@ -35,9 +35,9 @@ Result<robot::PlatformSettings> SettingsOf(const SoarSimulation& simulation) {
   return settings;
 }
 
-void Show(std::string_view platform, const robot::Event& event, Output& output) {
+void Show(std::string_view platform, const simulator::Event& event, Output& output) {
   const std::string line = base::Printable(fmt::format("{}: {}", platform, event.text));
-  if (event.kind == robot::Event::Kind::kFault) {
+  if (event.kind == simulator::Event::Kind::kFault) {
     output.Warn(line);
   } else {
     output.Debug(line);
@@ -55,14 +55,14 @@ Result<ExitCode> RunSoarSimulation(const SoarSimulation& simulation, const Conte
   auto settings = SettingsOf(simulation);
   if (!settings) return Fail(std::move(settings.error()));
   schema::Registry registry(context.options.schema_directory);
-  const auto fleet = robot::PlatformFleet::Make(
+  const auto fleet = simulator::PlatformFleet::Make(
       *std::move(settings), simulation.destinations, registry,
-      [&](std::string_view name, const robot::Event& event) { Show(name, event, output); });
+      [&](std::string_view name, const simulator::Event& event) { Show(name, event, output); });
   if (!fleet) return Fail(fleet.error());
   auto connect = ConnectOptionsOf(context);
   if (!connect) return Fail(std::move(connect.error()));
 
-  robot::RunOptions run{.connect = *std::move(connect)};
+  simulator::RunOptions run{.connect = *std::move(connect)};
   run.connect.properties = {};  // they are a command's; where a platform is does not expire
   if (!simulation.duration.empty()) {
     const auto duration = base::ParseDuration(simulation.duration);
@@ -78,7 +78,7 @@ Result<ExitCode> RunSoarSimulation(const SoarSimulation& simulation, const Conte
                               count == 1 ? "" : "s", run.connect.brokers.front().ToString(),
                               soar::kFormatVersion));
   };
-  if (auto ended = robot::RunPlatforms(**fleet, run); !ended) return Fail(ended.error());
+  if (auto ended = simulator::RunPlatforms(**fleet, run); !ended) return Fail(ended.error());
   return ExitCode::kDone;
 }
 

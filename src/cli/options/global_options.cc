@@ -35,11 +35,11 @@ std::string_view KeyOf(std::string_view names) {
     if (key == name) return key;  // no settings, but shown with them
   }
   const auto setting =
-      std::find_if(Settings().begin(), Settings().end(), [&](const Setting& candidate) {
+      std::find_if(config::Settings().begin(), config::Settings().end(), [&](const config::Setting& candidate) {
         return std::equal(name.begin(), name.end(), candidate.key.begin(), candidate.key.end(),
                           [](char a, char b) { return a == b || (a == '-' && b == '_'); });
       });
-  assert(setting != Settings().end());
+  assert(setting != config::Settings().end());
   return setting->key;
 }
 
@@ -347,7 +347,7 @@ void DeclareGlobalOptions(OptionSet& set, GlobalOptions& options) {
   DeclareConfig(set, options);
 }
 
-Status ApplyConfig(const Config& config, OptionSet& set, GlobalOptions& options) {
+Status ApplyConfig(const config::Config& config, OptionSet& set, GlobalOptions& options) {
   if (auto ok = CheckProxy(set, options); !ok) return ok;
   ForgetVariable("FLEETPUB_PROXY");
   PreferFlags(set, options);

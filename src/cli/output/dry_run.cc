@@ -16,9 +16,9 @@ Result<DryRun> DryRun::Open(const Context& context) {
 
 DryRun::DryRun(std::unique_ptr<ledger::Ledger> ledger) : ledger_(std::move(ledger)) {}
 
-Result<delivery::Report> DryRun::Report(const delivery::Command& command) {
-  delivery::Report report = delivery::ReportOn(command);
-  report.status = delivery::CommandStatus::kDryRun;
+Result<message::Report> DryRun::Report(const message::Command& command) {
+  message::Report report = message::ReportOn(command);
+  report.status = message::CommandStatus::kDryRun;
   if (command.payload.counted) {
     const auto id = NextId(command);
     if (!id) return Fail(id.error());
@@ -29,7 +29,7 @@ Result<delivery::Report> DryRun::Report(const delivery::Command& command) {
   return report;
 }
 
-Result<std::uint32_t> DryRun::NextId(const delivery::Command& command) {
+Result<std::uint32_t> DryRun::NextId(const message::Command& command) {
   auto found = next_ids_.find(command.topic);
   if (found == next_ids_.end()) {
     auto next = ledger_->PeekNext(command.topic);

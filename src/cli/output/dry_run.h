@@ -20,11 +20,11 @@ class DryRun {
 
   /// As of now; the topic's next command would get the id behind this one's. Errors:
   /// ErrorKind::kUsage (an id asked for that is not above the last one), kLedger.
-  [[nodiscard]] Result<delivery::Report> Report(const delivery::Command& command);
+  [[nodiscard]] Result<message::Report> Report(const message::Command& command);
 
  private:
   explicit DryRun(std::unique_ptr<ledger::Ledger> ledger);
-  [[nodiscard]] Result<std::uint32_t> NextId(const delivery::Command& command);
+  [[nodiscard]] Result<std::uint32_t> NextId(const message::Command& command);
 
   std::unique_ptr<ledger::Ledger> ledger_;
   std::map<std::string, std::uint32_t> next_ids_;  // by topic

@@ -36,7 +36,7 @@ ExitCode CodeOf(ErrorKind kind) {
   return kUnexpected;
 }
 
-ExitCode CodeOf(const delivery::Report& report) {
+ExitCode CodeOf(const message::Report& report) {
   return report.error ? CodeOf(*report.error) : kDone;
 }
 

@@ -21,7 +21,7 @@ enum class ExitCode : int {
 };
 
 [[nodiscard]] ExitCode CodeOf(ErrorKind kind);
-[[nodiscard]] ExitCode CodeOf(const delivery::Report& report);
+[[nodiscard]] ExitCode CodeOf(const message::Report& report);
 
 /// Over several targets: the first of 130, 1, 8, 4, 5, 6, 7, 3, 2, 0 that occurred.
 [[nodiscard]] ExitCode Worse(ExitCode a, ExitCode b);

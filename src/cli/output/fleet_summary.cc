@@ -11,7 +11,7 @@
 namespace fleetpub::cli {
 namespace {
 
-using delivery::CommandStatus;
+using message::CommandStatus;
 using Fate = FleetSummary::Fate;
 using std::chrono::milliseconds;
 using std::chrono::nanoseconds;
@@ -57,7 +57,7 @@ FleetSummary::Fate FleetSummary::FateOf(CommandStatus status) {
   return Fate::kError;
 }
 
-void FleetSummary::Add(const delivery::Report& report) {
+void FleetSummary::Add(const message::Report& report) {
   const Fate fate = FateOf(report.status);
   const auto index = static_cast<std::size_t>(fate);
   ++counts_[index];

@@ -20,9 +20,9 @@ class FleetSummary {
   enum class Fate { kFinished, kSent, kFailed, kSilent, kOffline, kRefused, kError };
   static constexpr std::size_t kFates = 7;
 
-  [[nodiscard]] static Fate FateOf(delivery::CommandStatus status);
+  [[nodiscard]] static Fate FateOf(message::CommandStatus status);
 
-  void Add(const delivery::Report& report);
+  void Add(const message::Report& report);
 
   [[nodiscard]] std::size_t robots() const { return elapsed_.size(); }
   [[nodiscard]] std::size_t count(Fate fate) const {

@@ -21,8 +21,8 @@
 namespace fleetpub::cli {
 namespace {
 
-using delivery::CommandStatus;
-using delivery::Report;
+using message::CommandStatus;
+using message::Report;
 
 std::atomic<bool> g_has_passing = false;
 int g_why_unwritten = 0;  // what first kept standard output from being written
@@ -89,11 +89,11 @@ void Output::Warn(std::string_view text) {
   if (!settings_.quiet) Print(stderr, fmt::format("fleetpub: warning: {}\n", text));
 }
 
-void Output::Tell(std::string_view text) {
+void Output::Info(std::string_view text) {
   if (!settings_.quiet) Print(stderr, fmt::format("fleetpub: {}\n", text));
 }
 
-void Output::Note(std::string_view text) {
+void Output::Debug(std::string_view text) {
   if (settings_.verbose) Print(stderr, fmt::format("fleetpub: {}\n", text));
 }
 
@@ -101,7 +101,7 @@ void Output::Trace(std::string_view line) {
   Print(stderr, fmt::format("mqtt: {}\n", base::Printable(line)));
 }
 
-void Output::Complain(const Error& error) {
+void Output::PrintError(const Error& error) {
   Print(stderr, fmt::format("fleetpub: error: {}\n", error.message));
   if (settings_.verbose && !error.detail.empty()) {
     Print(stderr, fmt::format("fleetpub: detail: {}\n", base::Printable(error.detail)));

@@ -19,7 +19,7 @@ enum class Tone { kPlain, kGood, kBad, kDim };
 
 /// Unlike fmt::print() it does not throw when nothing can be written; of standard output
 /// Output::Flush() tells.
-void Print(std::FILE* stream, std::string_view text);
+void Print(std::FILE* session, std::string_view text);
 
 /// The columns of the terminal behind a descriptor; without limit when it is none.
 [[nodiscard]] std::size_t TerminalWidth(int descriptor);
@@ -48,10 +48,10 @@ class Output {
 
   void Warn(std::string_view text);
   /// What happens meanwhile; on standard error, suppressed by `--quiet`.
-  void Tell(std::string_view text);
-  void Note(std::string_view text);  ///< with `--verbose` only
+  void Info(std::string_view text);
+  void Debug(std::string_view text);  ///< with `--verbose` only
   void Trace(std::string_view line);
-  void Complain(const Error& error);
+  void PrintError(const Error& error);
 
   /// Whether there is anyone to see a passing line: standard error is a terminal, and standard
   /// output no pipe, whose other end may write to the same terminal at any time.
@@ -83,10 +83,10 @@ class Output {
 };
 
 /// One result line for a person. `target_width` aligns several.
-[[nodiscard]] std::string ReportText(const delivery::Report& report, std::size_t target_width,
+[[nodiscard]] std::string ReportText(const message::Report& report, std::size_t target_width,
                                      const Output& output);
 
 /// One result object (docs/manual.md, "JSON").
-[[nodiscard]] std::string ReportJson(const delivery::Report& report);
+[[nodiscard]] std::string ReportJson(const message::Report& report);
 
 }  // namespace fleetpub::cli

@@ -11,7 +11,7 @@ void Reporter::Fit(const std::string& target) {
   width_ = std::max(width_, base::WidthOf(base::Printable(target)));
 }
 
-void Reporter::Show(const delivery::Report& report) {
+void Reporter::Show(const message::Report& report) {
   worst_ = Worse(worst_, CodeOf(report));
   if (output_.json()) {
     output_.Line(ReportJson(report));

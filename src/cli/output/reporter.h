@@ -19,7 +19,7 @@ class Reporter {
   void Fit(const std::string& target);
 
   /// With `--quiet`, a person reads only what went wrong.
-  void Show(const delivery::Report& report);
+  void Show(const message::Report& report);
 
   [[nodiscard]] ExitCode worst() const { return worst_; }
 

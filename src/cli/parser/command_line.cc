@@ -24,7 +24,7 @@ Status CommandLine::Configure() {
   if (match.subcommand != nullptr && match.subcommand->config == ConfigUse::kNone) {
     return {};
   }
-  auto loaded = LoadConfig(options.config_file, options.profile);
+  auto loaded = config::LoadConfig(options.config_file, options.profile);
   if (!loaded) return Fail(std::move(loaded.error()));
   config = *std::move(loaded);
   return ApplyConfig(config, *set_, options);

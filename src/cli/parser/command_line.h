@@ -20,7 +20,7 @@ class CommandLine {
   GlobalOptions options;
   SubcommandMatch match;
   Run run;  ///< empty: no command was named
-  Config config;
+  config::Config config;
 
   /// Once. Errors: kUsage; what could be declared and read by then is there all the same. Only
   /// Extent::kAll knows --help and --version.

@@ -7,7 +7,7 @@
 namespace fleetpub::cli {
 namespace {
 
-void Set(const ConfigBindings::Target& target, const ConfigValue& value) {
+void Set(const ConfigBindings::Target& target, const config::ConfigValue& value) {
   if (auto* const* text = std::get_if<std::string*>(&target)) {
     **text = value.texts.front();
   } else if (auto* const* texts = std::get_if<std::vector<std::string>*>(&target)) {
@@ -33,13 +33,13 @@ bool ConfigBindings::IsExcepted(std::string_view key) const {
   return std::find(except_.begin(), except_.end(), key) != except_.end();
 }
 
-std::vector<std::string_view> ConfigBindings::Apply(const Config& config,
+std::vector<std::string_view> ConfigBindings::Apply(const config::Config& config,
                                                     std::vector<std::string_view> except) {
   except_ = std::move(except);
   std::vector<std::string_view> set;
   for (const auto& [key, option, target] : bindings_) {
     if (option.IsGiven() || IsExcepted(key)) continue;
-    const ConfigValue* const value = config.Find(key);
+    const config::ConfigValue* const value = config.Find(key);
     if (value == nullptr) continue;
     Set(target, *value);
     set.push_back(key);
@@ -48,7 +48,7 @@ std::vector<std::string_view> ConfigBindings::Apply(const Config& config,
 }
 
 std::vector<ConfigBindings::Effective> ConfigBindings::All(const OptionSet& set,
-                                                           const Config& config) const {
+                                                           const config::Config& config) const {
   std::vector<Effective> all;
   for (const auto& [key, option, target] : bindings_) {
     const std::vector<std::string> texts = TextsOf(target);
@@ -57,7 +57,7 @@ std::vector<ConfigBindings::Effective> ConfigBindings::All(const OptionSet& set,
       all.push_back({key, texts, set.Origin(option)});
     } else if (IsExcepted(key)) {
       continue;
-    } else if (const ConfigValue* value = config.Find(key)) {
+    } else if (const config::ConfigValue* value = config.Find(key)) {
       all.push_back({key, value->texts, value->Origin()});
     } else {
       all.push_back({key, {}, "default"});

@@ -27,7 +27,7 @@ class ConfigBindings {
 
   /// Sets what was not given, but for the keys of `except`: something else was given instead. The
   /// keys that were set.
-  [[nodiscard]] std::vector<std::string_view> Apply(const Config& config,
+  [[nodiscard]] std::vector<std::string_view> Apply(const config::Config& config,
                                                     std::vector<std::string_view> except);
 
   struct Effective {
@@ -36,7 +36,7 @@ class ConfigBindings {
     std::string origin;              ///< `flag --qos`, `profile north of FILE:3`, `default`
   };
   /// After Apply. What was replaced by something else is left out.
-  [[nodiscard]] std::vector<Effective> All(const OptionSet& set, const Config& config) const;
+  [[nodiscard]] std::vector<Effective> All(const OptionSet& set, const config::Config& config) const;
 
  private:
   struct Binding {

@@ -84,7 +84,7 @@ std::vector<std::string> Commanded(const Typed& typed, std::string_view protocol
 }
 
 void Robots(const Typed& typed, Candidates& found) {
-  const Config& config = typed.call.config;
+  const config::Config& config = typed.call.config;
   for (const auto& [alias, robot] : config.aliases) {
     found.words.push_back({alias, robot.ToString()});
   }
@@ -138,7 +138,7 @@ constexpr auto kOptionValues = std::to_array<Slot>({
     {"", "output", Fixed<kFormats>},
     {"", "mqtt-version", Fixed<kMqttVersions>},
     {"soar acknowledge", "status", Fixed<kSoarEnds>},
-    {"history", "status", Fixed<delivery::kRecordedOutcomes>},
+    {"history", "status", Fixed<message::kRecordedOutcomes>},
     {"simulate", "reject", ActionTypes},
     {"simulate", "fail", ActionTypes},
     {"simulate", "retriable", ActionTypes},

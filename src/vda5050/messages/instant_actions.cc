@@ -47,7 +47,7 @@ std::string HeaderRest(const RobotAddress& robot, const Dialect& dialect) {
                      JsonString(Or(dialect.header_serial, robot.serial_number)));
 }
 
-delivery::PayloadTemplate PayloadOf(const RobotAddress& robot, const Dialect& dialect,
+message::PayloadTemplate PayloadOf(const RobotAddress& robot, const Dialect& dialect,
                                     std::string_view actions_key, std::string_view actions_json) {
   return {.before_id = R"({"headerId":)",
           .before_time = R"(,"timestamp":")",
@@ -64,14 +64,14 @@ void WarnOfRename(std::string_view asked, std::string_view type, const VersionFa
 
 }  // namespace
 
-Result<delivery::Command> BuildInstantActions(const RobotAddress& robot, const Dialect& dialect,
+Result<message::Command> BuildInstantActions(const RobotAddress& robot, const Dialect& dialect,
                                               std::span<const InstantAction> actions,
                                               std::optional<std::uint32_t> header_id) {
   const VersionFacts& facts = FactsOf(dialect.version);
   auto topic = TopicFor(dialect.topics, dialect.version, robot, "instantActions");
   if (!topic) return Fail(std::move(topic.error()));
 
-  delivery::Command command;
+  message::Command command;
   command.target = robot.ToString();
   command.protocol = "vda5050";
   command.version = facts.name;

@@ -44,7 +44,7 @@ struct Dialect {
 /// is named as the version names it (`initPosition`, `initializePosition`), with a warning when
 /// that differs from `type`. Whether the message is valid is found by delivery::Validate. Errors:
 /// ErrorKind::kUsage (topic).
-[[nodiscard]] Result<delivery::Command> BuildInstantActions(
+[[nodiscard]] Result<message::Command> BuildInstantActions(
     const RobotAddress& robot, const Dialect& dialect, std::span<const InstantAction> actions,
     std::optional<std::uint32_t> header_id = std::nullopt);
 

@@ -92,9 +92,9 @@ std::string RestOf(const Value& message, const OwnHeader& own) {
 }
 
 // What the history shows: the actions of instantActions; of everything else, the thing itself.
-std::vector<ledger::ActionRef> ContentsOf(const Value& message, std::string_view topic,
+std::vector<message::ActionRef> ContentsOf(const Value& message, std::string_view topic,
                                           std::string_view actions_key) {
-  std::vector<ledger::ActionRef> contents;
+  std::vector<message::ActionRef> contents;
   if (topic == "order") {
     contents.push_back({"order", std::string(StringMember(message, "orderId"))});
   } else if (topic == "zoneSet") {
@@ -133,7 +133,7 @@ std::optional<Version> VersionSaidBy(const Value& message) {
   return std::nullopt;
 }
 
-Result<delivery::Command> BuildUserMessage(const RobotAddress& robot, const Dialect& dialect,
+Result<message::Command> BuildUserMessage(const RobotAddress& robot, const Dialect& dialect,
                                            std::string_view topic, const Value& message,
                                            HeaderMismatch foreign,
                                            std::optional<std::uint32_t> header_id) {
@@ -151,7 +151,7 @@ Result<delivery::Command> BuildUserMessage(const RobotAddress& robot, const Dial
   auto full = TopicFor(dialect.topics, dialect.version, robot, topic);
   if (!full) return Fail(std::move(full.error()));
 
-  delivery::Command command;
+  message::Command command;
   command.target = robot.ToString();
   command.protocol = "vda5050";
   command.version = facts.name;

@@ -32,7 +32,7 @@ enum class HeaderMismatch {
 /// message says; of the other header fields those that are missing are filled in. Errors:
 /// ErrorKind::kInvalid (no object, a header field of another robot or version), kUsage (the version
 /// has no such topic).
-[[nodiscard]] Result<delivery::Command> BuildUserMessage(
+[[nodiscard]] Result<message::Command> BuildUserMessage(
     const RobotAddress& robot, const Dialect& dialect, std::string_view topic,
     const base::JsonValue& message, HeaderMismatch foreign,
     std::optional<std::uint32_t> header_id = std::nullopt);
@@ -60,7 +60,7 @@ struct RequestResponse {
 ///
 /// or an error that references it. `message` need not outlive the call.
 /// Errors: ErrorKind::kUsage (topic; responses that no state shows).
-[[nodiscard]] Result<std::unique_ptr<delivery::ResponseTracker>> TrackUserMessage(
+[[nodiscard]] Result<std::unique_ptr<message::ResponseTracker>> TrackUserMessage(
     const RobotAddress& robot, const Dialect& dialect, std::string_view topic,
     const base::JsonValue& message, WaitFor wait_for);
 

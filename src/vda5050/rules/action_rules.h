@@ -13,7 +13,7 @@
 
 namespace fleetpub::vda5050 {
 
-using Findings = std::vector<delivery::TextFinding>;
+using Findings = std::vector<message::TextFinding>;
 
 void AddError(Findings& findings, std::string path, std::string message);
 void AddWarning(Findings& findings, std::string path, std::string message);

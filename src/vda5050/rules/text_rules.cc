@@ -69,7 +69,7 @@ Findings CheckInstantActions(const Value& message, Version version) {
   return findings;
 }
 
-delivery::TextRules TextRulesFor(std::string_view topic, Version version) {
+message::TextRules TextRulesFor(std::string_view topic, Version version) {
   if (topic == "instantActions") {
     return [version](const Value& message) { return CheckInstantActions(message, version); };
   }

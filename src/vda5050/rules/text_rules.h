@@ -15,26 +15,26 @@ namespace fleetpub::vda5050 {
 /// the table's types and complete, theta within ±π. Warned about: keys and action types that nearly
 /// are predefined ones, parameters that another version predefines, characters that the
 /// specification does not recommend for ids (§6.1).
-[[nodiscard]] std::vector<delivery::TextFinding> CheckInstantActions(const base::JsonValue& message,
+[[nodiscard]] std::vector<message::TextFinding> CheckInstantActions(const base::JsonValue& message,
                                                                      Version version);
 
 /// Checks an order that already satisfies its schema: nodes and edges alternate, one edge fewer
 /// than nodes, sequenceIds continuous over both, each edge between its neighbours, a base that
 /// begins with a released node, ends with one and lies before the horizon (§6.6), actionIds unique,
 /// each predefined action where its table allows it, with its parameters.
-[[nodiscard]] std::vector<delivery::TextFinding> CheckOrder(const base::JsonValue& message,
+[[nodiscard]] std::vector<message::TextFinding> CheckOrder(const base::JsonValue& message,
                                                             Version version);
 
 /// Checks a zoneSet (3.0 §6.4): zoneIds unique, polygons with three different vertices or more,
 /// actionIds unique.
-[[nodiscard]] std::vector<delivery::TextFinding> CheckZoneSet(const base::JsonValue& message);
+[[nodiscard]] std::vector<message::TextFinding> CheckZoneSet(const base::JsonValue& message);
 
 /// Checks responses (3.0 §6.4.3): at least one, no request twice, leaseExpiry only with GRANTED, as
 /// a time and in the future of `now`.
-[[nodiscard]] std::vector<delivery::TextFinding> CheckResponses(const base::JsonValue& message,
+[[nodiscard]] std::vector<message::TextFinding> CheckResponses(const base::JsonValue& message,
                                                                 base::WallTime now);
 
 /// The rules for a topic; empty for one that fleet control does not publish.
-[[nodiscard]] delivery::TextRules TextRulesFor(std::string_view topic, Version version);
+[[nodiscard]] message::TextRules TextRulesFor(std::string_view topic, Version version);
 
 }  // namespace fleetpub::vda5050

@@ -16,7 +16,7 @@
 namespace fleetpub::vda5050 {
 namespace {
 
-using delivery::CommandStatus;
+using message::CommandStatus;
 
 constexpr std::size_t kLongestMessage = 500;
 
@@ -38,7 +38,7 @@ void AddNew(std::vector<std::string>& texts, std::string text) {
   if (!known && texts.size() < kEnough) texts.push_back(std::move(text));
 }
 
-class ActionTracker final : public delivery::ResponseTracker {
+class ActionTracker final : public message::ResponseTracker {
  public:
   struct RobotTopics {
     std::string state;
@@ -65,9 +65,9 @@ class ActionTracker final : public delivery::ResponseTracker {
     if (!progress_.ended) TellPending();
   }
 
-  void Receive(const delivery::Incoming& message) override;
+  void Receive(const message::Incoming& message) override;
 
-  [[nodiscard]] const delivery::Progress& progress() const override { return progress_; }
+  [[nodiscard]] const message::Progress& progress() const override { return progress_; }
 
  private:
   void RememberBefore(const RobotState& state, bool retained);
@@ -93,7 +93,7 @@ class ActionTracker final : public delivery::ResponseTracker {
   std::string id_;
   const Ending& ending_;
   WaitFor wait_for_;
-  delivery::Progress progress_;
+  message::Progress progress_;
 
   std::vector<std::uint32_t> header_ids_;  // of each time it was published
   // What the robot said before publishing.
@@ -116,7 +116,7 @@ class ActionTracker final : public delivery::ResponseTracker {
   bool names_us_now_ = false;  // an error of the current state
 };
 
-void ActionTracker::Receive(const delivery::Incoming& message) {
+void ActionTracker::Receive(const message::Incoming& message) {
   if (progress_.ended) return;
   if (message.topic == topics_.connection) {
     if (const auto connection = ReadConnection(message.payload)) {
@@ -323,7 +323,7 @@ void ActionTracker::TellPending() {
 
 }  // namespace
 
-Result<std::unique_ptr<delivery::ResponseTracker>> TrackInstantAction(const RobotAddress& robot,
+Result<std::unique_ptr<message::ResponseTracker>> TrackInstantAction(const RobotAddress& robot,
                                                                       const Dialect& dialect,
                                                                       std::string_view action_type,
                                                                       std::string action_id,

@@ -34,8 +34,8 @@ enum class WaitFor {
 };
 
 /// Follows the action of this type and id. The type is the one that the version knows
-/// (delivery::Command::actions has it). Errors: ErrorKind::kUsage (topic).
-[[nodiscard]] Result<std::unique_ptr<delivery::ResponseTracker>> TrackInstantAction(
+/// (message::Command::actions has it). Errors: ErrorKind::kUsage (topic).
+[[nodiscard]] Result<std::unique_ptr<message::ResponseTracker>> TrackInstantAction(
     const RobotAddress& robot, const Dialect& dialect, std::string_view action_type,
     std::string action_id, WaitFor wait_for = WaitFor::kFinished);
 

@@ -21,8 +21,8 @@ namespace {
 using base::FindArray;
 using base::FindMember;
 using base::StringMember;
-using delivery::CommandStatus;
-using delivery::Progress;
+using message::CommandStatus;
+using message::Progress;
 using Value = base::JsonValue;
 
 // What was sent, and how a state shows it.
@@ -35,7 +35,7 @@ struct Item {
   std::function<std::optional<Progress>(const RobotState&)> look;
 };
 
-class ItemTracker final : public delivery::ResponseTracker {
+class ItemTracker final : public message::ResponseTracker {
  public:
   ItemTracker(Item item, std::string state_topic, std::string connection_topic)
       : item_(std::move(item)),
@@ -53,7 +53,7 @@ class ItemTracker final : public delivery::ResponseTracker {
     if (!progress_.ended) progress_.message = "the robot has sent no state since";
   }
 
-  void Receive(const delivery::Incoming& message) override {
+  void Receive(const message::Incoming& message) override {
     if (progress_.ended || (message.retained && !header_ids_.empty())) return;
     if (message.topic == connection_topic_) return OnConnection(message);
     if (message.topic != state_topic_) return;
@@ -106,7 +106,7 @@ class ItemTracker final : public delivery::ResponseTracker {
     return std::find(old_errors_.begin(), old_errors_.end(), fingerprint) == old_errors_.end();
   }
 
-  void OnConnection(const delivery::Incoming& message) {
+  void OnConnection(const message::Incoming& message) {
     const auto connection = ReadConnection(message.payload);
     if (!connection || message.retained || header_ids_.empty()) return;
     const std::string& state = connection->connection_state;
@@ -127,9 +127,9 @@ class ItemTracker final : public delivery::ResponseTracker {
 };
 
 // Several actions in one message: ends with the last of them, or with the first that goes wrong.
-class EveryAction final : public delivery::ResponseTracker {
+class EveryAction final : public message::ResponseTracker {
  public:
-  explicit EveryAction(std::vector<std::unique_ptr<delivery::ResponseTracker>> parts)
+  explicit EveryAction(std::vector<std::unique_ptr<message::ResponseTracker>> parts)
       : parts_(std::move(parts)) {}
 
   [[nodiscard]] std::vector<std::string> Topics() const override {
@@ -147,7 +147,7 @@ class EveryAction final : public delivery::ResponseTracker {
     Summarize();
   }
 
-  void Receive(const delivery::Incoming& message) override {
+  void Receive(const message::Incoming& message) override {
     for (const auto& part : parts_) part->Receive(message);
     Summarize();
   }
@@ -173,7 +173,7 @@ class EveryAction final : public delivery::ResponseTracker {
     }
   }
 
-  std::vector<std::unique_ptr<delivery::ResponseTracker>> parts_;
+  std::vector<std::unique_ptr<message::ResponseTracker>> parts_;
   Progress progress_;
 };
 
@@ -298,14 +298,14 @@ Result<Item> ResponseItem(const Value& message, WaitFor wait_for) {
               }};
 }
 
-Result<std::unique_ptr<delivery::ResponseTracker>> ConfirmActions(const RobotAddress& robot,
+Result<std::unique_ptr<message::ResponseTracker>> ConfirmActions(const RobotAddress& robot,
                                                                   const Dialect& dialect,
                                                                   const Value& message,
                                                                   WaitFor wait_for) {
   const std::string_view own_key = FactsOf(dialect.version).actions_key;
   const Value* actions =
       FindArray(message, dialect.actions_key.empty() ? own_key : dialect.actions_key);
-  std::vector<std::unique_ptr<delivery::ResponseTracker>> parts;
+  std::vector<std::unique_ptr<message::ResponseTracker>> parts;
   if (actions != nullptr) {
     for (const Value& action : actions->GetArray()) {
       auto part = TrackInstantAction(robot, dialect, StringMember(action, "actionType"),
@@ -319,7 +319,7 @@ Result<std::unique_ptr<delivery::ResponseTracker>> ConfirmActions(const RobotAdd
 
 }  // namespace
 
-Result<std::unique_ptr<delivery::ResponseTracker>> TrackUserMessage(const RobotAddress& robot,
+Result<std::unique_ptr<message::ResponseTracker>> TrackUserMessage(const RobotAddress& robot,
                                                                     const Dialect& dialect,
                                                                     std::string_view topic,
                                                                     const Value& message,

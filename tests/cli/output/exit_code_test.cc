@@ -42,12 +42,12 @@ TEST(CodeOf, FollowsTheKindOfTheError) {
   };
   for (const auto& [kind, code] : kCases) {
     EXPECT_EQ(static_cast<int>(CodeOf(kind)), code);
-    EXPECT_EQ(static_cast<int>(CodeOf(delivery::Report{.error = kind})), code);
+    EXPECT_EQ(static_cast<int>(CodeOf(message::Report{.error = kind})), code);
   }
 }
 
 TEST(CodeOf, IsDoneForAReportWithoutTrouble) {
-  EXPECT_EQ(CodeOf(delivery::Report{.status = delivery::CommandStatus::kSent}), kDone);
+  EXPECT_EQ(CodeOf(message::Report{.status = message::CommandStatus::kSent}), kDone);
 }
 
 }  // namespace

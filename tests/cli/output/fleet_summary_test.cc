@@ -7,14 +7,14 @@
 namespace fleetpub::cli {
 namespace {
 
-using delivery::CommandStatus;
+using message::CommandStatus;
 using std::chrono::milliseconds;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::SizeIs;
 
 void Add(FleetSummary& summary, const char* target, CommandStatus status, milliseconds elapsed) {
-  delivery::Report report;
+  message::Report report;
   report.target = target;
   report.status = status;
   report.elapsed = elapsed;

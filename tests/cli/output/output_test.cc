@@ -11,8 +11,8 @@ namespace fleetpub::cli {
 namespace {
 
 using namespace std::chrono_literals;
-using delivery::CommandStatus;
-using delivery::Report;
+using message::CommandStatus;
+using message::Report;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::Not;
@@ -142,7 +142,7 @@ TEST(ReportJson, ParsesForEveryVerdict) {
     report.status = status;
     const auto object = base::ParseJson(ReportJson(report));
     ASSERT_TRUE(object);
-    EXPECT_EQ(base::StringMember(*object, "status"), delivery::NameOf(status));
+    EXPECT_EQ(base::StringMember(*object, "status"), message::NameOf(status));
   }
 }
 

@@ -5,7 +5,7 @@
 
 #include <cstdlib>
 
-#include "connecting.h"
+#include "mqtt/connecting.h"
 #include "support/broken_broker.h"
 #include "support/free_port.h"
 #include "support/mosquitto.h"

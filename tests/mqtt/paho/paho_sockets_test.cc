@@ -12,7 +12,7 @@
 #include <cstring>
 #include <thread>
 
-#include "connecting.h"
+#include "mqtt/connecting.h"
 #include "support/broken_broker.h"
 
 namespace fleetpub::mqtt {

@@ -35,7 +35,7 @@ InstantAction Position() {
                          {"lastNodeId", "\"n1\""}}};
 }
 
-delivery::Command Build(const Dialect& dialect, const std::vector<InstantAction>& actions,
+message::Command Build(const Dialect& dialect, const std::vector<InstantAction>& actions,
                         const RobotAddress& robot = kRobot) {
   auto command = BuildInstantActions(robot, dialect, actions);
   if (!command) throw std::runtime_error(command.error().message);
@@ -48,7 +48,7 @@ std::string PayloadOf(const Dialect& dialect, const std::vector<InstantAction>& 
 }
 
 // `error /path: sentence` and `warning …`, one per finding.
-std::vector<std::string> FindingsOf(const delivery::Command& command) {
+std::vector<std::string> FindingsOf(const message::Command& command) {
   schema::Registry registry;
   const auto findings = delivery::Validate(command, registry);
   if (!findings) return {"refused: " + findings.error().message};
@@ -99,7 +99,7 @@ TEST_P(InstantActions, KnowsTopicSchemaAndVersion) {
   EXPECT_EQ(command.version, FactsOf(GetParam()).name);
   EXPECT_EQ(command.topic, *TopicFor({}, GetParam(), kRobot, "instantActions"));
   EXPECT_EQ(command.schema, fmt::format("vda5050/{}/instantActions", FactsOf(GetParam()).name));
-  EXPECT_THAT(command.actions, ElementsAre(ledger::ActionRef{"startPause", "a1"}));
+  EXPECT_THAT(command.actions, ElementsAre(message::ActionRef{"startPause", "a1"}));
   EXPECT_TRUE(command.payload.counted);
 }
 

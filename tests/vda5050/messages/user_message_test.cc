@@ -19,13 +19,13 @@ base::JsonDocument Parsed(std::string_view text) {
   return std::move(*document);
 }
 
-Result<delivery::Command> Build(std::string_view topic, std::string_view message,
+Result<message::Command> Build(std::string_view topic, std::string_view message,
                                 const Dialect& dialect = {},
                                 HeaderMismatch foreign = HeaderMismatch::kRefuse) {
   return BuildUserMessage(kRobot, dialect, topic, Parsed(message), foreign);
 }
 
-std::string Sent(const delivery::Command& command) {
+std::string Sent(const message::Command& command) {
   return command.payload.Render(7, *base::ParseDateTime("2026-11-22T20:00:00.5Z"));
 }
 
@@ -116,25 +116,25 @@ class UserMessageTracker : public ::testing::Test {
   void Follow(std::string_view topic, std::string_view message, WaitFor wait_for) {
     auto made = TrackUserMessage(kRobot, {}, topic, Parsed(message), wait_for);
     ASSERT_TRUE(made) << made.error().message;
-    confirmation_ = std::move(*made);
+    tracker_ = std::move(*made);
   }
   void FollowAndPublish(std::string_view topic, std::string_view message, WaitFor wait_for) {
     Follow(topic, message, wait_for);
-    confirmation_->Published(7);
+    tracker_->Published(7);
   }
   void State(std::string_view payload, bool retained = false) {
-    confirmation_->Receive({"vda5050/v3/KIT/0001/state", payload, retained});
+    tracker_->Receive({"vda5050/v3/KIT/0001/state", payload, retained});
   }
   void Connection(std::string_view payload) {
-    confirmation_->Receive({"vda5050/v3/KIT/0001/connection", payload});
+    tracker_->Receive({"vda5050/v3/KIT/0001/connection", payload});
   }
   [[nodiscard]] std::string Ending() const {
-    const auto& now = confirmation_->progress();
-    return now.ended ? std::string(delivery::NameOf(now.status)) : "";
+    const auto& now = tracker_->progress();
+    return now.ended ? std::string(message::NameOf(now.status)) : "";
   }
-  [[nodiscard]] std::string Told() const { return confirmation_->progress().message; }
+  [[nodiscard]] std::string Told() const { return tracker_->progress().message; }
 
-  std::unique_ptr<delivery::ResponseTracker> confirmation_;
+  std::unique_ptr<message::ResponseTracker> tracker_;
 };
 
 TEST_F(UserMessageTracker, OfAnOrderIsTheStateThatShowsIt) {
@@ -151,7 +151,7 @@ TEST_F(UserMessageTracker, IsNeverWhatWasThereBefore) {
   Follow("order", kOrder, WaitFor::kAccepted);
   State(R"({"orderId":"o","orderUpdateId":2})");
   EXPECT_EQ(Ending(), "");
-  confirmation_->Published(7);
+  tracker_->Published(7);
   State(R"({"orderId":"o","orderUpdateId":2})", true);
   EXPECT_EQ(Ending(), "") << "retained";
 }
@@ -160,7 +160,7 @@ TEST_F(UserMessageTracker, OfAnOrderFinishesWhenAllIsDone) {
   FollowAndPublish("order", kOrder, WaitFor::kFinished);
   State(R"({"orderId":"o","orderUpdateId":2,"nodeStates":[{}],"edgeStates":[]})");
   EXPECT_EQ(Ending(), "");
-  EXPECT_TRUE(confirmation_->progress().seen);
+  EXPECT_TRUE(tracker_->progress().seen);
   State(R"({"orderId":"o","orderUpdateId":2,"nodeStates":[],"edgeStates":[],"lastNodeId":"n2",
       "actionStates":[{"actionId":"a1","actionStatus":"RUNNING"}]})");
   EXPECT_EQ(Ending(), "") << "an action is still running";
@@ -198,7 +198,7 @@ TEST_F(UserMessageTracker, OfAnOrderIsRefusedByANewErrorThatNamesIt) {
       R"({"errors":[{"errorType":"old","errorReferences":[{"referenceKey":"orderId",
       "referenceValue":"o"}]}]})";
   State(kOld);
-  confirmation_->Published(7);
+  tracker_->Published(7);
   State(kOld);
   EXPECT_EQ(Ending(), "") << "an error of before";
   State(R"({"orderId":"o","orderUpdateId":2,"errors":[{"errorType":"orderError",

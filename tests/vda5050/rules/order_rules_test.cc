@@ -15,7 +15,7 @@ using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::StartsWith;
 
-using Findings = std::vector<delivery::TextFinding>;
+using Findings = std::vector<message::TextFinding>;
 
 std::vector<std::string> LinesOf(const Findings& findings) {
   std::vector<std::string> lines;

@@ -17,13 +17,13 @@ using ::testing::Not;
 
 TEST_F(ResponseTracker, ListensToStateAndConnection) {
   Follow("startPause");
-  EXPECT_THAT(confirmation_->Topics(),
+  EXPECT_THAT(tracker_->Topics(),
               ElementsAre("vda5050/v3/KIT/0001/state", "vda5050/v3/KIT/0001/connection"));
 }
 
 TEST_F(ResponseTracker, ListensToTheFactsheetWhenItIsAskedFor) {
   Follow("factsheetRequest", WaitFor::kFinished, Version::k210);
-  EXPECT_THAT(confirmation_->Topics(),
+  EXPECT_THAT(tracker_->Topics(),
               ElementsAre("uagv/v2/KIT/0001/state", "uagv/v2/KIT/0001/connection",
                           "uagv/v2/KIT/0001/factsheet"));
 }
@@ -39,7 +39,7 @@ TEST_F(ResponseTracker, PassesOverOtherTopicsAndRubbish) {
   FollowAndPublish("startPause");
   const std::string finished =
       fmt::format(R"({{"instantActionStates":[{}]}})", Entry(kId, "FINISHED"));
-  confirmation_->Receive({.topic = "vda5050/v3/KIT/0002/state", .payload = finished});
+  tracker_->Receive({.topic = "vda5050/v3/KIT/0002/state", .payload = finished});
   Hear("order", finished);
   for (const std::string_view rubbish : {"", "x", "[]", "{"}) {
     Hear("state", rubbish);

@@ -41,16 +41,16 @@ class ResponseTracker : public ::testing::Test {
     prefix_ = version == Version::k300 ? "vda5050/v3/KIT/0001/" : "uagv/v2/KIT/0001/";
     auto made = TrackInstantAction(kRobot, dialect, type, std::string(id), wait_for);
     if (!made) throw std::runtime_error(made.error().message);
-    confirmation_ = std::move(*made);
+    tracker_ = std::move(*made);
   }
-  void Publish(std::uint32_t header_id = kHeaderId) { confirmation_->Published(header_id); }
+  void Publish(std::uint32_t header_id = kHeaderId) { tracker_->Published(header_id); }
   void FollowAndPublish(std::string_view type, WaitFor wait_for = WaitFor::kFinished) {
     Follow(type, wait_for);
     Publish();
   }
 
   void Hear(std::string_view topic, std::string_view payload, bool retained = false) {
-    confirmation_->Receive(
+    tracker_->Receive(
         {.topic = prefix_ + std::string(topic), .payload = payload, .retained = retained});
   }
   void HearState(std::string_view members, bool retained = false) {
@@ -69,15 +69,15 @@ class ResponseTracker : public ::testing::Test {
     Hear("connection", fmt::format(R"({{"connectionState":"{}"}})", state), retained);
   }
 
-  [[nodiscard]] const delivery::Progress& Now() const { return confirmation_->progress(); }
+  [[nodiscard]] const message::Progress& Now() const { return tracker_->progress(); }
   [[nodiscard]] bool HasEnded() const { return Now().ended; }
   [[nodiscard]] std::string Ending() const {
-    return Now().ended ? std::string(delivery::NameOf(Now().status)) : "WAITING";
+    return Now().ended ? std::string(message::NameOf(Now().status)) : "WAITING";
   }
   [[nodiscard]] std::string Told() const { return Now().message; }
 
   std::string prefix_;
-  std::unique_ptr<delivery::ResponseTracker> confirmation_;
+  std::unique_ptr<message::ResponseTracker> tracker_;
 };
 
 }  // namespace fleetpub::vda5050
