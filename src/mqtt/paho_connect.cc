@@ -222,7 +222,13 @@ void ReadProperties(MQTTProperties* properties, PahoConnection& connection) {
 int RunConnect(MQTTClient client, MQTTClient_connectOptions* options, PahoConnection& connection,
                std::optional<int>& server_keep_alive) {
   if (options->MQTTVersion != MQTTVERSION_5) return MQTTClient_connect(client, options);
-  MQTTResponse response = MQTTClient_connect5(client, options, nullptr, nullptr);
+  MQTTProperty size{};
+  size.identifier = MQTTPROPERTY_CODE_MAXIMUM_PACKET_SIZE;
+  size.value.integer4 = kMaximumIncomingPacket;
+  MQTTProperties asked = MQTTProperties_initializer;
+  MQTTProperties_add(&asked, &size);
+  MQTTResponse response = MQTTClient_connect5(client, options, &asked, nullptr);
+  MQTTProperties_free(&asked);
   const int code = ReasonCode(response);
   if (code == MQTTCLIENT_SUCCESS) {
     ReadProperties(response.properties, connection);
@@ -245,12 +251,12 @@ Result<PahoConnection> Attempt(const BrokerUrl& broker, const ConnectOptions& op
   auto route = FindRoute(broker, options, deadline);
   if (!route) return Fail(ReachError(broker, route.error()));
 
+  const std::lock_guard lock(PahoMutex());
   PahoConnection connection;
   connection.tls = std::make_unique<TlsWatch>();
   connection.server.broker = broker;
   connection.server.version = options.version;
 
-  const std::lock_guard lock(PahoMutex());
   MQTTClient_createOptions create = MQTTClient_createOptions_initializer;
   create.MQTTVersion = options.version == ProtocolVersion::k5 ? MQTTVERSION_5 : MQTTVERSION_3_1_1;
   MQTTClient client = nullptr;
@@ -264,6 +270,9 @@ Result<PahoConnection> Attempt(const BrokerUrl& broker, const ConnectOptions& op
   PahoCall call(-1, deadline);
   ConnectWatch watch(*connection.tls, broker.UsesTls() || broker.UsesWebSocket(),
                      [&call] { call.Abort(); });
+  connection.input = std::make_unique<PahoInput>(
+      options.version, broker.UsesWebSocket() ? Framing::kWebSocket : Framing::kNone);
+  call.Feed(*connection.input);
   if (route->connected.open()) call.Adopt(std::move(route->connected));
   call.ExpectFirst(FirstBytesOf(broker));
   Arguments arguments(broker, options, watch);
@@ -278,6 +287,7 @@ Result<PahoConnection> Attempt(const BrokerUrl& broker, const ConnectOptions& op
   facts.code = code;
   facts.expired = call.expired() || steady_clock::now() >= deadline;
   facts.wrong_first = call.wrong_first();
+  facts.fault = connection.input->fault();
   if (broker.UsesTls() && !facts.connect_sent) {
     if (auto status = CheckTlsFiles(options.tls); !status) return Fail(std::move(status.error()));
   }
@@ -351,6 +361,7 @@ Result<PahoConnection> ConnectTo(const BrokerUrl& broker, const ConnectOptions& 
     const PahoCall call(connection->descriptor, steady_clock::now() + options.connect_timeout);
     MQTTClient_disconnect(connection->client, 0);
     MQTTClient_destroy(&connection->client);
+    connection->input.reset();
   }
   ConnectOptions shorter = options;
   shorter.keep_alive = std::chrono::seconds(*server_keep_alive);

@@ -185,6 +185,9 @@ std::string TlsCause(const ConnectFacts& facts, const ConnectOptions& options) {
 std::string Cause(const BrokerUrl& broker, const ConnectOptions& options,
                   const ConnectFacts& facts) {
   if (facts.wrong_first) return PeerCause(*facts.wrong_first);
+  if (!facts.fault.empty()) {
+    return fmt::format("it sent {}: is it an MQTT broker, and a sound one?", facts.fault);
+  }
   if (facts.wrong_name) {
     return fmt::format(
         "its certificate is for {}, not for {}: check the host name in --broker",
