@@ -109,6 +109,7 @@ Result<FleetView> GatherFleet(const GatheringOptions& o, const Context& context)
   const std::string broker = (*transport)->server().broker.ToString();
   (*transport)->Disconnect();
   if (view->size() == 0) return Fail(NoRobot(broker, o.fleet));
+  if (view->abridged() > 0) context.output.Warn(AbridgedWarning(view->abridged()));
   if (const std::size_t silent = Silent(*view).size();
       silent > 0 && patience->state_wait.count() > 0) {
     context.output.Warn(fmt::format(

@@ -242,10 +242,11 @@ void PacketCheck::FinishVariableHeader() {
       return number_ > 1 ? Refuse("its flags are wrong") : Begin(Field::kConnackCode);
     case Field::kConnackCode:
       connected_ = true;
-      if (left_ == 0) return End();
-      // A broker of the other version refuses in that version's form.
-      return v5_ ? Begin(Field::kPropertiesLength)
-                 : (number_ == 0 ? End() : Skip(Field::kRest, left_));
+      // A broker of the other version refuses in that version's form. On MQTT 5 Paho frees
+      // properties that it never read when there are none.
+      if (v5_ && left_ == 0) return RefuseWhole("a CONNACK packet of MQTT 3.1.1");
+      if (v5_) return Begin(Field::kPropertiesLength);
+      return number_ == 0 || left_ == 0 ? End() : Skip(Field::kRest, left_);
     case Field::kTopicLength:
       topic_length_ = number_;
       return number_ == 0 ? Refuse("it has no topic") : Skip(Field::kTopic, number_);

@@ -186,7 +186,9 @@ std::string Cause(const BrokerUrl& broker, const ConnectOptions& options,
                   const ConnectFacts& facts) {
   if (facts.wrong_first) return PeerCause(*facts.wrong_first);
   if (!facts.fault.empty()) {
-    return fmt::format("it sent {}: is it an MQTT broker, and a sound one?", facts.fault);
+    return fmt::format(
+        "it sent {}: is it a sound MQTT broker, and does it speak this version of MQTT (-V)?",
+        facts.fault);
   }
   if (facts.wrong_name) {
     return fmt::format(

@@ -165,7 +165,7 @@ TEST(PacketCheck, ReadsAConnackOfEitherVersion) {
     PacketCheck check(k311);
     EXPECT_TRUE(Admit(check, Bytes(hex))) << hex << check.fault();
   }
-  for (const char* hex : {"20 03 00 00 00", "20 02 00 01", "20 06 00 00 03 21 00 0A",
+  for (const char* hex : {"20 03 00 00 00", "20 03 00 84 00", "20 06 00 00 03 21 00 0A",
                           "20 08 00 00 05 27 00 01 00 00"}) {
     PacketCheck check(k5);
     EXPECT_TRUE(Admit(check, Bytes(hex))) << hex << check.fault();
@@ -174,8 +174,9 @@ TEST(PacketCheck, ReadsAConnackOfEitherVersion) {
     PacketCheck check(k311);
     EXPECT_FALSE(Admit(check, Bytes(hex))) << hex;
   }
-  for (const char* hex : {"20 03 00 00 01", "20 03 00 00 80", "20 06 00 00 04 21 00 0A",
-                          "20 07 00 00 03 21 00 0A 00", "20 06 00 00 03 27 00 0A"}) {
+  for (const char* hex :
+       {"20 02 00 00", "20 02 00 01", "20 03 00 00 01", "20 03 00 00 80", "20 06 00 00 04 21 00 0A",
+        "20 07 00 00 03 21 00 0A 00", "20 06 00 00 03 27 00 0A"}) {
     PacketCheck check(k5);
     EXPECT_FALSE(Admit(check, Bytes(hex))) << hex;
   }
