@@ -1,10 +1,8 @@
 // Brokers that mean harm, over every transport: what they send ends the connection with a sentence,
 // never the process, and what is recorded stays true.
 #include <gmock/gmock.h>
-#include <sys/resource.h>
-#include <sys/wait.h>
 
-#include <chrono>
+#include <string_view>
 
 #include "mqtt/certificates.h"
 #include "support/front.h"
@@ -108,6 +106,92 @@ TEST_P(HostileBroker, IsLostByWhoOnlyListens) {
       EXPECT_THAT(run.errors, HasSubstr("malformed packet"));
     }
   }
+}
+
+// ── what it makes us keep ──
+
+constexpr std::size_t kMostMib = 64;
+
+std::string PublishPacket(std::string_view topic, std::size_t payload) {
+  std::string packet = "\x30";
+  std::size_t length = 2 + topic.size() + payload;
+  for (; length >= 0x80; length >>= 7) packet += static_cast<char>(0x80 | (length & 0x7F));
+  packet += {static_cast<char>(length), '\0', static_cast<char>(topic.size())};
+  return packet.append(topic).append(payload, 'x');
+}
+
+std::string Times(int times, const std::string& text) {
+  std::string all;
+  for (int i = 0; i < times; ++i) all += text;
+  return all;
+}
+
+class GreedyBroker : public ::testing::TestWithParam<const char*> {
+ protected:
+  void SetUp() override {
+#ifdef FLEETPUB_SLOW
+    GTEST_SKIP() << "a sanitizer keeps more than a broker could make us keep";
+#endif
+  }
+  [[nodiscard]] Finished Call(const ScriptedBroker& broker,
+                              std::vector<std::string> arguments) const {
+    const Front front(broker.port(), GetParam(), "", "");
+    arguments.insert(arguments.end(), {"-b", front.Url()});
+    return operator_.Fleetpub(std::move(arguments));
+  }
+
+  Operator operator_;
+};
+
+INSTANTIATE_TEST_SUITE_P(Over, GreedyBroker, ::testing::Values("mqtt", "ws"),
+                         [](const auto& scheme) { return std::string(scheme.param); });
+
+TEST_P(GreedyBroker, FloodsUsWithNothingBeforeItsSuback) {
+  const std::pair<std::string, std::string> floods[] = {
+      {Times(10'000, std::string("\x90\3\0\1\0", 5)), "SUBACK"},
+      {Times(100, PublishPacket("vda5050/v3/KIT/0001/state", 5'000)), "wait to be read"},
+      {Times(10'000, PublishPacket("t", 0)), "wait to be read"}};
+  for (const auto& [flood, words] : floods) {
+    const ScriptedBroker broker({.on_subscribe = flood, .times = 1'000});
+    const Finished run = Call(broker, {"pause", "KIT/0001", "--wait", "--no-check"});
+    EXPECT_EQ(run.exit_code, 4) << run.output << run.errors;
+    EXPECT_THAT(run.errors, AllOf(HasSubstr("nothing was sent"), HasSubstr(words)));
+    EXPECT_LT(run.peak_mib, kMostMib) << words;
+    EXPECT_EQ(broker.published(), 0);
+  }
+}
+
+TEST_P(GreedyBroker, FloodsUsWithNothingInsteadOfAnAcknowledgement) {
+  const std::string floods[] = {
+      Times(100, PublishPacket("vda5050/v3/KIT/0001/state", 5'000)),
+      Times(10'000, std::string("\x40\2\x7F\1", 4)),  // PUBACK of what was never sent
+      Times(10'000, std::string("\x50\2\x7F\1", 4)),
+      Times(10'000, std::string("\xD0\0", 2)),
+  };
+  for (const std::string& flood : floods) {
+    const ScriptedBroker broker({.on_publish = flood, .times = 1'000});
+    const Finished run =
+        Call(broker, {"pause", "KIT/0001", "-q", "1", "--connect-timeout", "300ms"});
+    EXPECT_EQ(run.exit_code, 4) << run.output << run.errors;
+    EXPECT_LT(run.peak_mib, kMostMib);
+  }
+}
+
+TEST_P(GreedyBroker, CannotSendOneHugePacket) {
+  const std::string head("\x30\xFF\xFF\xFF\x7F\0\1t", 8);
+  const ScriptedBroker broker({.on_subscribe = head + std::string(1 << 20, 'x'), .times = 50});
+  const Finished run = Call(broker, {"fleet"});
+  EXPECT_EQ(run.exit_code, 4) << run.output << run.errors;
+  EXPECT_THAT(run.errors, HasSubstr("268435455 bytes"));
+  EXPECT_LT(run.peak_mib, kMostMib);
+}
+
+TEST_P(GreedyBroker, SendsTheLargestPacketThatWeTake) {
+  constexpr std::string_view kTopic = "vda5050/v3/KIT/0001/state";
+  const ScriptedBroker broker({.after_suback = PublishPacket(kTopic, 17'800'000)});
+  const Finished run = Call(broker, {"await", "KIT/0001", "state", "a=1", "-W", "2s"});
+  EXPECT_EQ(run.exit_code, 6) << run.output << run.errors;
+  EXPECT_LT(run.peak_mib, kMostMib + 16) << "five times itself: Paho's two copies and ours";
 }
 
 }  // namespace

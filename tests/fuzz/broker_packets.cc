@@ -215,5 +215,5 @@ FUZZ(text) {
   const std::size_t dice = std::hash<std::string_view>{}(text);
   if (packets <= own && dice % 16 != 0) return;
   // With a message in flight Paho takes 100 ms to believe that a connection is lost.
-  FeedPaho(dice % 256 == 0 ? flags : flags & ~static_cast<unsigned>(kPublishes), bytes);
+  FeedPaho(dice % 16'384 == 0 ? flags : flags & ~static_cast<unsigned>(kPublishes), bytes);
 }

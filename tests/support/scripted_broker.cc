@@ -96,7 +96,7 @@ std::string ScriptedBroker::AnswerTo(const Packet& packet, bool v5) {
       return Puback(packet, script_.puback, v5);
     case kSubscribe:
       std::this_thread::sleep_for(script_.before_suback);
-      return Suback(packet.body, script_.suback, v5);
+      return Suback(packet.body, script_.suback, v5) + script_.after_suback;
     case kPing:
       return Answer(0xD0, "");
     default:

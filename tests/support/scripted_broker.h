@@ -44,6 +44,8 @@ struct Script {
   std::string on_subscribe = {};
   std::string on_publish = {};
   int times = 1;
+  /// Follows each SUBACK.
+  std::string after_suback = {};
   /// Closes the connection instead of reading further, after a packet of this type.
   int hangs_up_after = 0;
 };
