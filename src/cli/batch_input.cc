@@ -31,8 +31,7 @@ void BatchResults::Show(const message::Report& report) {
                    std::to_string(static_cast<int>(code)) + ReportJson(report).replace(0, 1, ","));
 }
 
-message::Report BadLineReport(std::string reference, const LineOrigin& origin,
-                               const Error& error) {
+message::Report BadLineReport(std::string reference, const LineOrigin& origin, const Error& error) {
   message::Report report;
   report.reference = std::move(reference);
   report.target = origin.target;

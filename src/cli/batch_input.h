@@ -83,6 +83,6 @@ class BatchInput {
 
 /// The report on a line of which no command was made.
 [[nodiscard]] message::Report BadLineReport(std::string reference, const LineOrigin& origin,
-                                             const Error& error);
+                                            const Error& error);
 
 }  // namespace fleetpub::cli

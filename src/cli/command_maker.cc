@@ -148,7 +148,7 @@ PreflightFindings CommandMaker::FindingsOn(const ListedRobot& robot,
 }
 
 message::Report CommandMaker::ReportOn(const ListedRobot& robot, CommandStatus status,
-                                        ErrorKind kind, std::string message) const {
+                                       ErrorKind kind, std::string message) const {
   const auto& [address, entry] = robot;
   const auto command = sending_.make_message()->Build(address, *entry.Spoken(), sending_.header_id);
   message::Report report = command ? message::ReportOn(*command) : message::Report();

@@ -46,7 +46,7 @@ class CommandMaker {
 
   /// A report on a robot that gets nothing.
   [[nodiscard]] message::Report ReportOn(const ListedRobot& robot, message::CommandStatus status,
-                                          ErrorKind kind, std::string message) const;
+                                         ErrorKind kind, std::string message) const;
 
  private:
   [[nodiscard]] vda5050::PreflightFindings FindingsOn(const ListedRobot& robot,

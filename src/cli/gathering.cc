@@ -112,6 +112,7 @@ Result<FleetView> GatherFleet(const GatheringOptions& o, const Context& context)
   std::vector<RobotAddress> found;
   for (const RobotView* robot : view->robots()) found.push_back(robot->robot);
   WarnOfNames(found, context.output);
+  if (view->abridged() > 0) context.output.Warn(AbridgedWarning(view->abridged()));
   if (const std::size_t silent = Silent(*view).size();
       silent > 0 && patience->state_wait.count() > 0) {
     context.output.Warn(fmt::format(

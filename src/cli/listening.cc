@@ -1,5 +1,7 @@
 #include "cli/listening.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
 #include "base/text.h"
@@ -44,6 +46,13 @@ Result<vda5050::FleetView> FleetViewOf(const FleetOptions& options, const Contex
     patterns.push_back(vda5050::RobotPattern::Of(robot));
   }
   return vda5050::FleetView(dialect->topics, std::move(patterns));
+}
+
+std::string AbridgedWarning(std::size_t robots) {
+  return fmt::format(
+      "robots say more than is kept: of {} of them the worst error is shown, texts are cut with "
+      "…, and requests are left out. try: fewer TARGETs",
+      robots);
 }
 
 delivery::ConnectHook ConnectHookOf(mqtt::ConnectOptions options) {

@@ -36,6 +36,9 @@ void DeclareFleetOptions(OptionSet& set, FleetOptions& options);
 [[nodiscard]] Result<vda5050::FleetView> FleetViewOf(const FleetOptions& options,
                                                      const Context& context);
 
+/// What to say when so many robots' states could not be kept whole (FleetView::abridged).
+[[nodiscard]] std::string AbridgedWarning(std::size_t robots);
+
 /// Connects as these options say; at most the connect timeout and the deadline.
 [[nodiscard]] delivery::ConnectHook ConnectHookOf(mqtt::ConnectOptions options);
 

@@ -257,7 +257,7 @@ class RobotSender {
     ProgressBar bar(sending_.targets.IsSet() ? robots_.size() : 0, context_.output);
     bar_ = sending_.targets.IsSet() && bar.IsPossible() ? &bar : nullptr;
     delivery::CommandSession session(transport_, **ledger, options_, sending_.waiting.wait,
-                                    HooksFor());
+                                     HooksFor());
     auto sent = SendAll(session);
     bar_ = nullptr;
     if (transport_ != nullptr) transport_->Disconnect();

@@ -62,7 +62,6 @@ void WarnOfSilentRefusals(mqtt::ProtocolVersion version, mqtt::Qos qos, Output& 
 
 /// When nothing at all was sent, a person reads one sentence, a script an object per target.
 [[nodiscard]] Error NothingSent(const std::vector<message::Command>& commands,
-                                message::CommandStatus status, Error error,
-                                const Context& context);
+                                message::CommandStatus status, Error error, const Context& context);
 
 }  // namespace fleetpub::cli

@@ -259,7 +259,8 @@ VdaOptions Configured(VdaOptions given, const config::Config& config, const Robo
   return Completed(std::move(given), [&](std::string_view key) { return config.Find(robot, key); });
 }
 
-Result<DialectResolver> DialectResolver::For(const VdaOptions& given, const config::Config& config) {
+Result<DialectResolver> DialectResolver::For(const VdaOptions& given,
+                                             const config::Config& config) {
   DialectResolver resolver(given, config);
   const VdaOptions common = Configured(given, config);
   auto dialect = Shared(common, {});

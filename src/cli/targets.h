@@ -41,7 +41,8 @@ struct AddressedRobot {
 class DialectResolver {
  public:
   /// Errors: ErrorKind::kUsage.
-  [[nodiscard]] static Result<DialectResolver> For(const VdaOptions& given, const config::Config& config);
+  [[nodiscard]] static Result<DialectResolver> For(const VdaOptions& given,
+                                                   const config::Config& config);
 
   /// One that was named outright. Errors: ErrorKind::kUsage, in the robot's own table.
   [[nodiscard]] Result<AddressedRobot> Named(vda5050::RobotAddress robot) const;
@@ -90,7 +91,8 @@ struct Targets {
 
 /// The robot that a target's word means, by address or alias; a group only when it has one member.
 /// Errors: ErrorKind::kUsage.
-[[nodiscard]] Result<vda5050::RobotAddress> RobotOf(const std::string& word, const config::Config& config);
+[[nodiscard]] Result<vda5050::RobotAddress> RobotOf(const std::string& word,
+                                                    const config::Config& config);
 
 /// Words without `-`. One that is named twice outright counts once, with a warning. Errors:
 /// ErrorKind::kUsage.

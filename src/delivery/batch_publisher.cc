@@ -12,7 +12,8 @@ namespace {
 using std::chrono::milliseconds;
 using std::chrono::steady_clock;
 
-ledger::Draft DraftOf(const message::Command& command, const std::string& broker, base::WallTime now) {
+ledger::Draft DraftOf(const message::Command& command, const std::string& broker,
+                      base::WallTime now) {
   const message::PayloadTemplate& payload = command.payload;
   return {.topic = command.topic,
           .target = command.target,
@@ -54,8 +55,8 @@ Status BatchPublisher::Open(std::span<const message::Command> commands, millisec
   return {};
 }
 
-Result<std::unique_ptr<ledger::TopicLock>> BatchPublisher::Lock(std::span<const message::Command> commands,
-                                                                milliseconds lock_timeout) {
+Result<std::unique_ptr<ledger::TopicLock>> BatchPublisher::Lock(
+    std::span<const message::Command> commands, milliseconds lock_timeout) {
   std::vector<std::string> topics;
   topics.reserve(commands.size());
   for (const message::Command& command : commands) topics.push_back(command.topic);
@@ -158,7 +159,8 @@ void BatchPublisher::SetVerdict(message::Report& report, message::CommandStatus 
   report.elapsed = steady_clock::now() - started_;
 }
 
-void BatchPublisher::SetError(message::Report& report, const Error& error, std::string_view prefix) const {
+void BatchPublisher::SetError(message::Report& report, const Error& error,
+                              std::string_view prefix) const {
   SetVerdict(report, message::CommandStatus::kError);
   report.error = error.kind;
   report.message = fmt::format("{}{}", prefix, error.message);

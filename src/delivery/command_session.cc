@@ -31,7 +31,7 @@ constexpr std::size_t kMostIdle = 5'000;
 }  // namespace
 
 CommandSession::CommandSession(std::unique_ptr<mqtt::Transport>& transport, ledger::Ledger& ledger,
-               const SendOptions& send, const WaitOptions& wait, SessionHooks hooks)
+                               const SendOptions& send, const WaitOptions& wait, SessionHooks hooks)
     : transport_(transport),
       ledger_(ledger),
       send_(send),

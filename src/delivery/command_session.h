@@ -38,7 +38,7 @@ class CommandSession {
   /// `transport` is the open connection, and null while there is none. It and the ledger must
   /// outlive the stream.
   CommandSession(std::unique_ptr<mqtt::Transport>& transport, ledger::Ledger& ledger,
-         const SendOptions& send, const WaitOptions& wait, SessionHooks hooks);
+                 const SendOptions& send, const WaitOptions& wait, SessionHooks hooks);
 
   /// Subscribes to what these commands' trackers need, and waits for the acknowledgement.
   [[nodiscard]] Status Subscribe(std::span<const message::Command> commands);
@@ -93,10 +93,11 @@ class CommandSession {
   SessionHooks hooks_;
   PendingCommands pending_;
   PublishPipeline pipeline_;
-  std::optional<Error> broken_;  // a bracket tells that the connection is
-  std::vector<message::Report> ended_;    // not told yet
+  std::optional<Error> broken_;         // a bracket tells that the connection is
+  std::vector<message::Report> ended_;  // not told yet
   PendingCommands::Key next_key_ = 0;
-  std::unordered_map<PendingCommands::Key, message::Command> again_;  // what may have to be sent again
+  std::unordered_map<PendingCommands::Key, message::Command>
+      again_;  // what may have to be sent again
   std::unordered_set<std::string> subscribed_;
   std::size_t since_pause_ = 0;  // sent, with an answer expected
   std::vector<int> wake_;

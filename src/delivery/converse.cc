@@ -4,9 +4,10 @@
 
 namespace fleetpub::delivery {
 
-Status Converse(std::span<const message::Command> commands, std::unique_ptr<mqtt::Transport>& transport,
-                ledger::Ledger& ledger, const SendOptions& send, const WaitOptions& wait,
-                const SessionHooks& hooks, Status& trouble) {
+Status Converse(std::span<const message::Command> commands,
+                std::unique_ptr<mqtt::Transport>& transport, ledger::Ledger& ledger,
+                const SendOptions& send, const WaitOptions& wait, const SessionHooks& hooks,
+                Status& trouble) {
   CommandSession stream(transport, ledger, send, wait, hooks);
   if (auto ok = stream.Subscribe(commands); !ok) return ok;
   while (!commands.empty()) {

@@ -96,8 +96,8 @@ void PendingCommands::Update(Entry& entry) {
   }
 }
 
-void PendingCommands::End(Entry& entry, message::CommandStatus status, std::optional<ErrorKind> error,
-                          std::string message) {
+void PendingCommands::End(Entry& entry, message::CommandStatus status,
+                          std::optional<ErrorKind> error, std::string message) {
   message::Report report = std::move(entry.second.report);
   report.status = status;
   report.error = error;
@@ -120,7 +120,8 @@ std::vector<PendingCommands::Key> PendingCommands::Expire() {
       SetLimit(entry, now + PatienceToBeSeen());
       again.push_back(entry.first);
     } else {
-      End(entry, message::CommandStatus::kTimeout, message::TroubleOf(message::CommandStatus::kTimeout),
+      End(entry, message::CommandStatus::kTimeout,
+          message::TroubleOf(message::CommandStatus::kTimeout),
           watched.tracker->progress().message);
     }
   }

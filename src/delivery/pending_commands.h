@@ -93,7 +93,8 @@ class PendingCommands {
   KeysByTopic& MapFor(const std::string& topic);
   void Update(Entry& entry);
   void SetLimit(Entry& entry, Clock::time_point limit);
-  void End(Entry& entry, message::CommandStatus status, std::optional<ErrorKind> error, std::string message);
+  void End(Entry& entry, message::CommandStatus status, std::optional<ErrorKind> error,
+           std::string message);
   [[nodiscard]] std::chrono::milliseconds PatienceToBeSeen() const;
 
   WaitOptions options_;

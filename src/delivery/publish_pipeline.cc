@@ -23,8 +23,8 @@ Status PublishPipeline::Send(mqtt::Transport& transport, std::span<const message
   return Open(transport, commands, key, options_.lock_timeout);
 }
 
-Status PublishPipeline::Open(mqtt::Transport& transport, std::span<const message::Command> commands, Key key,
-                             milliseconds lock_timeout) {
+Status PublishPipeline::Open(mqtt::Transport& transport, std::span<const message::Command> commands,
+                             Key key, milliseconds lock_timeout) {
   BatchPublisher bracket(transport, ledger_, options_);
   if (auto opened = bracket.Open(commands, lock_timeout, sent_); !opened) return opened;
   under_way_.push_back({key, std::move(bracket)});

@@ -29,7 +29,8 @@ class PublishPipeline {
   /// Opens a bracket for these commands, under the caller's key. Errors: nothing of it was sent.
   /// A topic that is held, perhaps by a bracket under way, is waited for only when none is under
   /// way any more: who holds topics waits for nobody's.
-  [[nodiscard]] Status Send(mqtt::Transport& transport, std::span<const message::Command> commands, Key key);
+  [[nodiscard]] Status Send(mqtt::Transport& transport, std::span<const message::Command> commands,
+                            Key key);
 
   /// Closes what is done, and waits until at most so many brackets are under way. When the
   /// connection is lost or the broker silent, closes them all.
@@ -41,8 +42,8 @@ class PublishPipeline {
     BatchPublisher bracket;
   };
 
-  [[nodiscard]] Status Open(mqtt::Transport& transport, std::span<const message::Command> commands, Key key,
-                            std::chrono::milliseconds lock_timeout);
+  [[nodiscard]] Status Open(mqtt::Transport& transport, std::span<const message::Command> commands,
+                            Key key, std::chrono::milliseconds lock_timeout);
   /// The reason why no more acknowledgements will come, if so.
   [[nodiscard]] Status Hear(mqtt::Transport& transport, mqtt::Deadline deadline, std::size_t left);
   void CloseFirst(const Error& reason);

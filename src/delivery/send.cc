@@ -7,7 +7,8 @@
 #include "delivery/publish_pipeline.h"
 
 namespace fleetpub::delivery {
-void ReportNotSent(std::span<const message::Command> commands, const Error& error, const ReportSink& sink) {
+void ReportNotSent(std::span<const message::Command> commands, const Error& error,
+                   const ReportSink& sink) {
   for (const message::Command& command : commands) {
     message::Report report = message::ReportOn(command);
     report.error = error.kind;
@@ -26,8 +27,9 @@ Status RecordOutcomes(std::span<const message::Report> reports, ledger::Ledger& 
   return ledger.RecordOutcomes(outcomes);
 }
 
-Status Send(std::span<const message::Command> commands, mqtt::Transport& transport, ledger::Ledger& ledger,
-            const SendOptions& options, const ReportSink& report, const SentHook& sent) {
+Status Send(std::span<const message::Command> commands, mqtt::Transport& transport,
+            ledger::Ledger& ledger, const SendOptions& options, const ReportSink& report,
+            const SentHook& sent) {
   Status trouble;
   std::optional<Error> broken;
   PublishPipeline pipeline(

@@ -24,9 +24,11 @@ using ReportSink = std::function<void(const message::Report&)>;
                           const ReportSink& report, const SentHook& sent = {});
 
 /// Puts the reports' verdicts into the audit trail.
-[[nodiscard]] Status RecordOutcomes(std::span<const message::Report> reports, ledger::Ledger& ledger);
+[[nodiscard]] Status RecordOutcomes(std::span<const message::Report> reports,
+                                    ledger::Ledger& ledger);
 
 /// Tells that nothing was sent to these, and why.
-void ReportNotSent(std::span<const message::Command> commands, const Error& error, const ReportSink& sink);
+void ReportNotSent(std::span<const message::Command> commands, const Error& error,
+                   const ReportSink& sink);
 
 }  // namespace fleetpub::delivery

@@ -27,7 +27,8 @@ struct Findings {
 
 /// Renders the command with a placeholder header and checks it. An invalid one costs no header id.
 /// An Error: the schema itself cannot be had.
-[[nodiscard]] Result<Findings> Validate(const message::Command& command, schema::Registry& registry);
+[[nodiscard]] Result<Findings> Validate(const message::Command& command,
+                                        schema::Registry& registry);
 
 /// What is wrong, in one line for a person: `/actions/0/blockingType: must be …; …`
 [[nodiscard]] std::string Describe(const Findings& findings);

@@ -58,7 +58,7 @@ Result<std::string> PlanningConfigurationOf(std::string_view json,
 }
 
 message::Command BuildMessage(MessageType type, const Destination& destination,
-                               const Sender& sender, std::string_view payload) {
+                              const Sender& sender, std::string_view payload) {
   const std::string id = base::RandomUuid();
   message::Command command;
   command.target = destination.name;

@@ -43,6 +43,6 @@ struct Sender {
 /// The message with all seven header fields, a hole for the timestamp and a fresh message_ID, which
 /// is the id of its only action.
 [[nodiscard]] message::Command BuildMessage(MessageType type, const Destination& destination,
-                                             const Sender& sender, std::string_view payload);
+                                            const Sender& sender, std::string_view payload);
 
 }  // namespace fleetpub::soar

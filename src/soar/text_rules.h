@@ -17,6 +17,6 @@ enum class Strictness { kWarn, kRefuse };
 /// twice, velocities the right way round, heading and battery within their ranges, an action that
 /// nearly is one of the named ones, and a header that does not fit its payload.
 [[nodiscard]] std::vector<message::TextFinding> CheckMessage(const base::JsonValue& message,
-                                                              Strictness strictness);
+                                                             Strictness strictness);
 
 }  // namespace fleetpub::soar

@@ -102,7 +102,8 @@ class OfOneRobot final : public message::ResponseTracker {
   OfOneRobot(int robot, bool ends) : topic_("state/" + std::to_string(robot)), ends_(ends) {}
   std::vector<std::string> Topics() const override { return {topic_}; }
   void Published(std::uint32_t /*header_id*/) override {
-    if (ends_) progress_ = {.seen = true, .ended = true, .status = message::CommandStatus::kFinished};
+    if (ends_)
+      progress_ = {.seen = true, .ended = true, .status = message::CommandStatus::kFinished};
   }
   void Receive(const message::Incoming& /*message*/) override {}
   const message::Progress& progress() const override { return progress_; }

@@ -22,7 +22,8 @@ class Told : public message::ResponseTracker {
   void Receive(const message::Incoming& message) override {
     progress_.seen = true;
     if (message.payload != "done") return;
-    progress_ = {.seen = true, .ended = true, .status = message::CommandStatus::kFinished, .message = "so"};
+    progress_ = {
+        .seen = true, .ended = true, .status = message::CommandStatus::kFinished, .message = "so"};
   }
   const message::Progress& progress() const override { return progress_; }
 

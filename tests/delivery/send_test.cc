@@ -41,7 +41,9 @@ std::vector<message::Command> CommandsFor(int count) {
 }
 
 auto Is(message::CommandStatus status) { return Field(&message::Report::status, status); }
-auto Says(const std::string& message) { return Field(&message::Report::message, HasSubstr(message)); }
+auto Says(const std::string& message) {
+  return Field(&message::Report::message, HasSubstr(message));
+}
 
 class Sending : public ::testing::Test {
  protected:
@@ -49,7 +51,8 @@ class Sending : public ::testing::Test {
     options_.now = [] { return base::WallTime(1767323045678ms); };
   }
 
-  Status SendAll(const std::vector<message::Command>& commands, mqtt::Qos qos = mqtt::Qos::kAtMostOnce) {
+  Status SendAll(const std::vector<message::Command>& commands,
+                 mqtt::Qos qos = mqtt::Qos::kAtMostOnce) {
     options_.qos = qos;
     return Send(
         commands, transport_, ledger_, options_,
@@ -154,10 +157,10 @@ TEST_F(SendAtQos0, SendsNothingWhenTheLockIsNotToBeHad) {
   EXPECT_TRUE(SendAll(CommandsFor(2)));
   EXPECT_THAT(transport_.published(), IsEmpty());
   EXPECT_THAT(reports_, SizeIs(2));
-  EXPECT_THAT(reports_,
-              Each(AllOf(Is(message::CommandStatus::kError), Field(&message::Report::error, ErrorKind::kLedger),
-                         Says("not sent: t/0 is held by somebody else"),
-                         Field(&message::Report::header_id, std::nullopt))));
+  EXPECT_THAT(reports_, Each(AllOf(Is(message::CommandStatus::kError),
+                                   Field(&message::Report::error, ErrorKind::kLedger),
+                                   Says("not sent: t/0 is held by somebody else"),
+                                   Field(&message::Report::header_id, std::nullopt))));
   EXPECT_EQ(left_, 0);
 }
 
@@ -174,18 +177,18 @@ TEST_F(SendAtQos0, SendsNothingWhenTheLedgerRefuses) {
   EXPECT_TRUE(SendAll(CommandsFor(2)));
   EXPECT_THAT(journal_.entries(), ElementsAre("lock t/0 t/1", "unlock"));
   EXPECT_THAT(reports_, SizeIs(2));
-  EXPECT_THAT(reports_,
-              Each(AllOf(Is(message::CommandStatus::kError), Field(&message::Report::error, ErrorKind::kUsage),
-                         Says("not sent: header id 3 is not above"))));
+  EXPECT_THAT(reports_, Each(AllOf(Is(message::CommandStatus::kError),
+                                   Field(&message::Report::error, ErrorKind::kUsage),
+                                   Says("not sent: header id 3 is not above"))));
 }
 
 TEST_F(SendAtQos0, UsesNoHeaderIdWhenTheConnectionWentWhileItWaited) {
   transport_.ready_error = Error{ErrorKind::kBroker, "broker: gone"};
   EXPECT_TRUE(SendAll(CommandsFor(2)));
   EXPECT_THAT(journal_.entries(), ElementsAre("lock t/0 t/1", "unlock", "record"));
-  EXPECT_THAT(reports_,
-              Each(AllOf(Is(message::CommandStatus::kError), Field(&message::Report::error, ErrorKind::kBroker),
-                         Says("not sent: broker: gone"))));
+  EXPECT_THAT(reports_, Each(AllOf(Is(message::CommandStatus::kError),
+                                   Field(&message::Report::error, ErrorKind::kBroker),
+                                   Says("not sent: broker: gone"))));
   EXPECT_THAT(reports_, SizeIs(2));
 }
 
@@ -202,10 +205,11 @@ TEST_F(SendAtQos0, SendsNothingMoreOnceTheLedgerHasEndedTheLock) {
   ledger_.held_so_often = 2;
   ASSERT_TRUE(SendAll(CommandsFor(4)));
   EXPECT_THAT(transport_.published(), SizeIs(2));
-  EXPECT_THAT(reports_,
-              ElementsAre(Is(message::CommandStatus::kSent), Is(message::CommandStatus::kSent),
-                          AllOf(Is(message::CommandStatus::kError), Says("not sent: the ledger ended")),
-                          Is(message::CommandStatus::kError)));
+  EXPECT_THAT(
+      reports_,
+      ElementsAre(Is(message::CommandStatus::kSent), Is(message::CommandStatus::kSent),
+                  AllOf(Is(message::CommandStatus::kError), Says("not sent: the ledger ended")),
+                  Is(message::CommandStatus::kError)));
   EXPECT_EQ(reports_.back().error, ErrorKind::kLedger);
   EXPECT_THAT(Statuses(), ElementsAre("SENT", "SENT", "ERROR", "ERROR"));
 }
@@ -213,9 +217,9 @@ TEST_F(SendAtQos0, SendsNothingMoreOnceTheLedgerHasEndedTheLock) {
 TEST_F(SendAtQos0, StopsAtALostConnection) {
   transport_.publish_fails_at = 1;
   EXPECT_TRUE(SendAll(CommandsFor(3)));
-  EXPECT_THAT(reports_,
-              ElementsAre(Is(message::CommandStatus::kSent), Says("perhaps sent: broker: connection lost"),
-                          Says("not sent: broker: connection lost")));
+  EXPECT_THAT(reports_, ElementsAre(Is(message::CommandStatus::kSent),
+                                    Says("perhaps sent: broker: connection lost"),
+                                    Says("not sent: broker: connection lost")));
   EXPECT_EQ(reports_[1].error, ErrorKind::kBroker);
   EXPECT_EQ(reports_[2].error, ErrorKind::kBroker);
   EXPECT_THAT(transport_.published(), SizeIs(1));
@@ -229,7 +233,8 @@ TEST_F(SendAtQos0, OnlyReturnsTroubleWithRecordingTheOutcome) {
   const Status ended = SendAll(CommandsFor(2));
   ASSERT_FALSE(ended);
   EXPECT_EQ(ended.error().message, "disk full");
-  EXPECT_THAT(reports_, ElementsAre(Is(message::CommandStatus::kSent), Is(message::CommandStatus::kSent)));
+  EXPECT_THAT(reports_,
+              ElementsAre(Is(message::CommandStatus::kSent), Is(message::CommandStatus::kSent)));
   EXPECT_THAT(reports_, Each(Field(&message::Report::error, std::nullopt)));
 }
 
@@ -254,7 +259,8 @@ TEST_F(SendAtQos1, NamesTheMessagesThatTheBrokerDidNotAcknowledge) {
     return token == 2 ? std::nullopt : std::optional(mqtt::Acknowledgement{.token = token});
   };
   EXPECT_TRUE(SendAll(CommandsFor(3), mqtt::Qos::kAtLeastOnce));
-  EXPECT_THAT(reports_, ElementsAre(Is(message::CommandStatus::kPublished), Is(message::CommandStatus::kError),
+  EXPECT_THAT(reports_, ElementsAre(Is(message::CommandStatus::kPublished),
+                                    Is(message::CommandStatus::kError),
                                     Is(message::CommandStatus::kPublished)));
   EXPECT_EQ(reports_[1].error, ErrorKind::kBroker);
   EXPECT_EQ(reports_[1].message,
@@ -282,9 +288,9 @@ TEST_F(SendAtQos1, NamesTheMessageThatTheBrokerRefused) {
 TEST_F(SendAtQos1, SaysThatSentMessagesMayHaveArrivedWhenTheConnectionIsLost) {
   transport_.await_error = Error{ErrorKind::kBroker, "broker: connection lost"};
   EXPECT_TRUE(SendAll(CommandsFor(2), mqtt::Qos::kAtLeastOnce));
-  EXPECT_THAT(reports_,
-              Each(AllOf(Is(message::CommandStatus::kError), Field(&message::Report::error, ErrorKind::kBroker),
-                         Says("sent, but not acknowledged: broker: connection lost"))));
+  EXPECT_THAT(reports_, Each(AllOf(Is(message::CommandStatus::kError),
+                                   Field(&message::Report::error, ErrorKind::kBroker),
+                                   Says("sent, but not acknowledged: broker: connection lost"))));
   EXPECT_EQ(left_, 2);
 }
 
@@ -366,7 +372,8 @@ TEST_F(SendInBatches, GoesOnAfterAMessageThatTheBrokerRefused) {
     return mqtt::Acknowledgement{.token = token, .reason_code = token == 1 ? 0x87 : 0};
   };
   EXPECT_TRUE(SendAll(CommandsFor(2), mqtt::Qos::kAtLeastOnce));
-  EXPECT_THAT(reports_, ElementsAre(Is(message::CommandStatus::kError), Is(message::CommandStatus::kPublished)));
+  EXPECT_THAT(reports_, ElementsAre(Is(message::CommandStatus::kError),
+                                    Is(message::CommandStatus::kPublished)));
 }
 
 TEST_F(SendInBatches, KeepsWhatWasSentWhenTheLedgerRefusesLater) {
@@ -374,8 +381,9 @@ TEST_F(SendInBatches, KeepsWhatWasSentWhenTheLedgerRefusesLater) {
   ledger_.reserve_error = Error{ErrorKind::kLedger, "disk full"};
   ledger_.reserve_errors_begin_at = 1;
   EXPECT_TRUE(SendAll(CommandsFor(4)));
-  EXPECT_THAT(reports_, ElementsAre(Is(message::CommandStatus::kSent), Is(message::CommandStatus::kSent),
-                                    Says("not sent: disk full"), Says("not sent: disk full")));
+  EXPECT_THAT(reports_,
+              ElementsAre(Is(message::CommandStatus::kSent), Is(message::CommandStatus::kSent),
+                          Says("not sent: disk full"), Says("not sent: disk full")));
   EXPECT_THAT(transport_.published(), SizeIs(2));
 }
 

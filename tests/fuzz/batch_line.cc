@@ -2,7 +2,7 @@
 #include "cli/batch_line.h"
 
 #include "base/json.h"
-#include "fuzz.h"
+#include "fuzz/fuzz.h"
 
 using namespace fleetpub;
 

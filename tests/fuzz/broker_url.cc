@@ -1,7 +1,7 @@
 // What names a broker.
 #include "mqtt/broker_url.h"
 
-#include "fuzz.h"
+#include "fuzz/fuzz.h"
 
 using namespace fleetpub;
 

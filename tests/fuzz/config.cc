@@ -3,7 +3,7 @@
 
 #include "base/json.h"
 #include "config/toml_text.h"
-#include "fuzz.h"
+#include "fuzz/fuzz.h"
 
 using namespace fleetpub;
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "base/json.h"
-#include "fuzz.h"
+#include "fuzz/fuzz.h"
 #include "vda5050/messages/user_message.h"
 #include "vda5050/tracking/action_tracker.h"
 

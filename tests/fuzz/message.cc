@@ -1,7 +1,7 @@
 // A message of VDA 5050: a line with its topic, then the JSON. Schema and text rules of its
 // version.
 #include "base/json.h"
-#include "fuzz.h"
+#include "fuzz/fuzz.h"
 #include "vda5050/rules/conformance.h"
 
 using namespace fleetpub;

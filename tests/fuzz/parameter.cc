@@ -2,7 +2,7 @@
 #include "vda5050/catalogue/parameter.h"
 
 #include "base/json.h"
-#include "fuzz.h"
+#include "fuzz/fuzz.h"
 #include "soar/field.h"
 
 using namespace fleetpub;

@@ -1,6 +1,6 @@
 // A file of waypoints: CSV, JSON or GeoJSON. What it makes is JSON.
 #include "base/json.h"
-#include "fuzz.h"
+#include "fuzz/fuzz.h"
 #include "soar/plan_file.h"
 
 using namespace fleetpub;

@@ -1,7 +1,7 @@
 // What a robot says about itself: a line with the topic, then the JSON. Reading, finding robots,
 // the check before sending.
 #include "base/text.h"
-#include "fuzz.h"
+#include "fuzz/fuzz.h"
 #include "vda5050/reports/fleet_view.h"
 #include "vda5050/rules/preflight.h"
 

@@ -5,7 +5,7 @@
 #include <array>
 
 #include "base/json.h"
-#include "fuzz.h"
+#include "fuzz/fuzz.h"
 
 using namespace fleetpub;
 

@@ -1,7 +1,7 @@
 // A SoAR message: a line with its topic, then the JSON. As an acknowledgement, and against each
 // schema.
 #include "base/json.h"
-#include "fuzz.h"
+#include "fuzz/fuzz.h"
 #include "soar/acknowledgement_tracker.h"
 #include "soar/message.h"
 

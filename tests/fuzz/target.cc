@@ -1,7 +1,7 @@
 // What people write for robots, patterns, platforms, conditions and times.
 #include "base/json.h"
 #include "base/time.h"
-#include "fuzz.h"
+#include "fuzz/fuzz.h"
 #include "soar/destination.h"
 #include "vda5050/model/robot_pattern.h"
 #include "vda5050/reports/condition.h"

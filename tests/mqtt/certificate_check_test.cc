@@ -1,8 +1,8 @@
 // Certificates of brokers that must not hear a login, at real brokers.
 #include "mqtt/certificate_check.h"
 
-#include "certificates.h"
-#include "connecting.h"
+#include "mqtt/certificates.h"
+#include "mqtt/connecting.h"
 #include "support/mosquitto.h"
 
 namespace fleetpub::mqtt {

@@ -5,7 +5,7 @@
 
 #include <thread>
 
-#include "connecting.h"
+#include "mqtt/connecting.h"
 #include "support/broken_broker.h"
 #include "support/mosquitto.h"
 

@@ -10,7 +10,7 @@
 #include <chrono>
 #include <stdexcept>
 
-#include "connecting.h"
+#include "mqtt/connecting.h"
 #include "support/broken_broker.h"
 #include "support/free_port.h"
 

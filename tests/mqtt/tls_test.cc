@@ -1,15 +1,13 @@
 // TLS and WebSockets against a real mosquitto.
-#include <openssl/evp.h>
-#include <openssl/sha.h>
-
 #include <algorithm>
-#include <array>
 #include <memory>
+#include <thread>
 
-#include "certificates.h"
-#include "connecting.h"
+#include "mqtt/certificates.h"
+#include "mqtt/connecting.h"
 #include "support/broken_broker.h"
 #include "support/free_port.h"
+#include "support/front.h"
 #include "support/mosquitto.h"
 #include "support/process.h"
 
@@ -18,6 +16,10 @@ namespace {
 
 using fleetpub::testing::BrokenBroker;
 using fleetpub::testing::Mosquitto;
+using fleetpub::testing::ReadSome;
+using fleetpub::testing::WebSocketAnswer;
+using fleetpub::testing::WebSocketFrame;
+using fleetpub::testing::WriteTo;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
@@ -179,43 +181,99 @@ TEST(Tls, FindsTheMessageBehindAPingresp) {
   EXPECT_EQ(MustReceive(*robot).payload, "second");
 }
 
-// RFC 6455 §4.2.2.
-std::string AcceptKey(const std::string& request) {
-  const std::string_view name = "Sec-WebSocket-Key: ";
-  const std::size_t start = request.find(name) + name.size();
-  const std::string key = request.substr(start, request.find('\r', start) - start) +
-                          "258EAFA5-E914-47DA-95CA-C5AB0DC85B11";
-  std::array<unsigned char, SHA_DIGEST_LENGTH> digest{};
-  SHA1(reinterpret_cast<const unsigned char*>(key.data()), key.size(), digest.data());
-  std::array<unsigned char, 64> text{};
-  const int length = EVP_EncodeBlock(text.data(), digest.data(), static_cast<int>(digest.size()));
-  return {reinterpret_cast<const char*>(text.data()), static_cast<std::size_t>(length)};
-}
-
-std::string Frame(const std::string& packets) {
-  return std::string("\x82", 1) + static_cast<char>(packets.size()) + packets;
+/// Answers the handshake and CONNECT, then says these, with a pause between them.
+BrokenBroker::Behaviour SpeaksFrames(std::vector<std::string> frames) {
+  return [frames = std::move(frames)](int socket) {
+    WriteTo(socket, WebSocketAnswer(ReadSome(socket)));
+    static_cast<void>(ReadSome(socket));
+    WriteTo(socket, WebSocketFrame(BrokenBroker::Connack(0)));
+    for (const std::string& frame : frames) {
+      WriteTo(socket, frame);
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    }
+    while (!ReadSome(socket).empty()) {
+    }
+  };
 }
 
 TEST(WebSocket, FindsEveryMessageOfAFrame) {
-  FLEETPUB_NEEDS_FAST_CONNECT();
-  const BrokenBroker broker([](int socket) {
-    using fleetpub::testing::ReadSome;
-    using fleetpub::testing::WriteTo;
-    WriteTo(socket,
-            "HTTP/1.1 101 Switching Protocols\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n"
-            "Sec-WebSocket-Accept: " +
-                AcceptKey(ReadSome(socket)) + "\r\n\r\n");
-    static_cast<void>(ReadSome(socket));
-    WriteTo(socket, Frame(BrokenBroker::Connack(0)));
-    WriteTo(socket, Frame(PublishPacket("t", "first") + PublishPacket("t", "second") +
-                          PublishPacket("t", "third")));
-    while (!ReadSome(socket).empty()) {
-    }
-  });
+  const BrokenBroker broker(SpeaksFrames({WebSocketFrame(
+      PublishPacket("t", "first") + PublishPacket("t", "second") + PublishPacket("t", "third"))}));
   const auto robot = Connected(To(broker.Url("ws")));
   for (const std::string payload : {"first", "second", "third"}) {
     EXPECT_EQ(MustReceive(*robot).payload, payload);
   }
+}
+
+// Paho alone loses the first piece, and takes the ping for a part of the message.
+TEST(WebSocket, PutsAMessageTogetherFromFramesOfEverySize) {
+  const std::string large(200'000, 'y');
+  std::string all = PublishPacket("t", "first") + "\x30\xC3\x9A\x0C";
+  all += std::string("\0\1t", 3) + large;
+  const std::size_t cuts[] = {0, 1, 2, 9, 11, 12, 13, 5000, 80'000, all.size()};
+  std::vector<std::string> frames;
+  for (std::size_t i = 0; i + 1 < std::size(cuts); ++i) {
+    const int first = (i == 0 ? 0x02 : 0x00) | (i + 2 == std::size(cuts) ? 0x80 : 0);
+    frames.push_back(
+        WebSocketFrame(std::string_view(all).substr(cuts[i], cuts[i + 1] - cuts[i]), first));
+    frames.push_back(WebSocketFrame("still there?", 0x89));  // ping
+    frames.push_back(WebSocketFrame("", 0x8A));              // pong
+  }
+  const BrokenBroker broker(SpeaksFrames(frames));
+  const auto robot = Connected(To(broker.Url("ws")));
+  EXPECT_EQ(MustReceive(*robot).payload, "first");
+  EXPECT_EQ(MustReceive(*robot).payload, large);
+}
+
+TEST(WebSocket, IsLostWithASentenceWhenItsFramesAreNone) {
+  const std::pair<std::string, std::string> faults[] = {
+      {WebSocketFrame("x", 0x81), "binary"},           // text
+      {WebSocketFrame("x", 0xC2), "reserved"},         //
+      {WebSocketFrame("x", 0x80), "continued"},        // of nothing
+      {WebSocketFrame("x", 0x83), "binary"},           // no such frame
+      {WebSocketFrame("x", 0x8B), "no such"},          // nor this one
+      {WebSocketFrame("x", 0x09), "short and whole"},  // a ping in pieces
+      {WebSocketFrame(std::string(126, 'x'), 0x89), "short and whole"},
+      {WebSocketFrame("\x30", 0x02) + WebSocketFrame("\x30", 0x82), "continued"},
+      {std::string("\x82\x81mask\x30", 7), "masks"},
+      {WebSocketFrame(std::string("\x30\x02\0\0", 4)), "PUBLISH"},
+      {std::string("\x82\x7F\xFF\xFF\xFF\xFF\xFF\xFF\xFF\xFF\x30\xFF\xFF\xFF\x7F", 15),
+       "268435455"},
+  };
+  for (const auto& [frames, words] : faults) {
+    const BrokenBroker broker(SpeaksFrames({frames}));
+    const auto robot = Connected(To(broker.Url("ws")));
+    const auto message = robot->Receive(Soon());
+    ASSERT_FALSE(message) << words;
+    EXPECT_THAT(message.error().message,
+                AllOf(HasSubstr("was lost"), HasSubstr("the broker sent"), HasSubstr(words)));
+  }
+  std::string endless;
+  for (int i = 0; i < 2'000; ++i) endless += WebSocketFrame("", 0x8A);
+  const BrokenBroker broker(SpeaksFrames({endless}));
+  EXPECT_FALSE(Connected(To(broker.Url("ws")))->Receive(Soon()));
+}
+
+TEST(WebSocket, TakesAnAnswerToItsHandshakeInPieces) {
+  const BrokenBroker broker([](int socket) {
+    for (const char byte : WebSocketAnswer(ReadSome(socket))) {
+      WriteTo(socket, {&byte, 1});
+      std::this_thread::sleep_for(std::chrono::microseconds(200));
+    }
+    static_cast<void>(ReadSome(socket));
+    WriteTo(socket, WebSocketFrame(BrokenBroker::Connack(0)));
+    while (!ReadSome(socket).empty()) {
+    }
+  });
+  EXPECT_TRUE(ConnectPaho(To(broker.Url("ws"))));
+  const BrokenBroker verbose([](int socket) {
+    std::string answer = WebSocketAnswer(ReadSome(socket));
+    answer.insert(answer.size() - 2, "X-Long: " + std::string(2'000, 'x') + "\r\n");
+    WriteTo(socket, answer);
+    while (!ReadSome(socket).empty()) {
+    }
+  });
+  EXPECT_THAT(Refusal(To(verbose.Url("ws"))).message, HasSubstr("handshake"));
 }
 
 // mosquitto 2.0.11 sends 4 KB in 100 ms over WebSockets, on its own initiative.

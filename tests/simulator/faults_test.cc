@@ -1,5 +1,5 @@
 // How virtual robots refuse, fail, dawdle and keep silent.
-#include "conversation.h"
+#include "simulator/conversation.h"
 
 namespace fleetpub::simulator {
 namespace {

@@ -2,7 +2,7 @@
 #include <map>
 #include <set>
 
-#include "conversation.h"
+#include "simulator/conversation.h"
 #include "vda5050/catalogue/catalogue.h"
 
 namespace fleetpub::simulator {

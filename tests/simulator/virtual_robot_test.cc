@@ -3,7 +3,7 @@
 
 #include <fmt/format.h>
 
-#include "conversation.h"
+#include "simulator/conversation.h"
 #include "vda5050/catalogue/catalogue.h"
 
 namespace fleetpub::simulator {

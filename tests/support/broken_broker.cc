@@ -26,8 +26,9 @@ std::string ReadSome(int socket) {
   return got <= 0 ? std::string() : std::string(block.data(), static_cast<std::size_t>(got));
 }
 
-void WriteTo(int socket, std::string_view bytes) {
-  static_cast<void>(!send(socket, bytes.data(), bytes.size(), MSG_NOSIGNAL));
+bool WriteTo(int socket, std::string_view bytes) {
+  return send(socket, bytes.data(), bytes.size(), MSG_NOSIGNAL) ==
+         static_cast<ssize_t>(bytes.size());
 }
 
 BrokenBroker::BrokenBroker(Behaviour behaviour) : behaviour_(std::move(behaviour)) {

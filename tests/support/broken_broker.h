@@ -53,6 +53,7 @@ class BrokenBroker {
 
 /// What arrives next; "" at the end.
 [[nodiscard]] std::string ReadSome(int socket);
-void WriteTo(int socket, std::string_view bytes);
+/// All of it. False: nobody takes it any more.
+bool WriteTo(int socket, std::string_view bytes);
 
 }  // namespace fleetpub::testing

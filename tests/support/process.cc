@@ -4,6 +4,7 @@
 #include <poll.h>
 #include <sys/mman.h>
 #include <sys/prctl.h>
+#include <sys/resource.h>
 #include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -162,8 +163,10 @@ std::optional<int> Process::Wait(milliseconds patience) {
   const auto deadline = steady_clock::now() + patience;
   while (true) {
     int status = 0;
-    const pid_t ended = waitpid(pid_, &status, WNOHANG);
+    rusage usage{};
+    const pid_t ended = wait4(pid_, &status, WNOHANG, &usage);
     if (ended == pid_) {
+      peak_mib_ = static_cast<std::size_t>(usage.ru_maxrss) / 1024;
       exit_code_ = WIFSIGNALED(status) ? 128 + WTERMSIG(status) : WEXITSTATUS(status);
       return exit_code_;
     }
@@ -199,7 +202,7 @@ Finished Run(Command command, milliseconds patience) {
     process.Signal(SIGKILL);
     static_cast<void>(process.Wait());
   }
-  return {exit_code.value_or(-1), process.Output(), process.Errors()};
+  return {exit_code.value_or(-1), process.Output(), process.Errors(), process.peak_mib()};
 }
 
 }  // namespace fleetpub::testing

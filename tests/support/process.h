@@ -49,6 +49,8 @@ class Process {
   void Signal(int number = SIGTERM) const;
   /// The exit code, or 128 + the signal that ended it; nothing when it still runs then.
   [[nodiscard]] std::optional<int> Wait(std::chrono::milliseconds patience = kPatience);
+  /// The most memory that it had at once, once it has ended.
+  [[nodiscard]] std::size_t peak_mib() const { return peak_mib_; }
   [[nodiscard]] bool Running() { return !Wait(std::chrono::milliseconds(0)); }
   /// Whether the text came in time (false also when it ended without). In Output() or Errors().
   [[nodiscard]] bool AwaitOutput(std::string_view text,
@@ -67,12 +69,14 @@ class Process {
   int output_ = -1;
   int errors_ = -1;
   std::optional<int> exit_code_;
+  std::size_t peak_mib_ = 0;
 };
 
 struct Finished {
   int exit_code = -1;  ///< as of Process::Wait; -1: had to be killed
   std::string output;
   std::string errors;
+  std::size_t peak_mib = 0;  ///< as of Process::peak_mib
 };
 
 /// Runs it to its end.

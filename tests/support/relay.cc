@@ -10,8 +10,6 @@
 #include <array>
 #include <deque>
 
-#include "mqtt/descriptor.h"
-
 namespace fleetpub::testing {
 namespace {
 
@@ -19,18 +17,6 @@ using std::chrono::milliseconds;
 using std::chrono::steady_clock;
 
 constexpr milliseconds kGlance{20};  // how soon a dead network is noticed, or a live one again
-
-mqtt::Descriptor ConnectTo(std::uint16_t port) {
-  sockaddr_in address{};
-  address.sin_family = AF_INET;
-  address.sin_port = htons(port);
-  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-  mqtt::Descriptor descriptor(socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0));
-  if (connect(descriptor.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0) {
-    return {};
-  }
-  return descriptor;
-}
 
 // A wire holds nothing back: no small packet waits for the acknowledgement of the one before.
 void PassAtOnce(int socket) {
@@ -83,6 +69,18 @@ class Direction {
 };
 
 }  // namespace
+
+mqtt::Descriptor ConnectTo(std::uint16_t port) {
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_port = htons(port);
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  mqtt::Descriptor descriptor(socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0));
+  if (connect(descriptor.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0) {
+    return {};
+  }
+  return descriptor;
+}
 
 void Relay::Pass(int socket) {
   ++connections_;

@@ -6,9 +6,13 @@
 #include <cstdint>
 #include <string>
 
+#include "mqtt/descriptor.h"
 #include "support/broken_broker.h"
 
 namespace fleetpub::testing {
+
+/// To a port of 127.0.0.1; not open when nobody listens there.
+[[nodiscard]] mqtt::Descriptor ConnectTo(std::uint16_t port);
 
 /// Passes on what arrives at its own port to a port of 127.0.0.1, and back, each byte after the
 /// delay.

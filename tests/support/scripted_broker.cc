@@ -71,7 +71,15 @@ void ScriptedBroker::Serve(int socket) {
     constexpr std::size_t kLevel = 6;  // behind the protocol's name
     if (packet->type == kConnect) v5 = packet->body.at(kLevel) == 5;
     const std::string answer = AnswerTo(*packet, v5);
-    if (!answer.empty()) WriteTo(socket, answer);
+    const std::string other = packet->type == kPublish     ? script_.on_publish
+                              : packet->type == kSubscribe ? script_.on_subscribe
+                                                           : std::string();
+    if (other.empty()) {
+      if (!answer.empty()) WriteTo(socket, answer);
+    } else {
+      for (int i = 0; i < script_.times && WriteTo(socket, other); ++i) {
+      }
+    }
     if (packet->type == script_.hangs_up_after) return;
   }
 }
@@ -88,7 +96,7 @@ std::string ScriptedBroker::AnswerTo(const Packet& packet, bool v5) {
       return Puback(packet, script_.puback, v5);
     case kSubscribe:
       std::this_thread::sleep_for(script_.before_suback);
-      return Suback(packet.body, script_.suback, v5);
+      return Suback(packet.body, script_.suback, v5) + script_.after_suback;
     case kPing:
       return Answer(0xD0, "");
     default:

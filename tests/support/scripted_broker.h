@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "support/broken_broker.h"
 
@@ -39,6 +40,12 @@ struct Script {
   int suback = 0;  ///< to each filter
   int puback = 0;  ///< MQTT 5 only
   bool answers_publish = true;
+  /// Instead of an answer, when it has any, and `times` of it.
+  std::string on_subscribe = {};
+  std::string on_publish = {};
+  int times = 1;
+  /// Follows each SUBACK.
+  std::string after_suback = {};
   /// Closes the connection instead of reading further, after a packet of this type.
   int hangs_up_after = 0;
 };
@@ -47,9 +54,10 @@ struct Script {
 class ScriptedBroker {
  public:
   explicit ScriptedBroker(Script script)
-      : script_(script), broker_([this](int socket) { Serve(socket); }) {}
+      : script_(std::move(script)), broker_([this](int socket) { Serve(socket); }) {}
 
   [[nodiscard]] std::string Url() const { return broker_.Url(); }
+  [[nodiscard]] std::uint16_t port() const { return broker_.port(); }
   /// PUBLISH packets so far, over all connections.
   [[nodiscard]] int published() const { return published_; }
   [[nodiscard]] int connected() const { return connected_; }

@@ -44,7 +44,8 @@ struct Wish {
 };
 
 // Adds what to listen to for one robot.
-Status Listen(const Options& o, const RobotAddress& robot, const config::Config& config, Wish& wish) {
+Status Listen(const Options& o, const RobotAddress& robot, const config::Config& config,
+              Wish& wish) {
   // A version that the configuration names is none that the robot must keep to here.
   VdaOptions vda = Configured(o.vda, config, robot);
   vda.version = o.vda.version;

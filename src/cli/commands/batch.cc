@@ -161,8 +161,8 @@ class Batch {
       stopped_ = fmt::format("no connection within {}", base::FormatElapsed(plan_.reconnect));
       gave_up_ = true;
       session.EndAll({ErrorKind::kBroker,
-                     "sent, but the connection was lost before the robot answered: whether it "
-                     "was done is not known"});
+                      "sent, but the connection was lost before the robot answered: whether it "
+                      "was done is not known"});
     }
   }
 

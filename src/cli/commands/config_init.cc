@@ -140,8 +140,8 @@ Result<ExitCode> RunConfigInit(const Options& options, const Context& context) {
     context.output.Line(kStarter.substr(0, kStarter.size() - 1));
     return ExitCode::kDone;
   }
-  const fs::path file =
-      context.options.config_file ? fs::path(*context.options.config_file) : config::UserConfigFile();
+  const fs::path file = context.options.config_file ? fs::path(*context.options.config_file)
+                                                    : config::UserConfigFile();
   if (file.empty()) {
     return Fail(ErrorKind::kUsage,
                 "no place for the configuration: this user has no home folder; set HOME or name "

@@ -24,8 +24,8 @@ namespace fleetpub::cli {
 namespace {
 
 using base::JsonString;
-using message::kRecordedOutcomes;
 using ledger::Record;
+using message::kRecordedOutcomes;
 using vda5050::Version;
 
 struct Options {

@@ -59,28 +59,32 @@ class LineDisplay final : public Display {
   // Only what is shown counts: a robot repeats its state every few seconds.
   void Changed(const RobotView& robot) override {
     const bool json = output_.json();
-    std::string line = json ? FleetJson(robot) : FleetLine(robot, output_);
-    std::string& last = lines_[robot.robot];
-    if (line == last) return;
-    if (last.empty()) WarnOfNames({&robot.robot, 1}, output_);
+    const std::string line = json ? FleetJson(robot) : FleetLine(robot, output_);
+    const std::size_t sum = std::hash<std::string>{}(line);
+    const auto [last, is_first] = sums_.try_emplace(robot.robot, sum);
+    if (!is_first && std::exchange(last->second, sum) == sum) return;
+    if (is_first) WarnOfNames({&robot.robot, 1}, output_);
     const auto now = base::WallTime::clock::now();
     output_.Line(json ? fmt::format(R"({{"time":"{}",{}}})", base::FormatTimestamp(now), line)
                       : fmt::format("{}  {}", base::FormatLocal(now), line));
     Output::FlushNow();  // a signal may end us before the next Refresh()
-    last = std::move(line);
   }
 
   void Lost(const Error& error) override { output_.Warn(error.message + ": connecting again"); }
   void Again() override { output_.Warn("connected again"); }
 
-  Result<bool> Refresh(const FleetView& /*view*/) override {
+  Result<bool> Refresh(const FleetView& view) override {
+    if (view.abridged() > 0 && !std::exchange(has_warned_, true)) {
+      output_.Warn(AbridgedWarning(view.abridged()));
+    }
     if (auto ok = output_.Flush(); !ok) return Fail(std::move(ok.error()));
     return true;
   }
 
  private:
   Output& output_;
-  std::map<vda5050::RobotAddress, std::string> lines_;
+  std::map<vda5050::RobotAddress, std::size_t> sums_;  // of the last line; the lines are long
+  bool has_warned_ = false;
 };
 
 class ScreenDisplay final : public Display {
@@ -123,11 +127,13 @@ class ScreenDisplay final : public Display {
     const std::size_t shown = robots.size() - std::min(hidden, robots.size());
     for (std::size_t i = 0; i < shown; ++i) table.push_back(FleetRow(*robots[i], now));
 
+    const std::string trouble =
+        trouble_.empty() && view.abridged() > 0 ? AbridgedWarning(view.abridged()) : trouble_;
     const auto line = [&, width = columns](Tone tone, std::string_view text) {
       return output_.Toned(tone, base::Shortened(width, text));
     };
     std::vector<std::string> lines = {line(Tone::kPlain, Title(robots, now)),
-                                      line(Tone::kBad, trouble_)};
+                                      line(Tone::kBad, trouble)};
     const auto body = TableLines(FleetColumns(), table, columns, output_, &widths_);
     lines.insert(lines.end(), body.begin(), body.end());
     if (hidden > 0) {

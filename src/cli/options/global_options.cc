@@ -34,8 +34,8 @@ std::string_view KeyOf(std::string_view names) {
   for (const std::string_view key : {"host", "port"}) {
     if (key == name) return key;  // no settings, but shown with them
   }
-  const auto setting =
-      std::find_if(config::Settings().begin(), config::Settings().end(), [&](const config::Setting& candidate) {
+  const auto setting = std::find_if(
+      config::Settings().begin(), config::Settings().end(), [&](const config::Setting& candidate) {
         return std::equal(name.begin(), name.end(), candidate.key.begin(), candidate.key.end(),
                           [](char a, char b) { return a == b || (a == '-' && b == '_'); });
       });

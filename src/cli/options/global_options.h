@@ -68,7 +68,8 @@ void DeclareGlobalOptions(OptionSet& set, GlobalOptions& options);
 
 /// Once they are parsed: sets what neither flag nor environment gave. Errors: ErrorKind::kUsage (a
 /// login where everybody can read it).
-[[nodiscard]] Status ApplyConfig(const config::Config& config, OptionSet& set, GlobalOptions& options);
+[[nodiscard]] Status ApplyConfig(const config::Config& config, OptionSet& set,
+                                 GlobalOptions& options);
 
 /// What a running command needs of the outer world.
 struct Context {

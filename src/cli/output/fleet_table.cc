@@ -74,8 +74,8 @@ Cell Errors(const RobotView& robot) {
   if (!robot.state) return {std::string(kUnknown)};
   const vda5050::RobotError* worst = vda5050::WorstError(robot.state->errors);
   if (worst == nullptr) return {"0"};
-  return {fmt::format("{} {}", robot.state->errors.size(), TextOr(worst->level, kUnknown)),
-          Tone::kBad};
+  const std::size_t count = robot.state->errors.size() + robot.errors_left_out;
+  return {fmt::format("{} {}", count, TextOr(worst->level, kUnknown)), Tone::kBad};
 }
 
 std::string TextOrNull(std::string_view text) { return text.empty() ? "null" : JsonString(text); }
@@ -143,13 +143,16 @@ std::string FleetJson(const RobotView& robot) {
   const std::string_view version =
       robot.version ? vda5050::FactsOf(*robot.version).name : std::string_view();
   return fmt::format(
-      R"("target":{},"manufacturer":{},"serialNumber":{},"version":{},"headerVersion":{},)"
-      R"("interface":{},"topicLevel":{},"connectionState":{},"connectionTimestamp":{},{})",
-      JsonString(robot.robot.ToString()), JsonString(robot.robot.manufacturer),
-      JsonString(robot.robot.serial_number), TextOrNull(version), TextOrNull(robot.header_version),
-      TextOrNull(robot.interface_name), TextOrNull(robot.topic_level),
-      TextOrNull(robot.connection_state), TextOrNull(robot.connection_timestamp),
-      StateJson(robot.state));
+             R"("target":{},"manufacturer":{},"serialNumber":{},"version":{},"headerVersion":{},)"
+             R"("interface":{},"topicLevel":{},"connectionState":{},"connectionTimestamp":{},{})",
+             JsonString(robot.robot.ToString()), JsonString(robot.robot.manufacturer),
+             JsonString(robot.robot.serial_number), TextOrNull(version),
+             TextOrNull(robot.header_version), TextOrNull(robot.interface_name),
+             TextOrNull(robot.topic_level), TextOrNull(robot.connection_state),
+             TextOrNull(robot.connection_timestamp), StateJson(robot.state)) +
+         (robot.errors_left_out == 0
+              ? ""
+              : fmt::format(R"(,"errorsLeftOut":{})", robot.errors_left_out));
 }
 
 std::string AgeText(std::chrono::nanoseconds age) {

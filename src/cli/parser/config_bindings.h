@@ -36,7 +36,8 @@ class ConfigBindings {
     std::string origin;              ///< `flag --qos`, `profile north of FILE:3`, `default`
   };
   /// After Apply. What was replaced by something else is left out.
-  [[nodiscard]] std::vector<Effective> All(const OptionSet& set, const config::Config& config) const;
+  [[nodiscard]] std::vector<Effective> All(const OptionSet& set,
+                                           const config::Config& config) const;
 
  private:
   struct Binding {

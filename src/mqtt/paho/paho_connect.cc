@@ -222,7 +222,13 @@ void ReadProperties(MQTTProperties* properties, PahoConnection& connection) {
 int RunConnect(MQTTClient client, MQTTClient_connectOptions* options, PahoConnection& connection,
                std::optional<int>& server_keep_alive) {
   if (options->MQTTVersion != MQTTVERSION_5) return MQTTClient_connect(client, options);
-  MQTTResponse response = MQTTClient_connect5(client, options, nullptr, nullptr);
+  MQTTProperty size{};
+  size.identifier = MQTTPROPERTY_CODE_MAXIMUM_PACKET_SIZE;
+  size.value.integer4 = kMaximumIncomingPacket;
+  MQTTProperties asked = MQTTProperties_initializer;
+  MQTTProperties_add(&asked, &size);
+  MQTTResponse response = MQTTClient_connect5(client, options, &asked, nullptr);
+  MQTTProperties_free(&asked);
   const int code = ReasonCode(response);
   if (code == MQTTCLIENT_SUCCESS) {
     ReadProperties(response.properties, connection);
@@ -251,13 +257,13 @@ Attempted Attempt(const BrokerUrl& broker, const ConnectOptions& options,
   auto route = FindRoute(broker, options, deadline);
   if (!route) return Failed(ReachError(broker, route.error()));
 
+  const std::lock_guard lock(PahoMutex());
   PahoConnection connection;
   connection.tls = std::make_unique<TlsWatch>(
       broker.UsesTls() && options.tls.verify ? broker.host : std::string());
   connection.server.broker = broker;
   connection.server.version = options.version;
 
-  const std::lock_guard lock(PahoMutex());
   MQTTClient_createOptions create = MQTTClient_createOptions_initializer;
   create.MQTTVersion = options.version == ProtocolVersion::k5 ? MQTTVERSION_5 : MQTTVERSION_3_1_1;
   MQTTClient client = nullptr;
@@ -271,6 +277,9 @@ Attempted Attempt(const BrokerUrl& broker, const ConnectOptions& options,
   PahoCall call(-1, deadline);
   ConnectWatch watch(*connection.tls, broker.UsesTls() || broker.UsesWebSocket(),
                      [&call] { call.Abort(); });
+  connection.input = std::make_unique<PahoInput>(
+      options.version, broker.UsesWebSocket() ? Framing::kWebSocket : Framing::kNone);
+  call.Feed(*connection.input);
   if (route->connected.open()) call.Adopt(std::move(route->connected));
   call.ExpectFirst(FirstBytesOf(broker));
   Arguments arguments(broker, options, watch);
@@ -285,6 +294,7 @@ Attempted Attempt(const BrokerUrl& broker, const ConnectOptions& options,
   facts.code = code;
   facts.expired = call.expired() || steady_clock::now() >= deadline;
   facts.wrong_first = call.wrong_first();
+  facts.fault = connection.input->fault();
   if (broker.UsesTls() && !facts.connect_sent) {
     if (auto status = CheckTlsFiles(options.tls); !status) return Failed(std::move(status.error()));
   }
@@ -371,6 +381,7 @@ Attempted ConnectTo(const BrokerUrl& broker, const ConnectOptions& options) {
     const PahoCall call(connection->descriptor, steady_clock::now() + options.connect_timeout);
     MQTTClient_disconnect(connection->client, 0);
     MQTTClient_destroy(&connection->client);
+    connection->input.reset();
   }
   ConnectOptions shorter = options;
   shorter.keep_alive = std::chrono::seconds(*server_keep_alive);

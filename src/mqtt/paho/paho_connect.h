@@ -6,16 +6,19 @@
 #include <string>
 
 #include "base/result.h"
+#include "mqtt/paho/paho_input.h"
 #include "mqtt/paho/paho_watch.h"
 #include "mqtt/transport.h"
 
 namespace fleetpub::mqtt {
 
-/// A connected client of Paho. Whoever holds it destroys the client before `tls`.
+/// A connected client of Paho. Whoever holds it destroys the client before `tls` and
+/// `input`, and `input` with PahoMutex() held.
 struct PahoConnection {
   void* client = nullptr;  ///< an MQTTClient
   int descriptor = -1;     ///< Paho's socket; -1 when this build cannot know (PahoCall::Supported)
   std::unique_ptr<TlsWatch> tls;
+  std::unique_ptr<PahoInput> input;
   ServerInfo server;
   int receive_maximum = 65'535;  ///< MQTT 5 §3.2.2.3.3
 };

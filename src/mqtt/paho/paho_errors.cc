@@ -207,6 +207,11 @@ std::string TlsCause(const ConnectFacts& facts, const ConnectOptions& options) {
 std::string Cause(const BrokerUrl& broker, const ConnectOptions& options,
                   const ConnectFacts& facts) {
   if (facts.wrong_first) return PeerCause(*facts.wrong_first);
+  if (!facts.fault.empty()) {
+    return fmt::format(
+        "it sent {}: is it a sound MQTT broker, and does it speak this version of MQTT (-V)?",
+        facts.fault);
+  }
   if (facts.verify_code != 0) return VerifyCause(facts, broker.host);
   if (!facts.http_status.empty()) {
     return fmt::format("it refuses the WebSocket (HTTP status {}): check the path in the URL",

@@ -16,6 +16,7 @@ struct ConnectFacts {
       0;  ///< Paho's: negative its own, 1 to 5 CONNACK of 3.1.1, from 0x80 a reason code of MQTT 5
   bool expired = false;
   std::optional<unsigned char> wrong_first;  ///< PahoCall::wrong_first
+  std::string fault;                         ///< PahoInput::fault
   bool connect_sent = false;                 ///< the CONNECT packet went out
   long verify_code = 0;            ///< X509_V_ERR_… of the broker's certificate, 0 for none
   std::string certificate_names;   ///< what a refused one is for

@@ -37,8 +37,6 @@ constexpr milliseconds kSharedSlice{10};
 constexpr milliseconds kLongestSlice{1000};
 // Without the descriptor there is only Paho's own waiting.
 constexpr unsigned long kBlindMilliseconds = 5;
-// How often to look again into Paho's WebSocket layer, whose frames may hold several packets.
-constexpr int kWebSocketProbes = 3;
 
 constexpr std::string_view kClosed =
     "the broker closed it (does another client use the same client id? Is something not allowed?)";
@@ -127,6 +125,7 @@ PahoSession::~PahoSession() {
     MQTTClient_disconnect(connection_.client, 0);
   }
   MQTTClient_destroy(&connection_.client);
+  connection_.input.reset();
 }
 
 void PahoSession::Disconnect() {
@@ -147,7 +146,7 @@ bool PahoSession::Connected() const { return MQTTClient_isConnected(connection_.
 
 void PahoSession::Acknowledge(int token, int reason) {
   if (in_flight_.erase(token) == 0) {
-    early_.emplace_back(token, reason);
+    if (publishing_) early_.emplace_back(token, reason);
     return;
   }
   Acknowledgement& acknowledgement = acknowledgements.emplace_back();
@@ -157,7 +156,14 @@ void PahoSession::Acknowledge(int token, int reason) {
 }
 
 tl::unexpected<Error> PahoSession::Lose(const PahoCall& call, int code, std::string_view cause) {
-  if (call.expired()) cause = "the broker did not take or answer what was sent in time";
+  const std::string broken = connection_.input->fault().empty()
+                                 ? std::string()
+                                 : fmt::format("the broker sent {}", connection_.input->fault());
+  if (!broken.empty()) {
+    cause = broken;
+  } else if (call.expired()) {
+    cause = "the broker did not take or answer what was sent in time";
+  }
   if (!lost_) {
     lost_ =
         Error{ErrorKind::kBroker, fmt::format("the connection to {} was lost: {}", Name(), cause),
@@ -169,42 +175,55 @@ tl::unexpected<Error> PahoSession::Lose(const PahoCall& call, int code, std::str
 bool PahoSession::Step() {
   const std::lock_guard lock(PahoMutex());
   if (lost_) return false;
-  const std::size_t before = received.size() + acknowledgements.size();
+  const std::size_t before = received_.size() + acknowledgements.size();
   PahoCall call(connection_.descriptor, steady_clock::now() + kWriteTime);
   // A packet more than what poll() knows of may be in OpenSSL's hands (Paho forgets it behind a
-  // packet without a body) or, several of them in one frame, in those of Paho's WebSocket layer.
-  if (probes_ > 0 || connection_.tls->HasBufferedData()) call.Probe();
+  // packet without a body).
+  if (connection_.tls->HasBufferedData()) call.Probe();
   char* topic = nullptr;
   int topic_length = 0;
   MQTTClient_message* message = nullptr;
   const int code = MQTTClient_receive(connection_.client, &topic, &topic_length, &message,
                                       connection_.descriptor < 0 ? kBlindMilliseconds : 0);
-  if (message != nullptr) Keep(topic, topic_length, message);
+  if (message != nullptr && !Keep(topic, topic_length, message)) call.Abort();
   if (!Connected()) {
     const bool unasked = connection_.descriptor < 0 || call.readable();
     static_cast<void>(Lose(call, code, unasked ? kClosed : kSilent));
     return false;
   }
-  const bool gained = received.size() + acknowledgements.size() > before;
+  const bool gained = received_.size() + acknowledgements.size() > before;
   stuck_ = call.readable() && !gained;
-  if (call.readable() || gained) {
-    probes_ = connection_.server.broker.UsesWebSocket() ? kWebSocketProbes : 0;
-  } else if (probes_ > 0) {
-    --probes_;
-  }
-  return gained || probes_ > 0;
+  return gained;
 }
 
-void PahoSession::Keep(char* topic, int topic_length, void* opaque) {
+// False: Paho hands out what can be no message. PacketCheck lets nothing through that could become
+// one.
+bool PahoSession::Keep(char* topic, int topic_length, void* opaque) {
   auto* message = static_cast<MQTTClient_message*>(opaque);
-  Message& kept = received.emplace_back();
-  kept.topic.assign(topic, static_cast<std::size_t>(topic_length));
-  kept.payload.assign(static_cast<const char*>(message->payload),
-                      static_cast<std::size_t>(message->payloadlen));
-  kept.qos = static_cast<Qos>(message->qos);
-  kept.retained = message->retained != 0;
+  const bool sound = topic_length >= 0 && message->payloadlen >= 0;
+  if (sound) {
+    Message& kept = received_.emplace_back();
+    kept.topic.assign(topic, static_cast<std::size_t>(topic_length));
+    kept.payload.assign(static_cast<const char*>(message->payload),
+                        static_cast<std::size_t>(message->payloadlen));
+    kept.qos = static_cast<Qos>(message->qos);
+    kept.retained = message->retained != 0;
+    const auto properties = static_cast<std::size_t>(message->properties.length);
+    connection_.input->check().Release(PacketCheck::CostOfProperties(properties));
+  }
   MQTTClient_freeMessage(&message);
   MQTTClient_free(topic);
+  return sound;
+}
+
+std::optional<Message> PahoSession::TakeReceived() {
+  if (received_.empty()) return std::nullopt;
+  std::optional<Message> message = std::move(received_.front());
+  received_.pop_front();
+  const std::size_t cost = PacketCheck::CostOf(message->topic.size(), message->payload.size());
+  const std::lock_guard lock(PahoMutex());
+  connection_.input->check().Release(cost);
+  return message;
 }
 
 bool PahoSession::Sleep(Deadline deadline, std::span<const int> wake) const {
@@ -242,8 +261,10 @@ Result<int> PahoSession::Publish(const Message& message, Retain retain, Deadline
   const std::lock_guard lock(PahoMutex());
   const PahoCall call(connection_.descriptor, deadline);
   early_.clear();
+  publishing_ = true;
   int token = 0;
   const int code = PahoPublish(message, retain, token);
+  publishing_ = false;
   // At QoS 1 and 2 Paho says "success" of a message that it keeps for the next session: there will
   // be none.
   if (code != MQTTCLIENT_SUCCESS || !Connected()) return Lose(call, code, kClosed);
@@ -288,6 +309,7 @@ Status PahoSession::Subscribe(std::span<const std::string> filters, Qos qos, Dea
   const std::lock_guard lock(PahoMutex());
   const PahoCall call(connection_.descriptor, deadline);
   subscribed_ = true;
+  connection_.input->check().ExpectSuback(filters.size());
   const int result = PahoSubscribe(names, codes);
   if (!Connected()) return Lose(call, result, kClosedBySubscribing);
   if (result != MQTTCLIENT_SUCCESS) {
@@ -329,6 +351,7 @@ Status PahoSession::Unsubscribe(std::span<const std::string> filters, Deadline d
   const std::vector<char*> names = NamesOf(filters);
   const std::lock_guard lock(PahoMutex());
   const PahoCall call(connection_.descriptor, deadline);
+  connection_.input->check().ExpectUnsuback(filters.size());
   const int result = PahoUnsubscribe(names);
   if (!Connected()) return Lose(call, result, kClosed);
   if (result == MQTTCLIENT_SUCCESS) return {};

@@ -42,9 +42,10 @@ class PahoSession {
   /// Why the connection is gone, once it is.
   [[nodiscard]] const std::optional<Error>& lost() const { return lost_; }
 
-  /// Filled by Step() and Subscribe(), emptied by whoever uses them.
-  std::deque<Message> received;
+  /// Filled by Step(), emptied by whoever uses them.
   std::vector<Acknowledgement> acknowledgements;
+  /// The oldest message of those that Step() brought.
+  [[nodiscard]] std::optional<Message> TakeReceived();
 
   /// Lets Paho read at most one packet and send what is due. False: nothing came of it, and nothing
   /// is known to wait.
@@ -71,7 +72,7 @@ class PahoSession {
 
   [[nodiscard]] bool Connected() const;
   void Acknowledge(int token, int reason);
-  void Keep(char* topic, int topic_length, void* message);
+  [[nodiscard]] bool Keep(char* topic, int topic_length, void* message);
   tl::unexpected<Error> Lose(const PahoCall& call, int code, std::string_view cause);
   int PahoPublish(const Message& message, Retain retain, int& token);
   [[nodiscard]] tl::unexpected<Error> NoAnswer(int result) const;
@@ -81,11 +82,12 @@ class PahoSession {
   PahoConnection connection_;
   std::unique_ptr<PahoProperties> properties_;  // null on 3.1.1
   std::chrono::milliseconds slice_;             // the longest that Paho may be left alone
+  std::deque<Message> received_;
   std::unordered_set<int> in_flight_;
   // Acknowledgements that came before MQTTClient_publish() had returned the token.
   std::vector<std::pair<int, int>> early_;
   std::optional<Error> lost_;
-  int probes_ = 0;      // steps that look for a packet although nothing seems to be there
+  bool publishing_ = false;
   bool stuck_ = false;  // the last step could have read, but did not get a whole packet
   bool subscribed_ = false;
 };

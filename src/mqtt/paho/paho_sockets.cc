@@ -37,8 +37,8 @@
 // define it twice): there, TLS and WebSocket connections to a host by name look it up a second
 // time.
 //
-// Without FLEETPUB_FAST_CONNECT none of this is compiled: correct, 100 ms slower, and blunt about
-// deadlines.
+// Without FLEETPUB_FAST_CONNECT none of this is compiled but a connect() that tells paho_input.cc
+// of the descriptor: correct, 100 ms slower, and blunt about deadlines.
 
 #ifdef _FORTIFY_SOURCE
 #undef _FORTIFY_SOURCE  // its inline poll() would be a second definition
@@ -62,6 +62,7 @@
 #include <cstring>
 #include <string_view>
 
+#include "mqtt/paho/paho_input.h"
 #include "mqtt/tcp_connect.h"
 
 namespace fleetpub::mqtt {
@@ -78,15 +79,25 @@ PahoCall::PahoCall(int descriptor, Deadline deadline)
 
 PahoCall::~PahoCall() { current_call = nullptr; }
 
+bool PahoCall::IsInside() { return current_call != nullptr; }
+
 void PahoCall::Abort() {
   if (descriptor_ >= 0) shutdown(descriptor_, SHUT_RDWR);
+}
+
+void PahoCall::Connecting(int descriptor) {
+  if (current_call != nullptr && current_call->input_ != nullptr) {
+    current_call->input_->Bind(descriptor);
+  }
 }
 
 #ifndef FLEETPUB_FAST_CONNECT
 
 bool PahoCall::Supported() { return false; }
 
-}  // namespace fleetpub::mqtt
+struct Interposed {
+  static bool Connect(int /*descriptor*/) { return false; }
+};
 
 #else
 
@@ -230,6 +241,8 @@ struct Interposed {
   }
 };
 
+#endif  // FLEETPUB_FAST_CONNECT
+
 }  // namespace fleetpub::mqtt
 
 using fleetpub::mqtt::Interposed;
@@ -237,12 +250,15 @@ using fleetpub::mqtt::Interposed;
 #define FLEETPUB_INTERPOSE extern "C" __attribute__((used, visibility("default")))
 
 FLEETPUB_INTERPOSE int connect(int descriptor, const sockaddr* address, socklen_t length) {
+  fleetpub::mqtt::PahoCall::Connecting(descriptor);
   if (Interposed::Connect(descriptor)) {
     errno = EINPROGRESS;
     return -1;
   }
   return static_cast<int>(syscall(SYS_connect, descriptor, address, length));
 }
+
+#ifdef FLEETPUB_FAST_CONNECT
 
 FLEETPUB_INTERPOSE int poll(pollfd* descriptors, nfds_t count, int milliseconds) {
   return Interposed::Poll(descriptors, count, milliseconds);

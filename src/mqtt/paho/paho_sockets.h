@@ -10,6 +10,8 @@
 
 namespace fleetpub::mqtt {
 
+class PahoInput;
+
 /// One call into Paho. Belongs to the thread that made it; scopes on one thread do not overlap.
 class PahoCall {
  public:
@@ -19,6 +21,14 @@ class PahoCall {
   PahoCall(const PahoCall&) = delete;
   PahoCall& operator=(const PahoCall&) = delete;
   ~PahoCall();
+
+  /// Whether the calling thread is inside one.
+  [[nodiscard]] static bool IsInside();
+
+  /// Paho's next connection has this input, which outlives the call.
+  void Feed(PahoInput& input) { input_ = &input; }
+  /// Called by connect().
+  static void Connecting(int descriptor);
 
   /// The next connect() of Paho gets this connected socket instead of making its own connection.
   void Adopt(Descriptor connected) { adopted_ = std::move(connected); }
@@ -50,6 +60,7 @@ class PahoCall {
   int descriptor_;
   Deadline deadline_;
   Descriptor adopted_;
+  PahoInput* input_ = nullptr;
   std::string_view expected_;
   bool just_connected_ = false;
   bool probe_ = false;

@@ -116,17 +116,15 @@ class PahoTransport final : public RobotTransport {
   }
 
   [[nodiscard]] Result<std::optional<Message>> Receive(Deadline deadline) override {
-    auto& received = session_.received;
-    while (received.empty()) {
+    while (true) {
+      if (auto message = session_.TakeReceived()) return message;
       if (session_.lost()) return Fail(*session_.lost());
       const bool gained = session_.Step();
-      if (!received.empty() || session_.lost()) continue;
+      if (auto message = session_.TakeReceived()) return message;
+      if (session_.lost()) continue;
       if (steady_clock::now() >= deadline) return std::nullopt;
       if (!gained && session_.Sleep(deadline, wake_)) return std::nullopt;
     }
-    std::optional<Message> message = std::move(received.front());
-    received.pop_front();
-    return message;
   }
 
   void Cork(bool on) override { session_.Cork(on); }

@@ -48,7 +48,7 @@ std::string HeaderRest(const RobotAddress& robot, const Dialect& dialect) {
 }
 
 message::PayloadTemplate PayloadOf(const RobotAddress& robot, const Dialect& dialect,
-                                    std::string_view actions_key, std::string_view actions_json) {
+                                   std::string_view actions_key, std::string_view actions_json) {
   return {.before_id = R"({"headerId":)",
           .before_time = R"(,"timestamp":")",
           .rest = fmt::format(R"({}"{}":[{}]}})", HeaderRest(robot, dialect), actions_key,
@@ -65,8 +65,8 @@ void WarnOfRename(std::string_view asked, std::string_view type, const VersionFa
 }  // namespace
 
 Result<message::Command> BuildInstantActions(const RobotAddress& robot, const Dialect& dialect,
-                                              std::span<const InstantAction> actions,
-                                              std::optional<std::uint32_t> header_id) {
+                                             std::span<const InstantAction> actions,
+                                             std::optional<std::uint32_t> header_id) {
   const VersionFacts& facts = FactsOf(dialect.version);
   auto topic = TopicFor(dialect.topics, dialect.version, robot, "instantActions");
   if (!topic) return Fail(std::move(topic.error()));

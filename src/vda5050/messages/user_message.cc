@@ -93,7 +93,7 @@ std::string RestOf(const Value& message, const OwnHeader& own) {
 
 // What the history shows: the actions of instantActions; of everything else, the thing itself.
 std::vector<message::ActionRef> ContentsOf(const Value& message, std::string_view topic,
-                                          std::string_view actions_key) {
+                                           std::string_view actions_key) {
   std::vector<message::ActionRef> contents;
   if (topic == "order") {
     contents.push_back({"order", std::string(StringMember(message, "orderId"))});
@@ -134,9 +134,9 @@ std::optional<Version> VersionSaidBy(const Value& message) {
 }
 
 Result<message::Command> BuildUserMessage(const RobotAddress& robot, const Dialect& dialect,
-                                           std::string_view topic, const Value& message,
-                                           HeaderMismatch foreign,
-                                           std::optional<std::uint32_t> header_id) {
+                                          std::string_view topic, const Value& message,
+                                          HeaderMismatch foreign,
+                                          std::optional<std::uint32_t> header_id) {
   const VersionFacts& facts = FactsOf(dialect.version);
   const Version since = SinceWhen(topic);
   if (dialect.version < since) {

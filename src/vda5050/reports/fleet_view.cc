@@ -19,6 +19,68 @@ int WeightOf(std::string_view level) {
   return found == kLevels.end() ? -1 : static_cast<int>(found - kLevels.begin());
 }
 
+// What robots may say at any length, all of them together; and how much of a text is left when it
+// was more.
+constexpr std::size_t kMostKept = std::size_t{20} << 20;
+constexpr std::size_t kLongestWhenFull = 64;
+// Of what is short in every message that means well.
+constexpr std::size_t kLongestHeaderText = 256;
+
+void Cut(std::string& text, std::size_t longest) {
+  if (text.size() > longest) text = Shown(text, longest);
+}
+
+void CutHeader(MessageHeader& header) {
+  for (std::string* const text :
+       {&header.timestamp, &header.version, &header.manufacturer, &header.serial_number}) {
+    Cut(*text, kLongestHeaderText);
+  }
+}
+
+// Only what somebody asks a FleetView for.
+RobotState Slimmed(RobotState state) {
+  CutHeader(state.header);
+  state.action_states = {};
+  state.instant_action_states = {};
+  state.zone_sets = {};
+  state.position = {};
+  state.last_node_id = {};
+  for (RobotError& error : state.errors) {
+    error.hint = {};
+    error.references = {};
+  }
+  return state;
+}
+
+std::size_t SizeOf(const RobotState& state) {
+  std::size_t size = state.operating_mode.size() + state.order_id.size();
+  for (const RobotError& error : state.errors) {
+    size += sizeof error + error.type.size() + error.level.size() + error.description.size();
+  }
+  for (const RobotRequest& request : state.requests) {
+    size += sizeof request + request.id.size() + request.type.size() + request.status.size() +
+            request.zone_id.size() + request.zone_set_id.size() + request.edge_id.size();
+  }
+  return size;
+}
+
+// The errors that are left out.
+std::size_t Abridge(RobotState& state) {
+  std::vector<RobotError> worst;
+  if (const RobotError* const error = WorstError(state.errors)) worst.push_back(*error);
+  for (RobotError& error : worst) {
+    Cut(error.type, kLongestWhenFull);
+    Cut(error.level, kLongestWhenFull);
+    Cut(error.description, kLongestWhenFull);
+  }
+  const std::size_t left_out = state.errors.size() - worst.size();
+  state.errors = std::move(worst);
+  state.requests = {};
+  Cut(state.operating_mode, kLongestWhenFull);
+  Cut(state.order_id, kLongestWhenFull);
+  return left_out;
+}
+
 bool IsNewer(const RobotState& state, const RobotState& than) {
   return base::ParseDateTime(state.header.timestamp) > base::ParseDateTime(than.header.timestamp);
 }
@@ -67,7 +129,12 @@ const RobotView* FleetView::Deliver(std::string_view topic, std::string_view pay
 
 bool FleetView::TakeConnection(Entry& entry, std::string_view topic, std::string_view payload) {
   RobotView& view = entry.view;
-  auto found = DialectFrom(base_, topic, payload);
+  auto message = ReadConnection(payload);
+  if (message) {
+    CutHeader(message->header);
+    Cut(message->connection_state, kLongestHeaderText);
+  }
+  auto found = message ? DialectFrom(base_, topic, *std::move(message)) : std::nullopt;
   if (found) {
     entry.connections.insert_or_assign(std::string(topic), *std::move(found));
   } else if (!payload.empty() || entry.connections.erase(std::string(topic)) == 0) {
@@ -89,11 +156,26 @@ bool FleetView::TakeState(Entry& entry, std::string_view topic, std::string_view
   if (!state) return false;
   const bool is_late = origin == Origin::kRetained && view.state && !IsNewer(*state, *view.state);
   if (is_late) return false;
-  view.state = *std::move(state);
+  Keep(entry, Slimmed(*std::move(state)));
   if (entry.connections.empty()) {
     if (const auto found = DialectFrom(base_, topic, payload)) Describe(view, *found);
   }
   return true;
+}
+
+void FleetView::Keep(Entry& entry, RobotState state) {
+  kept_ -= entry.kept;
+  abridged_ -= entry.is_abridged ? 1 : 0;
+  entry.kept = SizeOf(state);
+  entry.is_abridged = kept_ + entry.kept > kMostKept;
+  entry.view.errors_left_out = 0;
+  if (entry.is_abridged) {
+    entry.view.errors_left_out = Abridge(state);
+    entry.kept = SizeOf(state);
+    ++abridged_;
+  }
+  kept_ += entry.kept;
+  entry.view.state = std::move(state);
 }
 
 void FleetView::Describe(RobotView& view, const Discovered& found) const {

@@ -24,7 +24,11 @@ struct RobotView {
   std::string header_version;        ///< as it writes it
   std::string connection_state;      ///< normalised; "": not known
   std::string connection_timestamp;  ///< as written; "": not known
-  std::optional<RobotState> state;   ///< the last one that came
+  /// The last one that came, without its actions, zone sets and position.
+  std::optional<RobotState> state;
+  /// Of `state`, when it had more than could be kept (FleetView::abridged): errors beyond the one
+  /// that weighs most.
+  std::size_t errors_left_out = 0;
 
   [[nodiscard]] bool IsOnline() const { return connection_state == "ONLINE"; }
 };
@@ -46,6 +50,10 @@ class FleetView {
   /// newer than what there is. Lives until the next call.
   const RobotView* Deliver(std::string_view topic, std::string_view payload, Origin origin);
 
+  /// Robots whose last state says more than could be kept: 20 MiB for all of them together. Of such
+  /// a state its worst error is left, texts are cut with `…`, and requests are not there.
+  [[nodiscard]] std::size_t abridged() const { return abridged_; }
+
   [[nodiscard]] std::size_t size() const { return robots_.size(); }
   /// In order of address. They live until the next Deliver().
   [[nodiscard]] std::vector<const RobotView*> robots() const;
@@ -54,16 +62,21 @@ class FleetView {
   struct Entry {
     std::map<std::string, Discovered, std::less<>> connections;  ///< by topic
     RobotView view;
+    std::size_t kept = 0;  ///< bytes of what the state says at any length
+    bool is_abridged = false;
   };
 
   [[nodiscard]] bool IsMeant(const RobotAddress& robot) const;
   bool TakeConnection(Entry& entry, std::string_view topic, std::string_view payload);
   bool TakeState(Entry& entry, std::string_view topic, std::string_view payload, Origin origin);
+  void Keep(Entry& entry, RobotState state);
   void Describe(RobotView& view, const Discovered& found) const;
 
   Dialect base_;
   std::vector<RobotPattern> patterns_;
   std::map<RobotAddress, Entry> robots_;
+  std::size_t kept_ = 0;
+  std::size_t abridged_ = 0;
 };
 
 /// The entry whose level weighs most (FATAL, CRITICAL, URGENT, WARNING, others), or null.

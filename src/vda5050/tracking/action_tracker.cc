@@ -324,10 +324,10 @@ void ActionTracker::TellPending() {
 }  // namespace
 
 Result<std::unique_ptr<message::ResponseTracker>> TrackInstantAction(const RobotAddress& robot,
-                                                                      const Dialect& dialect,
-                                                                      std::string_view action_type,
-                                                                      std::string action_id,
-                                                                      WaitFor wait_for) {
+                                                                     const Dialect& dialect,
+                                                                     std::string_view action_type,
+                                                                     std::string action_id,
+                                                                     WaitFor wait_for) {
   ActionTracker::RobotTopics topics;
   const std::pair<std::string_view, std::string*> wanted[] = {{"state", &topics.state},
                                                               {"connection", &topics.connection},

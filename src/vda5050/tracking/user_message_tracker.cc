@@ -299,9 +299,9 @@ Result<Item> ResponseItem(const Value& message, WaitFor wait_for) {
 }
 
 Result<std::unique_ptr<message::ResponseTracker>> ConfirmActions(const RobotAddress& robot,
-                                                                  const Dialect& dialect,
-                                                                  const Value& message,
-                                                                  WaitFor wait_for) {
+                                                                 const Dialect& dialect,
+                                                                 const Value& message,
+                                                                 WaitFor wait_for) {
   const std::string_view own_key = FactsOf(dialect.version).actions_key;
   const Value* actions =
       FindArray(message, dialect.actions_key.empty() ? own_key : dialect.actions_key);
@@ -320,10 +320,10 @@ Result<std::unique_ptr<message::ResponseTracker>> ConfirmActions(const RobotAddr
 }  // namespace
 
 Result<std::unique_ptr<message::ResponseTracker>> TrackUserMessage(const RobotAddress& robot,
-                                                                    const Dialect& dialect,
-                                                                    std::string_view topic,
-                                                                    const Value& message,
-                                                                    WaitFor wait_for) {
+                                                                   const Dialect& dialect,
+                                                                   std::string_view topic,
+                                                                   const Value& message,
+                                                                   WaitFor wait_for) {
   if (topic == "instantActions") return ConfirmActions(robot, dialect, message, wait_for);
   auto state = TopicFor(dialect.topics, dialect.version, robot, "state");
   if (!state) return Fail(std::move(state.error()));

@@ -36,7 +36,7 @@ InstantAction Position() {
 }
 
 message::Command Build(const Dialect& dialect, const std::vector<InstantAction>& actions,
-                        const RobotAddress& robot = kRobot) {
+                       const RobotAddress& robot = kRobot) {
   auto command = BuildInstantActions(robot, dialect, actions);
   if (!command) throw std::runtime_error(command.error().message);
   return std::move(*command);

@@ -20,8 +20,8 @@ base::JsonDocument Parsed(std::string_view text) {
 }
 
 Result<message::Command> Build(std::string_view topic, std::string_view message,
-                                const Dialect& dialect = {},
-                                HeaderMismatch foreign = HeaderMismatch::kRefuse) {
+                               const Dialect& dialect = {},
+                               HeaderMismatch foreign = HeaderMismatch::kRefuse) {
   return BuildUserMessage(kRobot, dialect, topic, Parsed(message), foreign);
 }
 
