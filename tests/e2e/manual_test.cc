@@ -135,7 +135,7 @@ TEST(TheManual, DocumentsEveryVariableAndNoOther) {
 
 TEST(TheManual, DocumentsEveryExitCodeAndNoOther) {
   const std::set<std::string> codes =
-      Matches(SourceText("src/cli/exit_code.h"), std::regex("\n  k[A-Za-z]+ = ([0-9]+),"));
+      Matches(SourceText("src/cli/output/exit_code.h"), std::regex("\n  k[A-Za-z]+ = ([0-9]+),"));
   EXPECT_EQ(codes.size(), 11U);
   const std::string chapter = Chapter("Exit codes");
   std::set<std::string> documented;

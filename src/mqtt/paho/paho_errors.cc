@@ -151,7 +151,7 @@ std::string VerifyCause(const ConnectFacts& facts, const std::string& host) {
              "certificate with "
              "--cafile";
     default:
-      return fmt::format("its certificate is not accepted (OpenSSL's status {}): -v tells more",
+      return fmt::format("its certificate is not accepted (OpenSSL's verdict {}): -v tells more",
                          facts.verify_code);
   }
 }
