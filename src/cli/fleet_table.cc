@@ -71,6 +71,7 @@ Cell Order(const RobotView& robot) {
 }
 
 Cell Errors(const RobotView& robot) {
+  if (!robot.state_fault.empty()) return {"its state cannot be read", Tone::kBad};
   if (!robot.state) return {std::string(kUnknown)};
   const vda5050::RobotError* worst = vda5050::WorstError(robot.state->errors);
   if (worst == nullptr) return {"0"};
@@ -149,7 +150,10 @@ std::string FleetJson(const RobotView& robot) {
       JsonString(robot.robot.serial_number), TextOrNull(version), TextOrNull(robot.header_version),
       TextOrNull(robot.interface_name), TextOrNull(robot.topic_level),
       TextOrNull(robot.connection_state), TextOrNull(robot.connection_timestamp),
-      StateJson(robot.state));
+      StateJson(robot.state) +
+          (robot.state_fault.empty()
+               ? ""
+               : fmt::format(R"(,"stateFault":{})", JsonString(robot.state_fault))));
 }
 
 std::string AgeText(std::chrono::nanoseconds age) {

@@ -24,9 +24,11 @@ struct RobotView {
   std::string header_version;        ///< as it writes it
   std::string connection_state;      ///< normalised; "": not known
   std::string connection_timestamp;  ///< as written; "": not known
-  std::optional<RobotState> state;   ///< the last one that came
+  std::optional<RobotState> state;   ///< the last one that came and could be read
+  std::string state_fault;           ///< why the last one that came could not; "": it could
 
   [[nodiscard]] bool IsOnline() const { return connection_state == "ONLINE"; }
+  [[nodiscard]] bool HasSpoken() const { return state || !state_fault.empty(); }
 };
 
 /// Whether the broker had stored a message before we subscribed.
@@ -64,6 +66,7 @@ class FleetView {
   Dialect base_;
   std::vector<RobotPattern> patterns_;
   std::map<RobotAddress, Entry> robots_;
+  std::map<RobotAddress, std::string> faults_;  ///< of states of robots that nothing is known of
 };
 
 /// The entry whose level weighs most (FATAL, CRITICAL, URGENT, WARNING, others), or null.
