@@ -21,6 +21,7 @@ const std::map<std::string, std::string> kNotInTheTable = {
     {"publish    not tried: it would reach robots", "a result of ping"},
     {"of the tables", "a detail"},
     {"of the file", "a detail"},
+    {"it is no JSON object", "of a robot's message, in docs/robot-words.md"},
     {"1:1: not valid TOML", "a place, then what the table has"},
 };
 

@@ -38,7 +38,7 @@ Result<Patience> PatienceOf(const GatheringOptions& o) {
 std::set<RobotAddress> Silent(const FleetView& view) {
   std::set<RobotAddress> silent;
   for (const RobotView* robot : view.robots()) {
-    if (robot->IsOnline() && !robot->state) silent.insert(robot->robot);
+    if (robot->IsOnline() && !robot->HasSpoken()) silent.insert(robot->robot);
   }
   return silent;
 }
@@ -57,7 +57,7 @@ Status AwaitStates(mqtt::Transport& transport, mqtt::Deadline end, FleetView& vi
     if (!message) return Fail(message.error());
     if (!*message) continue;
     const RobotView* robot = Take(**message, view);
-    if (robot != nullptr && robot->state) silent.erase(robot->robot);
+    if (robot != nullptr && robot->HasSpoken()) silent.erase(robot->robot);
   }
   return {};
 }

@@ -58,6 +58,13 @@ class Warnings {
   std::map<std::string, std::size_t> told_;
 };
 
+// Why it is not known whether --where is true of a robot.
+std::string WhyUnheard(const vda5050::RobotEntry& robot, milliseconds state_wait) {
+  if (!robot.state_fault.empty()) return "its state cannot be read: " + robot.state_fault;
+  if (robot.WasHeard()) return "it sent no state within " + base::FormatElapsed(state_wait);
+  return "no message of it is at the broker";
+}
+
 class RobotSender {
  public:
   RobotSender(const RobotSending& sending, const Context& context,
@@ -79,12 +86,9 @@ class RobotSender {
     if (!ready) return Fail(std::move(ready.error()));
     for (const ListedRobot* robot : robots_) reporter_.Fit(robot->first.ToString());
     for (const ListedRobot* robot : unheard_) {
-      const std::string why =
-          robot->second.WasHeard()
-              ? "it sent no state within " + base::FormatElapsed(sending_.targets.state_wait)
-              : "no message of it is at the broker";
       Show(maker_.ReportOn(*robot, CommandStatus::kRefused, ErrorKind::kPreflight,
-                           fmt::format("not sent: {}, so --where cannot be decided", why)));
+                           fmt::format("not sent: {}, so --where cannot be decided",
+                                       WhyUnheard(robot->second, sending_.targets.state_wait))));
     }
     const auto start = steady_clock::now();
     auto ran = sending_.options.dry_run ? ShowOnly() : Send();

@@ -3,6 +3,7 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/stat.h>
+#include <sys/vfs.h>
 #include <unistd.h>
 
 #include <array>
@@ -31,23 +32,82 @@ tl::unexpected<Error> Unreadable(const std::string& file, std::string_view why) 
               fmt::format("the configuration {} cannot be read: {}", base::Printable(file), why));
 }
 
-// Who can write it names the broker that gets the login, and whether it is verified.
-Status CheckMode(int descriptor, const std::string& file) {
+// Who can write it, or put another in its place, names the broker that gets the login, and whether
+// it is verified.
+tl::unexpected<Error> Refused(const std::string& file, const std::string& why) {
+  return Fail(ErrorKind::kUsage,
+              fmt::format("the configuration {} is refused: {}", base::Printable(file), why));
+}
+
+// Root may name anybody's file outright: he reads it as a guest in a container, for example.
+bool IsTrusted(uid_t owner, Missing missing) {
+  const uid_t self = geteuid();
+  return owner == 0 || owner == self || (self == 0 && missing == Missing::kIsAnError);
+}
+
+std::string NameOf(uid_t user) {
+  const auto account = base::FindAccount(user);
+  return account ? base::Printable(account->name) : fmt::format("user {}", user);
+}
+
+// The folder that the file is in, and those above it.
+Status CheckFolder(const fs::path& folder, const std::string& file, Missing missing) {
+  struct stat status {};
+  for (fs::path place = folder;; place = place.parent_path()) {
+    if (stat(place.c_str(), &status) != 0) return Unreadable(file, std::strerror(errno));
+    const std::string name = base::Printable(place.string());
+    if (place == folder && !IsTrusted(status.st_uid, missing)) {
+      return Refused(file, fmt::format("its folder {} belongs to {}, who can put another in its "
+                                       "place: keep it in a folder of your own or of root",
+                                       name, NameOf(status.st_uid)));
+    }
+    if ((status.st_mode & S_IWOTH) != 0 && (status.st_mode & S_ISVTX) == 0) {
+      return Refused(file,
+                     fmt::format("everybody can put another in its place: chmod o-w {}", name));
+    }
+    if (place == place.parent_path()) return {};
+  }
+}
+
+Status CheckRegularFile(const struct stat& status, const std::string& file, Missing missing) {
+  if ((status.st_mode & S_IWOTH) != 0) {
+    return Refused(file, fmt::format("everybody can write it, and with it choose the broker that "
+                                     "gets your login: chmod o-w {}",
+                                     base::Printable(file)));
+  }
+  if (!IsTrusted(status.st_uid, missing)) {
+    return Refused(file, fmt::format("it belongs to {}, who can choose the broker that gets your "
+                                     "login: let it be yours or root's",
+                                     NameOf(status.st_uid)));
+  }
+  std::error_code failed;
+  const fs::path named = fs::absolute(file, failed);
+  if (auto ok = CheckFolder(named.parent_path(), file, missing); !ok) return ok;
+  const fs::path real = fs::canonical(named, failed);  // another one where links lead elsewhere
+  return failed ? Unreadable(file, failed.message())
+                : CheckFolder(real.parent_path(), file, missing);
+}
+
+// A shell hands us a pipe for `<(…)`; a FIFO with a name may never be written to.
+bool IsNamedFifo(int descriptor, const struct stat& status) {
+  constexpr auto kPipes = 0x50495045;  // PIPEFS_MAGIC of statfs(2)
+  struct statfs system {};
+  return S_ISFIFO(status.st_mode) && (fstatfs(descriptor, &system) != 0 || system.f_type != kPipes);
+}
+
+Status CheckFile(int descriptor, const std::string& file, Missing missing) {
   struct stat status {};
   if (fstat(descriptor, &status) != 0) return Unreadable(file, std::strerror(errno));
   if (S_ISDIR(status.st_mode)) return Unreadable(file, "it is a folder");
-  if (S_ISREG(status.st_mode) && (status.st_mode & S_IWOTH) != 0) {
-    return Fail(ErrorKind::kUsage,
-                fmt::format("the configuration {0} is refused: everybody can write it, and with it "
-                            "choose the broker that gets your login: chmod o-w {0}",
-                            base::Printable(file)));
-  }
-  return {};
+  if (IsNamedFifo(descriptor, status)) return Unreadable(file, "it is a FIFO");
+  // Opened without waiting; a pipe is waited for.
+  if (fcntl(descriptor, F_SETFL, 0) != 0) return Unreadable(file, std::strerror(errno));
+  return S_ISREG(status.st_mode) ? CheckRegularFile(status, file, missing) : Status();
 }
 
 // Nothing when there is no such file.
 Result<std::optional<std::string>> ReadText(const std::string& file, Missing missing) {
-  const int descriptor = open(file.c_str(), O_RDONLY | O_CLOEXEC);
+  const int descriptor = open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
   if (descriptor < 0) {
     if (missing == Missing::kIsAllowed && (errno == ENOENT || errno == ENOTDIR)) {
       return std::optional<std::string>();
@@ -55,7 +115,7 @@ Result<std::optional<std::string>> ReadText(const std::string& file, Missing mis
     return Unreadable(file, std::strerror(errno));
   }
   Result<std::optional<std::string>> text;
-  if (auto ok = CheckMode(descriptor, file); !ok) {
+  if (auto ok = CheckFile(descriptor, file, missing); !ok) {
     text = Fail(std::move(ok.error()));
   } else if (auto content = base::ReadAll(descriptor, base::Printable(file), kLargestConfig)) {
     text = *std::move(content);

@@ -24,7 +24,8 @@ inline constexpr const char* kHostConfigFile = "/etc/fleetpub/config.toml";
 enum class Missing { kIsAllowed, kIsAnError };
 
 /// Reads these files, later ones over earlier ones. Errors: ErrorKind::kUsage, with the place when
-/// there is one: a file that cannot be read, that everybody may write, or that is wrong.
+/// there is one: a file that cannot be read, that somebody else than root or this user may
+/// write or put another in the place of (a group may), or that is wrong. A FIFO is not waited for.
 [[nodiscard]] Result<Config> LoadConfigFiles(std::span<const std::filesystem::path> files,
                                              Missing missing,
                                              const std::optional<std::string>& profile);

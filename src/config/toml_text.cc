@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <exception>
 #include <new>
+#include <optional>
 #include <sstream>
 #include <stdexcept>
 
@@ -23,6 +24,7 @@ constexpr void RequireOfToml(bool holds) {
 #define TOML_ASSERT(holds) fleetpub::config::RequireOfToml(static_cast<bool>(holds))
 #define TOML_HEADER_ONLY 1
 #define TOML_EXCEPTIONS 1
+#define TOML_MAX_NESTED_VALUES 64
 // "Is this character a blank?" takes some characters for such as are never asked about, and `9ǿ`
 // asks about one: no, it is none.
 #include <toml++/impl/preprocessor.h>
@@ -41,7 +43,89 @@ namespace {
 
 using base::JsonString;
 
-// The library stops at 256 tables in each other, which bounds this recursion too.
+TomlPlace PlaceOf(const toml::source_region& source) {
+  return {source.begin.line, source.begin.column};
+}
+
+constexpr std::size_t kMaxDepth = 64;  // as of JSON
+constexpr std::string_view kTooDeep = "nested more than 64 levels deep";
+
+TomlPlace PlaceAt(std::string_view text, std::size_t offset) {
+  const std::string_view before = text.substr(0, offset);
+  const auto lines = std::count(before.begin(), before.end(), '\n');
+  const std::size_t column = offset - (lines == 0 ? 0 : before.rfind('\n') + 1);
+  return {static_cast<unsigned>(lines + 1), static_cast<unsigned>(column + 1)};
+}
+
+// Where the string that begins here ends: behind its quotation marks, or where it is none.
+std::size_t EndOfString(std::string_view text, std::size_t begin) {
+  const char quote = text[begin];
+  const std::string three(3, quote);
+  const bool is_long = text.substr(begin, 3) == three;
+  for (std::size_t i = begin + (is_long ? 3 : 1); i < text.size(); ++i) {
+    if (quote == '"' && text[i] == '\\') {
+      ++i;
+    } else if (is_long && text.substr(i, 3) == three) {
+      i += 3;
+      for (int own = 0; own < 2 && i < text.size() && text[i] == quote; ++own) ++i;
+      return i;
+    } else if (!is_long && (text[i] == quote || text[i] == '\n')) {
+      return text[i] == quote ? i + 1 : i;
+    }
+  }
+  return text.size();
+}
+
+// The place of a key of too many parts (`a.a.a…`). The library limits how deep values lie in each
+// other, but makes a table for each part of a key, and takes those down by recursion: such a key
+// would exhaust the stack, so the library must not see it.
+std::optional<TomlPlace> FindDeepKey(std::string_view text) {
+  std::size_t dots = 0;
+  for (std::size_t i = 0; i < text.size();) {
+    const char c = text[i];
+    if (c == '"' || c == '\'') {
+      i = EndOfString(text, i);
+    } else if (c == '#') {
+      i = std::min(text.find('\n', i), text.size());
+    } else {
+      if (std::string_view("\n=[]{},").find(c) != std::string_view::npos) dots = 0;
+      if (c == '.' && ++dots >= kMaxDepth) return PlaceAt(text, i);
+      ++i;
+    }
+  }
+  return std::nullopt;
+}
+
+// The first node with more than so many levels above it, or null.
+const toml::node* FindDeeper(const toml::node& node, std::size_t levels) {
+  if (!node.is_table() && !node.is_array()) return nullptr;
+  if (levels == 0) return &node;
+  const toml::node* found = nullptr;
+  const auto look = [&](const toml::node& below) {
+    if (found == nullptr) found = FindDeeper(below, levels - 1);
+  };
+  if (const auto* table = node.as_table()) {
+    for (const auto& [key, value] : *table) look(value);
+  } else {
+    for (const auto& value : *node.as_array()) look(value);
+  }
+  return found;
+}
+
+// Parses within kMaxDepth. Nothing: `too_deep` says where. Throws what the library throws.
+std::optional<toml::table> ParseShallow(std::string_view text, TomlPlace& too_deep) {
+  if (const auto place = FindDeepKey(text)) {
+    too_deep = *place;
+    return std::nullopt;
+  }
+  std::optional<toml::table> table = toml::parse(text);
+  if (const toml::node* deep = FindDeeper(*table, kMaxDepth)) {
+    too_deep = PlaceOf(deep->source());
+    return std::nullopt;
+  }
+  return table;
+}
+
 class Writer {
  public:
   // False when `fault` says what JSON cannot hold.
@@ -94,10 +178,6 @@ class Writer {
   }
 };
 
-TomlPlace PlaceOf(const toml::source_region& source) {
-  return {source.begin.line, source.begin.column};
-}
-
 TomlValue ValueOf(const toml::node& node) {
   using Type = TomlValue::Type;
   TomlValue value{.type = Type::kTime, .place = PlaceOf(node.source())};
@@ -143,7 +223,7 @@ std::string_view WordsFor(std::string_view description) {
       {"encountered end-of-file", "a value, a quotation mark or a bracket is missing at the end"},
       {"UTF-8", "not UTF-8"},
       {"utf-8", "not UTF-8"},
-      {"nest", "nested too deeply"},
+      {"nest", kTooDeep},
       {"unescaped control", "a quotation mark is missing at the end of this line"},
       {"unknown escape", "an escape that TOML does not have: \\ itself is written \\\\"},
       {"expected ']'", "a ] is missing"},
@@ -164,7 +244,11 @@ std::string_view WordsFor(std::string_view description) {
 
 Result<TomlValue> ParseToml(std::string_view text) {
   try {
-    return ValueOf(toml::parse(text));
+    TomlPlace too_deep;
+    const auto table = ParseShallow(text, too_deep);
+    if (table) return ValueOf(*table);
+    return Fail(ErrorKind::kUsage,
+                fmt::format("{}:{}: not valid TOML: {}", too_deep.line, too_deep.column, kTooDeep));
   } catch (const toml::parse_error& error) {
     const auto [line, column] = PlaceOf(error.source());
     return Fail(
@@ -180,9 +264,14 @@ Result<TomlValue> ParseToml(std::string_view text) {
 
 Result<std::string> TomlToJson(std::string_view text) {
   try {
-    const toml::table table = toml::parse(text);
+    TomlPlace too_deep;
+    const auto table = ParseShallow(text, too_deep);
+    if (!table) {
+      return Fail(ErrorKind::kInvalid,
+                  fmt::format("line {}: not valid TOML: {}", too_deep.line, kTooDeep));
+    }
     Writer writer;
-    if (!writer.Write(table)) return Fail(ErrorKind::kInvalid, std::move(writer.fault));
+    if (!writer.Write(*table)) return Fail(ErrorKind::kInvalid, std::move(writer.fault));
     return std::move(writer.json);
   } catch (const toml::parse_error& error) {
     return Fail(ErrorKind::kInvalid,

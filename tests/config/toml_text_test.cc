@@ -1,5 +1,6 @@
 #include "config/toml_text.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 namespace fleetpub::config {
@@ -30,6 +31,41 @@ TEST(TomlText, SaysWhichLineIsNone) {
   EXPECT_THAT(Json("a = \"\xFF\""), HasSubstr("error"));
   EXPECT_THAT(Json("a = " + std::string(100'000, '[')), HasSubstr("error"));
   EXPECT_EQ(TomlToJson("=").error().kind, ErrorKind::kInvalid);
+}
+
+std::string Times(int count, std::string_view part) {
+  std::string text;
+  for (int i = 0; i < count; ++i) text += part;
+  return text;
+}
+
+// The library limits how deep values lie in each other, not how many parts a key has.
+TEST(TomlText, RefusesWhatIsTooDeepHoweverItIsWritten) {
+  const std::string before = "s = '''it's'''\nt = \"\"\"a\\\"\"\"\"\"\nu = '\\' # '\n";
+  const std::string deep = Times(100'000, "a.") + "a";
+  const std::string quoted = Times(100'000, " 'a' . \"b\\\"\" . ") + "a";
+  for (const std::string& text :
+       {deep + " = 1\n", "[" + deep + "]\nb = 1\n", "[[" + quoted + "]]\n",
+        before + deep + " = 1\n", "x = {" + deep + " = 1}\n", "x = [1, {" + deep + " = 1}]\n",
+        deep + " = !\n", "a = " + Times(65, "[") + Times(65, "]"),
+        "a = " + Times(40, "{ b.b.b = ") + "1" + Times(40, " }"),
+        "[" + Times(40, "a.") + "a]\n" + Times(40, "b.") + "b = 1\n"}) {
+    EXPECT_THAT(Json(text), HasSubstr("more than 64 levels")) << text.substr(0, 60);
+    const auto value = ParseToml(text);
+    ASSERT_FALSE(value) << text.substr(0, 60);
+    EXPECT_EQ(value.error().kind, ErrorKind::kUsage);
+  }
+}
+
+TEST(TomlText, CountsNoDotsOfStringsCommentsAndOtherKeys) {
+  const std::string dots = Times(200, "a.");
+  EXPECT_TRUE(
+      TomlToJson("x = '" + dots + "' # " + dots + "\ny = \"" + dots + "\\\"" + dots + "\""));
+  EXPECT_TRUE(TomlToJson("x = \"\"\"\n" + dots + "\"\"" + dots + "\"\"\"\nb.c = 1\n"));
+  std::string many;
+  for (int i = 0; i < 100; ++i) many += fmt::format("a.k{} = 1.5\n[t.u{}]\n", i, i);
+  EXPECT_TRUE(TomlToJson(many));
+  EXPECT_TRUE(ParseToml(Times(62, "a.") + "a = 1\n"));
 }
 
 // The library asserts that a digit stands there.

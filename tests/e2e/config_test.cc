@@ -155,6 +155,71 @@ TEST_F(Configuration, AFileThatEverybodyCanWriteIsRefused) {
   EXPECT_THAT(run.errors, HasSubstr("everybody can write it"));
 }
 
+TEST_F(Configuration, AFileOrFolderOfSomebodyElseIsRefused) {
+  constexpr uid_t kNobody = 65534;
+  const auto file = Write("qos = 1\n");
+  const auto folder = file.parent_path();
+  if (chown(file.c_str(), kNobody, 0) != 0) GTEST_SKIP() << "only root can give files away";
+  const std::vector<std::string> look = {"config", "show"};
+  const Finished of_another = Fleetpub(look);
+  EXPECT_EQ(of_another.exit_code, 2);
+  EXPECT_THAT(of_another.errors, AllOf(HasSubstr("refused"), HasSubstr("belongs to nobody")));
+  EXPECT_EQ(Fleetpub({"config", "show", "--config", file.string()}).exit_code, 0)
+      << "root named it outright";
+  ASSERT_EQ(chown(file.c_str(), 0, 0), 0);
+  ASSERT_EQ(chown(folder.c_str(), kNobody, 0), 0);
+  const Finished in_anothers = Fleetpub(look);
+  EXPECT_EQ(in_anothers.exit_code, 2);
+  EXPECT_THAT(in_anothers.errors, HasSubstr(folder.string() + " belongs to nobody"));
+  ASSERT_EQ(chown(folder.c_str(), 0, 0), 0);
+  EXPECT_EQ(Fleetpub(look).exit_code, 0);
+}
+
+TEST_F(Configuration, AFolderThatEverybodyCanWriteInIsRefused) {
+  const auto file = Write("qos = 1\n");
+  const auto linked = operator_.home().path() / "elsewhere.toml";
+  std::filesystem::create_symlink(file, linked);
+  for (const auto& folder : {file.parent_path(), file.parent_path().parent_path()}) {
+    chmod(folder.c_str(), 0777);
+    for (const auto& name : {file, linked}) {
+      const Finished run = Fleetpub({"config", "show", "--config", name.string()});
+      EXPECT_EQ(run.exit_code, 2) << name;
+      EXPECT_THAT(run.errors, HasSubstr("chmod o-w " + folder.string() + "\n"));
+    }
+    chmod(folder.c_str(), 01777);
+    EXPECT_EQ(Fleetpub({"config", "show"}).exit_code, 0) << "sticky: nobody can replace it";
+    chmod(folder.c_str(), 0770);
+    EXPECT_EQ(Fleetpub({"config", "show"}).exit_code, 0) << "a group may";
+  }
+}
+
+TEST_F(Configuration, AFifoIsNotWaitedForButAPipeIs) {
+  const auto file = Write("");
+  std::filesystem::remove(file);
+  ASSERT_EQ(mkfifo(file.c_str(), 0600), 0);
+  const Finished fifo = Fleetpub({"pause", "KIT/0001", "--dry-run"});
+  EXPECT_EQ(fifo.exit_code, 2);
+  EXPECT_THAT(fifo.errors, HasSubstr("FIFO"));
+  Command command = operator_.Prepare({});
+  command.arguments = {"bash", "-c",
+                       Binary() + " config show -o json --config <(sleep 0.1; echo 'qos = 2')"};
+  const Finished piped = testing::Run(command);
+  EXPECT_EQ(piped.exit_code, 0) << piped.errors;
+  EXPECT_THAT(Shown(piped, "qos"), HasSubstr("2 | /dev/fd/"));
+}
+
+TEST_F(Configuration, TooDeepAKeyIsRefused) {
+  std::string key;
+  for (int i = 0; i < 30'000; ++i) key += "a.";
+  for (const std::string& text :
+       {key + "a = 1\n", "[" + key + "a]\n", "x = {" + key + "a = 1}\n"}) {
+    Write(text);
+    const Finished run = Fleetpub({"pause", "KIT/0001", "--dry-run"});
+    EXPECT_EQ(run.exit_code, 2);
+    EXPECT_THAT(run.errors, HasSubstr("64 levels"));
+  }
+}
+
 TEST_F(Configuration, HelpAndInitNeedNoRightFile) {
   const auto file = Write("nonsense");
   EXPECT_EQ(Fleetpub({"pause", "--help"}).exit_code, 0);

@@ -188,7 +188,7 @@ class Awaiter {
     heard.unmet.clear();
     const auto message = base::ParseJson(payload);
     if (!message || !message->IsObject()) {
-      heard.unmet.emplace_back("it is no JSON object");
+      heard.unmet.push_back(message ? "it is no JSON object" : message.error().message);
       return false;
     }
     for (const Condition& condition : wish_.conditions) {

@@ -71,6 +71,7 @@ Cell Order(const RobotView& robot) {
 }
 
 Cell Errors(const RobotView& robot) {
+  if (!robot.state_fault.empty()) return {"its state cannot be read", Tone::kBad};
   if (!robot.state) return {std::string(kUnknown)};
   const vda5050::RobotError* worst = vda5050::WorstError(robot.state->errors);
   if (worst == nullptr) return {"0"};
@@ -152,7 +153,10 @@ std::string FleetJson(const RobotView& robot) {
              TextOrNull(robot.connection_timestamp), StateJson(robot.state)) +
          (robot.errors_left_out == 0
               ? ""
-              : fmt::format(R"(,"errorsLeftOut":{})", robot.errors_left_out));
+              : fmt::format(R"(,"errorsLeftOut":{})", robot.errors_left_out)) +
+         (robot.state_fault.empty()
+              ? ""
+              : fmt::format(R"(,"stateFault":{})", JsonString(robot.state_fault)));
 }
 
 std::string AgeText(std::chrono::nanoseconds age) {

@@ -119,10 +119,14 @@ const RobotView* FleetView::Deliver(std::string_view topic, std::string_view pay
   const bool is_new = !robots_.contains(levels->robot);
   Entry& entry = robots_[levels->robot];
   entry.view.robot = levels->robot;
+  if (const auto fault = is_new ? faults_.extract(levels->robot) : decltype(faults_)::node_type()) {
+    entry.view.state_fault = fault.mapped();
+  }
   const bool taken = levels->topic_name == "connection" ? TakeConnection(entry, topic, payload)
                      : levels->topic_name == "state"    ? TakeState(entry, topic, payload, origin)
                                                         : false;
   if (taken) return &entry.view;
+  if (is_new && !entry.view.state_fault.empty()) faults_[levels->robot] = entry.view.state_fault;
   if (is_new) robots_.erase(levels->robot);
   return nullptr;
 }
@@ -153,10 +157,15 @@ bool FleetView::TakeState(Entry& entry, std::string_view topic, std::string_view
                           Origin origin) {
   RobotView& view = entry.view;
   auto state = ReadState(payload);
-  if (!state) return false;
+  if (!state) {
+    if (payload.empty()) return false;
+    view.state_fault = state.error().message;
+    return !entry.connections.empty() || view.state;
+  }
   const bool is_late = origin == Origin::kRetained && view.state && !IsNewer(*state, *view.state);
   if (is_late) return false;
   Keep(entry, Slimmed(*std::move(state)));
+  view.state_fault.clear();
   if (entry.connections.empty()) {
     if (const auto found = DialectFrom(base_, topic, payload)) Describe(view, *found);
   }

@@ -29,8 +29,10 @@ struct RobotView {
   /// Of `state`, when it had more than could be kept (FleetView::abridged): errors beyond the one
   /// that weighs most.
   std::size_t errors_left_out = 0;
+  std::string state_fault;  ///< why the last one that came could not be read; "": it could
 
   [[nodiscard]] bool IsOnline() const { return connection_state == "ONLINE"; }
+  [[nodiscard]] bool HasSpoken() const { return state || !state_fault.empty(); }
 };
 
 /// Whether the broker had stored a message before we subscribed.
@@ -77,6 +79,7 @@ class FleetView {
   std::map<RobotAddress, Entry> robots_;
   std::size_t kept_ = 0;
   std::size_t abridged_ = 0;
+  std::map<RobotAddress, std::string> faults_;  ///< of states of robots that nothing is known of
 };
 
 /// The entry whose level weighs most (FATAL, CRITICAL, URGENT, WARNING, others), or null.

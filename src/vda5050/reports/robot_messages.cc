@@ -12,6 +12,7 @@
 #include "base/json.h"
 #include "base/text.h"
 #include "base/time.h"
+#include "vda5050/catalogue/catalogue.h"
 
 namespace fleetpub::vda5050 {
 namespace {
@@ -194,16 +195,24 @@ FactsheetLimits ReadLimits(const Value& limits) {
 }
 
 template <typename T>
-std::optional<T> ReadPayload(std::string_view payload, T (*read)(const Value&)) {
+Result<T> ReadPayload(std::string_view payload, T (*read)(const Value&)) {
   const auto message = base::ParseJson(payload);
-  if (!message || !message->IsObject()) return std::nullopt;
+  if (!message) return Fail(message.error());
+  if (!message->IsObject()) return Fail(ErrorKind::kInvalid, "it is no JSON object");
   return read(*message);
 }
 
-// How far an entry has come: of two for one action, the one that says more.
+// Robots often leave the type out, and may use the name that another version has for it.
+bool IsOfType(const ActionState& entry, std::string_view type) {
+  return type.empty() || entry.type.empty() ||
+         base::EqualsIgnoringCase(NameIn(Version::k300, entry.type), NameIn(Version::k300, type));
+}
+
+// How far an entry has come: of two for one action, the one that says more. Of a contradiction, the
+// one that is no false success.
 int RankOf(std::string_view status) {
   constexpr std::array<std::string_view, 7> kOrder = {
-      "WAITING", "INITIALIZING", "PAUSED", "RUNNING", "RETRIABLE", "FAILED", "FINISHED"};
+      "WAITING", "INITIALIZING", "PAUSED", "RUNNING", "RETRIABLE", "FINISHED", "FAILED"};
   const auto* const found = std::find(kOrder.begin(), kOrder.end(), status);
   return found == kOrder.end() ? -1 : static_cast<int>(found - kOrder.begin());
 }
@@ -289,23 +298,40 @@ Factsheet ReadFactsheet(const Value& message) {
   return factsheet;
 }
 
-std::optional<RobotState> ReadState(std::string_view payload) {
+Result<RobotState> ReadState(std::string_view payload) {
   return ReadPayload<RobotState>(payload, ReadState);
 }
 
-std::optional<ConnectionMessage> ReadConnection(std::string_view payload) {
+Result<ConnectionMessage> ReadConnection(std::string_view payload) {
   return ReadPayload<ConnectionMessage>(payload, ReadConnection);
 }
 
-std::optional<Factsheet> ReadFactsheet(std::string_view payload) {
+Result<Factsheet> ReadFactsheet(std::string_view payload) {
   return ReadPayload<Factsheet>(payload, ReadFactsheet);
 }
 
-const ActionState* FindActionState(const RobotState& state, std::string_view id) {
+std::string OtherSender(const MessageHeader& header, std::span<const RobotAddress> names) {
+  const auto agrees = [](std::string_view said, std::string_view name) {
+    return said.empty() || base::EqualsIgnoringCase(said, name);
+  };
+  const bool is_one = std::any_of(names.begin(), names.end(), [&](const RobotAddress& name) {
+    return agrees(header.manufacturer, name.manufacturer) &&
+           agrees(header.serial_number, name.serial_number);
+  });
+  if (is_one || names.empty()) return "";
+  const auto said = [](const std::string& text, const std::string& otherwise) {
+    return text.empty() ? otherwise : text;
+  };
+  return Shown(said(header.manufacturer, names.front().manufacturer) + "/" +
+               said(header.serial_number, names.front().serial_number));
+}
+
+const ActionState* FindActionState(const RobotState& state, std::string_view id,
+                                   std::string_view type) {
   const ActionState* found = nullptr;
   for (const auto* list : {&state.instant_action_states, &state.action_states}) {
     for (const ActionState& entry : *list) {
-      if (entry.id != id) continue;
+      if (entry.id != id || !IsOfType(entry, type)) continue;
       if (found == nullptr || RankOf(entry.status) > RankOf(found->status)) found = &entry;
     }
   }

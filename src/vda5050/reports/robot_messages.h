@@ -1,8 +1,8 @@
 // What robots say on their topics state, connection and factsheet, in the names of every version,
 // read leniently. A message that breaks its schema is read as far as it can be: a missing
 // member or one of a wrong type is "not said", unknown members, statuses and modes are no obstacle,
-// a number or a truth value is taken where a text is due. No reader fails; only a payload that is
-// no JSON object within base::JsonLimits is nothing at all.
+// a number or a truth value is taken where a text is due. Only a payload that is no JSON object
+// within base::JsonLimits cannot be read: the error says why.
 //
 // Everything is copied out of the message: the payload need not outlive the result. Texts are the
 // robot's own and untrusted: whoever shows one passes it through base::Printable.
@@ -11,11 +11,14 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "base/rapidjson.h"
+#include "base/result.h"
+#include "vda5050/model/robot_address.h"
 
 namespace fleetpub::vda5050 {
 
@@ -142,11 +145,11 @@ struct Factsheet {
   FactsheetLimits limits;
 };
 
-[[nodiscard]] std::optional<RobotState> ReadState(std::string_view payload);
+[[nodiscard]] Result<RobotState> ReadState(std::string_view payload);
 [[nodiscard]] RobotState ReadState(const base::JsonValue& message);
-[[nodiscard]] std::optional<ConnectionMessage> ReadConnection(std::string_view payload);
+[[nodiscard]] Result<ConnectionMessage> ReadConnection(std::string_view payload);
 [[nodiscard]] ConnectionMessage ReadConnection(const base::JsonValue& message);
-[[nodiscard]] std::optional<Factsheet> ReadFactsheet(std::string_view payload);
+[[nodiscard]] Result<Factsheet> ReadFactsheet(std::string_view payload);
 [[nodiscard]] Factsheet ReadFactsheet(const base::JsonValue& message);
 [[nodiscard]] MessageHeader ReadHeader(const base::JsonValue& message);
 
@@ -154,9 +157,17 @@ struct Factsheet {
 /// say so: a falling id alone is a robot that was restarted, a falling time alone its clock.
 [[nodiscard]] bool IsBefore(const MessageHeader& a, const MessageHeader& b);
 
+/// Empty when this header may be of a robot that goes by one of these names: it says nothing else,
+/// letter case aside. Otherwise the name that it says instead, printable.
+[[nodiscard]] std::string OtherSender(const MessageHeader& header,
+                                      std::span<const RobotAddress> names);
+
 /// The action's entry, in whichever array it stands, or null. Some robots list a repeated action
-/// twice: then the entry that has come furthest. The pointer lives as long as `state`.
-[[nodiscard]] const ActionState* FindActionState(const RobotState& state, std::string_view id);
+/// twice: then the entry that has come furthest, but FAILED before FINISHED. An entry that is of
+/// another action type than `type` is passed over; an empty `type` is any. The pointer lives as
+/// long as `state`.
+[[nodiscard]] const ActionState* FindActionState(const RobotState& state, std::string_view id,
+                                                 std::string_view type = {});
 
 /// FINISHED or FAILED. An unknown status is none.
 [[nodiscard]] bool IsTerminal(std::string_view status);

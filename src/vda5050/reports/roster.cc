@@ -101,7 +101,12 @@ bool RobotDirectory::Take(RobotEntry& entry, const TopicLevels& levels, std::str
   // Asked for again, a broker repeats what it has.
   if (origin == Origin::kRetained && topic == entry.connection_topic) return true;
   const auto message = base::ParseJson(payload);
-  if (!message || !message->IsObject()) return false;
+  if (!message || !message->IsObject()) {
+    if (levels.topic_name == "state" && !message && !payload.empty()) {
+      entry.state_fault = message.error().message;
+    }
+    return false;
+  }
   if (levels.topic_name == "state") {
     if (origin == Origin::kRetained && entry.state_heard) return false;
     entry.state_heard = true;

@@ -36,6 +36,7 @@ struct RobotEntry {
   Standing standing;  ///< of what all this was taken from; rank -1: nothing was heard
 
   bool state_heard = false;
+  std::string state_fault;  ///< why the last message on its state topic could not be read
   /// One for each condition: what is said instead (`paused is false`), or "" when it is satisfied;
   /// nothing until its topic was heard.
   std::vector<std::optional<std::string>> unmet;

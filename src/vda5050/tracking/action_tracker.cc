@@ -12,6 +12,7 @@
 #include "vda5050/reports/robot_errors.h"
 #include "vda5050/reports/robot_messages.h"
 #include "vda5050/tracking/ending.h"
+#include "vda5050/tracking/reception.h"
 
 namespace fleetpub::vda5050 {
 namespace {
@@ -46,8 +47,11 @@ class ActionTracker final : public message::ResponseTracker {
     std::string factsheet;  ///< empty: not needed
   };
 
-  ActionTracker(RobotTopics topics, std::string_view type, std::string id, WaitFor wait_for)
+  ActionTracker(RobotTopics topics, Reception reception, std::string_view type, std::string id,
+                WaitFor wait_for)
       : topics_(std::move(topics)),
+        reception_(std::move(reception)),
+        type_(type),
         id_(std::move(id)),
         ending_(EndingOf(type)),
         wait_for_(wait_for) {
@@ -61,6 +65,7 @@ class ActionTracker final : public message::ResponseTracker {
   }
 
   void Published(std::uint32_t header_id) override {
+    if (!WasPublished()) reception_.Forget();
     header_ids_.push_back(header_id);
     if (!progress_.ended) TellPending();
   }
@@ -79,6 +84,7 @@ class ActionTracker final : public message::ResponseTracker {
   void NoteEndedOnes(const RobotState& state);
 
   [[nodiscard]] const ActionState* OwnEntry(const RobotState& state);
+  [[nodiscard]] bool ListsAsFinished(const RobotState& state) const;
   [[nodiscard]] bool IsGone(const RobotState& state) const;
   [[nodiscard]] bool EndedOnesAreGone(const RobotState& state) const;
   [[nodiscard]] bool WasPublished() const { return !header_ids_.empty(); }
@@ -90,6 +96,8 @@ class ActionTracker final : public message::ResponseTracker {
   [[nodiscard]] std::string LastSaid(std::string_view robot) const;
 
   RobotTopics topics_;
+  Reception reception_;
+  std::string type_;
   std::string id_;
   const Ending& ending_;
   WaitFor wait_for_;
@@ -119,30 +127,28 @@ class ActionTracker final : public message::ResponseTracker {
 void ActionTracker::Receive(const message::Incoming& message) {
   if (progress_.ended) return;
   if (message.topic == topics_.connection) {
-    if (const auto connection = ReadConnection(message.payload)) {
-      OnConnection(*connection, message.retained);
-    }
+    const auto connection =
+        reception_.Take<ConnectionMessage>("connection message", message.payload, ReadConnection);
+    if (connection) OnConnection(*connection, message.retained);
   } else if (message.topic == topics_.state) {
     if (message.retained && WasPublished()) return;  // subscribed anew: old by definition
-    const auto state = ReadState(message.payload);
-    if (!state) return;
-    if (WasPublished()) {
-      OnState(*state);
-    } else {
-      RememberBefore(*state, message.retained);
-    }
+    const auto state = reception_.Take<RobotState>("state", message.payload, ReadState);
+    if (state && WasPublished()) OnState(*state);
+    if (state && !WasPublished()) RememberBefore(*state, message.retained);
   } else if (message.topic == topics_.factsheet && ending_.factsheet) {
     // The old one arrives with the retain flag upon subscribing.
-    if (message.retained || !WasPublished() || !ReadFactsheet(message.payload)) return;
-    progress_.seen = true;
-    End(CommandStatus::kFinished, "its factsheet arrived");
+    if (message.retained || !WasPublished()) return;
+    if (reception_.Take<Factsheet>("factsheet", message.payload, ReadFactsheet)) {
+      progress_.seen = true;
+      End(CommandStatus::kFinished, "its factsheet arrived");
+    }
   }
   if (WasPublished() && !progress_.ended) TellPending();
 }
 
 void ActionTracker::RememberBefore(const RobotState& state, bool retained) {
   for (const RobotError& error : state.errors) old_errors_.push_back(FingerprintOf(error));
-  if (const ActionState* entry = FindActionState(state, id_)) status_before_ = entry->status;
+  if (const ActionState* entry = FindActionState(state, id_, type_)) status_before_ = entry->status;
   if (!state.operating_mode.empty()) first_mode_ = mode_ = state.operating_mode;
   if (!retained) NoteEndedOnes(state);
 }
@@ -184,7 +190,12 @@ void ActionTracker::NoteErrors(const RobotState& state) {
 // Null too for an entry that stood there before and is unchanged: that is an earlier action of the
 // same id, which some robots keep listed for ever.
 const ActionState* ActionTracker::OwnEntry(const RobotState& state) {
-  const ActionState* entry = FindActionState(state, id_);
+  const ActionState* entry = FindActionState(state, id_, type_);
+  const ActionState* other = entry == nullptr ? FindActionState(state, id_) : nullptr;
+  if (other != nullptr) {
+    reception_.PassOver(
+        "state", fmt::format("it lists this actionId as another action, {}", Shown(other->type)));
+  }
   if (entry == nullptr || !status_before_) return entry;
   if (entry->status == *status_before_) return nullptr;
   status_before_.reset();
@@ -199,7 +210,11 @@ void ActionTracker::OnListed(const ActionState& entry, const RobotState& state) 
   listed_as_instant_ = std::any_of(instant.begin(), instant.end(),
                                    [&](const ActionState& other) { return other.id == id_; });
   listed_at_ = state.header;
-  if (status_ == "FAILED") return End(CommandStatus::kFailed, FailureText(result_));
+  if (status_ == "FAILED") {
+    std::string message = FailureText(result_);
+    if (ListsAsFinished(state)) Append(message, "the same state lists it as FINISHED too");
+    return End(CommandStatus::kFailed, message);
+  }
   if (wait_for_ == WaitFor::kAccepted) {
     return End(CommandStatus::kAccepted, fmt::format("the robot lists it as {}", Shown(status_)));
   }
@@ -234,10 +249,20 @@ void ActionTracker::OnAbsent(const RobotState& state) {
   NoteEndedOnes(state);
 }
 
+bool ActionTracker::ListsAsFinished(const RobotState& state) const {
+  const auto is_finished = [&](const ActionState& entry) {
+    return entry.id == id_ && entry.status == "FINISHED";
+  };
+  return std::any_of(state.action_states.begin(), state.action_states.end(), is_finished) ||
+         std::any_of(state.instant_action_states.begin(), state.instant_action_states.end(),
+                     is_finished);
+}
+
 // Only after it was listed, and only by a state that has the array and was not made before: the
 // network may deliver an older one twice.
 bool ActionTracker::IsGone(const RobotState& state) const {
   if (!listed_at_ || IsBefore(state.header, *listed_at_)) return false;
+  if (FindActionState(state, id_) != nullptr) return false;  // as an action of another type
   return listed_as_instant_ ? state.has_instant_action_states : state.has_action_states;
 }
 
@@ -315,6 +340,7 @@ void ActionTracker::TellPending() {
                              Shown(*status_before_)));
   }
   if (IsAway(connection_)) Append(text, fmt::format("it is {}", connection_));
+  Append(text, reception_.passed_over());
   const bool has_reason = !own_errors_.empty() || !probable_errors_.empty() ||
                           !unnamed_errors_.empty() || !ModeNote().empty();
   if (has_reason) Append(text, FailureText(""));
@@ -338,8 +364,8 @@ Result<std::unique_ptr<message::ResponseTracker>> TrackInstantAction(const Robot
     if (!full) return Fail(std::move(full.error()));
     *topic = std::move(*full);
   }
-  return std::make_unique<ActionTracker>(std::move(topics), action_type, std::move(action_id),
-                                         wait_for);
+  return std::make_unique<ActionTracker>(std::move(topics), Reception(robot, dialect), action_type,
+                                         std::move(action_id), wait_for);
 }
 
 }  // namespace fleetpub::vda5050

@@ -12,6 +12,10 @@
 //   listed without an end, then no longer         kVanished
 //   connection lost                               kOffline
 //
+// A message whose header names another robot confirms nothing, nor does an entry of another action
+// type, nor what cannot be read; each is told while we wait. FINISHED and FAILED in one state are
+// FAILED.
+//
 // Never by the type of an error alone: errors of earlier attempts persist. Retained messages and
 // those received before publishing confirm nothing; they tell which errors are old and which mode
 // the robot was in.

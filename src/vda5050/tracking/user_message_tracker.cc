@@ -14,6 +14,7 @@
 #include "vda5050/messages/user_message.h"
 #include "vda5050/reports/robot_errors.h"
 #include "vda5050/reports/robot_messages.h"
+#include "vda5050/tracking/reception.h"
 
 namespace fleetpub::vda5050 {
 namespace {
@@ -37,11 +38,12 @@ struct Item {
 
 class ItemTracker final : public message::ResponseTracker {
  public:
-  ItemTracker(Item item, std::string state_topic, std::string connection_topic)
+  ItemTracker(Item item, Reception reception, std::string state_topic, std::string connection_topic)
       : item_(std::move(item)),
+        reception_(std::move(reception)),
         state_topic_(std::move(state_topic)),
         connection_topic_(std::move(connection_topic)) {
-    progress_.message = "not sent yet";
+    Tell();
   }
 
   [[nodiscard]] std::vector<std::string> Topics() const override {
@@ -50,20 +52,24 @@ class ItemTracker final : public message::ResponseTracker {
 
   void Published(std::uint32_t header_id) override {
     header_ids_.push_back(header_id);
-    if (!progress_.ended) progress_.message = "the robot has sent no state since";
+    reception_.Forget();
+    told_ = "the robot has sent no state since";
+    if (!progress_.ended) Tell();
   }
 
   void Receive(const message::Incoming& message) override {
     if (progress_.ended || (message.retained && !header_ids_.empty())) return;
-    if (message.topic == connection_topic_) return OnConnection(message);
-    if (message.topic != state_topic_) return;
-    const auto state = ReadState(message.payload);
-    if (!state) return;
-    if (header_ids_.empty()) {
-      for (const RobotError& error : state->errors) old_errors_.push_back(FingerprintOf(error));
-    } else {
-      OnState(*state);
+    if (message.topic == connection_topic_) {
+      OnConnection(message);
+    } else if (message.topic == state_topic_) {
+      const auto state = reception_.Take<RobotState>("state", message.payload, ReadState);
+      if (state && header_ids_.empty()) {
+        for (const RobotError& error : state->errors) old_errors_.push_back(FingerprintOf(error));
+      } else if (state) {
+        OnState(*state);
+      }
     }
+    if (!progress_.ended) Tell();
   }
 
   [[nodiscard]] const Progress& progress() const override { return progress_; }
@@ -78,12 +84,13 @@ class ItemTracker final : public message::ResponseTracker {
     }
     if (auto shown = item_.look(state)) {
       progress_ = std::move(*shown);
+      told_ = progress_.message;
     } else if (progress_.seen) {
       End(CommandStatus::kVanished,
           fmt::format("the robot's state no longer shows {} {}", item_.id_key, Shown(item_.id)));
     } else {
-      progress_.message = fmt::format("the robot's state does not show {} {}; it is of {}",
-                                      item_.id_key, Shown(item_.id), Shown(state.header.timestamp));
+      told_ = fmt::format("the robot's state does not show {} {}; it is of {}", item_.id_key,
+                          Shown(item_.id), Shown(state.header.timestamp));
     }
   }
 
@@ -107,11 +114,18 @@ class ItemTracker final : public message::ResponseTracker {
   }
 
   void OnConnection(const message::Incoming& message) {
-    const auto connection = ReadConnection(message.payload);
+    const auto connection =
+        reception_.Take<ConnectionMessage>("connection message", message.payload, ReadConnection);
     if (!connection || message.retained || header_ids_.empty()) return;
     const std::string& state = connection->connection_state;
     if (state != "OFFLINE" && state != "CONNECTION_BROKEN" && state != "HIBERNATING") return;
     End(CommandStatus::kOffline, fmt::format("the robot became {} while we waited", state));
+  }
+
+  void Tell() {
+    progress_.message = told_;
+    const std::string& passed_over = reception_.passed_over();
+    if (!passed_over.empty()) progress_.message += "; " + passed_over;
   }
 
   void End(CommandStatus status, std::string message) {
@@ -119,9 +133,11 @@ class ItemTracker final : public message::ResponseTracker {
   }
 
   Item item_;
+  Reception reception_;
   std::string state_topic_;
   std::string connection_topic_;
   Progress progress_;
+  std::string told_ = "not sent yet";      // of the robot's last word, while it is no end
   std::vector<std::uint32_t> header_ids_;  // of each time it was published
   std::vector<std::size_t> old_errors_;    // fingerprints of what stood there before
 };
@@ -183,8 +199,12 @@ Progress Done(CommandStatus status, std::string message = {}) {
 
 // What an order needs to be recognised as done.
 struct OrderEnd {
+  struct Action {
+    std::string id;
+    std::string type;
+  };
   std::string last_node;
-  std::vector<std::string> action_ids;
+  std::vector<Action> actions;
 };
 
 OrderEnd EndOf(const Value& order) {
@@ -197,7 +217,8 @@ OrderEnd EndOf(const Value& order) {
       const Value* actions = FindArray(leg, "actions");
       if (actions == nullptr) continue;
       for (const Value& action : actions->GetArray()) {
-        end.action_ids.emplace_back(StringMember(action, "actionId"));
+        end.actions.push_back({std::string(StringMember(action, "actionId")),
+                               std::string(StringMember(action, "actionType"))});
       }
     }
   }
@@ -207,22 +228,29 @@ OrderEnd EndOf(const Value& order) {
 Progress OrderProgress(const RobotState& state, const OrderEnd& end) {
   Progress progress{.seen = true};
   std::string failed;
+  std::string other;
   std::size_t open = 0;
-  for (const std::string& id : end.action_ids) {
+  for (const auto& [id, type] : end.actions) {
     const ActionState* action = FindActionState(state, id);
     if (action == nullptr) continue;
+    const bool is_ours = FindActionState(state, id, type) != nullptr;
+    if (!is_ours) {
+      other = fmt::format("; it lists the actionId of {} as another action, {}", Shown(type),
+                          Shown(action->type));
+    }
     if (action->status == "FAILED") {
       failed += fmt::format("{}action {} failed", failed.empty() ? "" : "; ",
                             Shown(action->type.empty() ? id : action->type));
       if (!action->result.empty()) failed += ": " + Shown(action->result);
-    } else if (action->status != "FINISHED") {
+    } else if (action->status != "FINISHED" || !is_ours) {
       ++open;
     }
   }
   const std::size_t legs = state.nodes_left.value_or(1) + state.edges_left.value_or(1);
   if (legs > 0 || open > 0) {
-    progress.message = fmt::format("under way: {} nodes and {} actions to go, last node {}",
-                                   state.nodes_left.value_or(0), open, Shown(state.last_node_id));
+    progress.message =
+        fmt::format("under way: {} nodes and {} actions to go, last node {}{}",
+                    state.nodes_left.value_or(0), open, Shown(state.last_node_id), other);
     return progress;
   }
   if (!failed.empty()) return Done(CommandStatus::kFailed, failed);
@@ -333,7 +361,8 @@ Result<std::unique_ptr<message::ResponseTracker>> TrackUserMessage(const RobotAd
                       : topic == "zoneSet" ? ZoneSetItem(message, wait_for)
                                            : ResponseItem(message, wait_for);
   if (!item) return Fail(std::move(item.error()));
-  return std::make_unique<ItemTracker>(std::move(*item), std::move(*state), std::move(*connection));
+  return std::make_unique<ItemTracker>(std::move(*item), Reception(robot, dialect),
+                                       std::move(*state), std::move(*connection));
 }
 
 }  // namespace fleetpub::vda5050

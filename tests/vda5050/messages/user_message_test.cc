@@ -1,5 +1,6 @@
 #include "vda5050/messages/user_message.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include "base/json.h"
@@ -10,6 +11,7 @@ namespace {
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
+using ::testing::Not;
 
 const RobotAddress kRobot{"KIT", "0001"};
 
@@ -206,6 +208,37 @@ TEST_F(UserMessageTracker, OfAnOrderIsRefusedByANewErrorThatNamesIt) {
       "referenceValue":"o"},{"referenceKey":"orderUpdateId","referenceValue":"2"}]}]})");
   EXPECT_EQ(Ending(), "REJECTED") << "though it shows an order of this id";
   EXPECT_EQ(Told(), "orderError: no route");
+}
+
+TEST_F(UserMessageTracker, TellsWhatDoesNotCountAndGoesOn) {
+  FollowAndPublish("order", kOrder, WaitFor::kAccepted);
+  State(R"({"orderId":"o","orderUpdateId":2,"serialNumber":"0002"})");
+  EXPECT_EQ(Ending(), "");
+  EXPECT_THAT(Told(), HasSubstr("KIT/0002"));
+  State(R"({"orderId":"o","x":)" + std::string(80, '[') + std::string(80, ']') + "}");
+  EXPECT_EQ(Ending(), "");
+  EXPECT_THAT(Told(), AllOf(HasSubstr("64 levels"), Not(HasSubstr("KIT/0002"))));
+  State(R"({"orderId":"o","orderUpdateId":2,"serialNumber":"0001"})");
+  EXPECT_EQ(Ending(), "ACCEPTED");
+}
+
+TEST_F(UserMessageTracker, OfAnOrderTakesNoOtherActionForItsOwn) {
+  FollowAndPublish("order", R"({"orderId":"o","orderUpdateId":2,
+      "nodes":[{"nodeId":"n2","actions":[{"actionId":"a1","actionType":"drop"}]}]})",
+                   WaitFor::kFinished);
+  constexpr std::string_view kDone =
+      R"({{"orderId":"o","orderUpdateId":2,"nodeStates":[],"edgeStates":[],"lastNodeId":"n2",
+      "actionStates":[{{"actionId":"a1","actionType":"{}","actionStatus":"{}"}}]}})";
+  State(fmt::format(kDone, "pick", "FINISHED"));
+  EXPECT_EQ(Ending(), "");
+  EXPECT_THAT(Told(), HasSubstr("another action, pick"));
+  State(fmt::format(kDone, "drop", "FINISHED"));
+  EXPECT_EQ(Ending(), "FINISHED");
+  FollowAndPublish("order", kOrder, WaitFor::kFinished);
+  State(R"({"orderId":"o","orderUpdateId":2,"nodeStates":[],"edgeStates":[],"lastNodeId":"n2",
+      "actionStates":[{"actionId":"a1","actionStatus":"FINISHED"},
+      {"actionId":"a1","actionStatus":"FAILED"}]})");
+  EXPECT_EQ(Ending(), "FAILED") << "a contradiction";
 }
 
 TEST_F(UserMessageTracker, EndsWithTheRobotsConnection) {

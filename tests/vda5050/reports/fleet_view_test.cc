@@ -114,6 +114,17 @@ TEST_F(FleetViewTest, PassesOverWhatTellsNothing) {
   EXPECT_THAT(Robots(), IsEmpty());
 }
 
+TEST_F(FleetViewTest, TellsThatAStateCannotBeRead) {
+  Live("vda5050/v3/KIT/1/connection", Connection("3.0.0", "ONLINE"));
+  const RobotView* robot = Live("vda5050/v3/KIT/1/state",
+                                R"({"x":)" + std::string(65, '[') + std::string(65, ']') + "}");
+  ASSERT_THAT(robot, NotNull());
+  EXPECT_THAT(robot->state_fault, ::testing::HasSubstr("64 levels"));
+  EXPECT_TRUE(robot->HasSpoken());
+  Live("vda5050/v3/KIT/1/state", State("3.0.0", R"("paused":true)"));
+  EXPECT_EQ(view_.robots().front()->state_fault, "");
+}
+
 TEST_F(FleetViewTest, ShowsARobotOfAnUnknownVersion) {
   const RobotView* robot = Live("x/v9/KIT/1/connection", Connection("9.1.0", "ONLINE"));
   ASSERT_THAT(robot, NotNull());

@@ -185,6 +185,42 @@ TEST(FindActionState, TakesTheEntryThatHasComeFurthest) {
   EXPECT_EQ(FindActionState(state, "a")->status, "FINISHED");
 }
 
+TEST(FindActionState, TakesAFailureBeforeASuccess) {
+  const auto state = StateOf(R"({"actionStates":[{"actionId":"a","actionStatus":"FINISHED"}],
+    "instantActionStates":[{"actionId":"a","actionStatus":"failed"}]})");
+  EXPECT_EQ(FindActionState(state, "a")->status, "FAILED");
+}
+
+TEST(FindActionState, PassesOverAnotherActionType) {
+  const auto state = StateOf(
+      R"({"actionStates":[{"actionId":"a","actionType":"pick","actionStatus":"FINISHED"}]})");
+  EXPECT_EQ(FindActionState(state, "a", "drop"), nullptr);
+  EXPECT_NE(FindActionState(state, "a", "pick"), nullptr);
+}
+
+TEST(OtherSender, IsNobodyWhereTheHeaderDoesNotSay) {
+  const RobotAddress names[] = {{"KIT", "0001"}, {"KIT Robotics", "0001"}};
+  const auto of = [&](std::string_view manufacturer, std::string_view serial) {
+    MessageHeader header;
+    header.manufacturer = manufacturer;
+    header.serial_number = serial;
+    return OtherSender(header, names);
+  };
+  for (const char* manufacturer : {"", "KIT", "kit", "KIT Robotics"}) {
+    EXPECT_EQ(of(manufacturer, "0001"), "") << manufacturer;
+    EXPECT_EQ(of(manufacturer, ""), "") << manufacturer;
+  }
+  EXPECT_EQ(of("", "0002"), "KIT/0002");
+  EXPECT_EQ(of("ACME", ""), "ACME/0001");
+}
+
+TEST(ReadState, TellsWhyItCannotBeRead) {
+  const std::string deep(100, '[');
+  EXPECT_NE(ReadState(R"({"x":)" + deep).error().message.find("64 levels"), std::string::npos);
+  const std::string large(std::size_t{17} << 20U, ' ');
+  EXPECT_NE(ReadState("{" + large + "}").error().message.find("too large"), std::string::npos);
+}
+
 TEST(ReadConnection, NormalisesTheConnectionState) {
   const std::pair<std::string_view, std::string_view> cases[] = {
       {"ONLINE", "ONLINE"},

@@ -28,21 +28,25 @@ InstantAction Action(std::string type) {
 KnownRobot Online(std::string_view version = "3.0.0") {
   KnownRobot known;
   known.connection =
-      ReadConnection(fmt::format(R"({{"version":"{}","connectionState":"ONLINE"}})", version));
+      ReadConnection(fmt::format(R"({{"version":"{}","connectionState":"ONLINE"}})", version))
+          .value();
   return known;
 }
 
 KnownRobot In(std::string_view connection_state) {
   KnownRobot known;
-  known.connection = ReadConnection(fmt::format(
-      R"({{"version":"3.0.0","timestamp":"2026-01-02T03:04:05.678Z","connectionState":"{}"}})",
-      connection_state));
+  known.connection =
+      ReadConnection(
+          fmt::format(
+              R"({{"version":"3.0.0","timestamp":"2026-01-02T03:04:05.678Z","connectionState":"{}"}})",
+              connection_state))
+          .value();
   return known;
 }
 
 KnownRobot InMode(std::string_view mode) {
   KnownRobot known = Online();
-  known.state = ReadState(fmt::format(R"({{"operatingMode":"{}"}})", mode));
+  known.state = ReadState(fmt::format(R"({{"operatingMode":"{}"}})", mode)).value();
   return known;
 }
 

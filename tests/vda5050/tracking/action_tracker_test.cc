@@ -49,6 +49,102 @@ TEST_F(ResponseTracker, PassesOverOtherTopicsAndRubbish) {
   EXPECT_THAT(Told(), HasSubstr("sent no state"));
 }
 
+// ── what confirms nothing ──
+
+TEST_F(ResponseTracker, TellsWhyAStateCannotBeRead) {
+  const std::string deep = R"({"instantActionStates":[)" + Entry(kId, "FINISHED") + R"(],"x":)" +
+                           std::string(70, '[') + std::string(70, ']') + "}";
+  const std::string large = R"({"x":")" + std::string(std::size_t{17} << 20U, 'a') + R"("})";
+  for (const auto& [payload, word] : {std::pair(deep, "64 levels"), std::pair(large, "too large"),
+                                      std::pair(std::string("{"), "not valid JSON")}) {
+    FollowAndPublish("startPause");
+    Hear("state", payload);
+    EXPECT_FALSE(HasEnded());
+    EXPECT_THAT(Told(), AllOf(HasSubstr("does not count"), HasSubstr(word)));
+  }
+  Hear("state", "");
+  HearActions(Entry(kId, "FINISHED"));
+  EXPECT_EQ(Ending(), "FINISHED") << "the next one counts";
+}
+
+TEST_F(ResponseTracker, TakesNoWordFromAnotherRobotsHeader) {
+  const auto state = [](std::string_view header) {
+    return fmt::format(R"({},"instantActionStates":[{}])", header, Entry(kId, "FINISHED"));
+  };
+  for (const std::string_view other : {R"("manufacturer":"KIT","serialNumber":"0002")",
+                                       R"("manufacturer":"ACME")", R"("serialNumber":2)"}) {
+    FollowAndPublish("startPause");
+    HearState(state(other));
+    EXPECT_FALSE(HasEnded()) << other;
+    EXPECT_THAT(Told(), AllOf(HasSubstr("its header names"), HasSubstr("--header-serial")));
+  }
+  for (const std::string_view own : {R"("manufacturer":"KIT","serialNumber":"0001")",
+                                     R"("manufacturer":"kit")", R"("serialNumber":null)"}) {
+    FollowAndPublish("startPause");
+    HearState(state(own));
+    EXPECT_EQ(Ending(), "FINISHED") << own;
+  }
+}
+
+TEST_F(ResponseTracker, TakesNoConnectionOrFactsheetFromAnotherRobotsHeader) {
+  FollowAndPublish("shutdown");
+  Hear("connection", R"({"serialNumber":"0002","connectionState":"OFFLINE"})");
+  EXPECT_FALSE(HasEnded());
+  EXPECT_THAT(Told(), HasSubstr("KIT/0002"));
+  Hear("connection", R"({"serialNumber":"0001","connectionState":"OFFLINE"})");
+  EXPECT_EQ(Ending(), "FINISHED");
+  FollowAndPublish("factsheetRequest");
+  Hear("factsheet", R"({"manufacturer":"ACME"})");
+  EXPECT_FALSE(HasEnded());
+}
+
+TEST_F(ResponseTracker, KnowsTheNameThatTheDialectGivesTheRobot) {
+  const Dialect dialect{.header_serial = "AGV-1"};
+  tracker_ = *TrackInstantAction(kRobot, dialect, "startPause", std::string(kId));
+  prefix_ = "vda5050/v3/KIT/0001/";
+  Publish();
+  HearState(fmt::format(R"("serialNumber":"AGV-1","actionStates":[{}])", Entry(kId, "FINISHED")));
+  EXPECT_EQ(Ending(), "FINISHED");
+}
+
+TEST_F(ResponseTracker, TakesAnActionOfAnotherTypeForAnotherAction) {
+  for (const std::string_view status : {"FINISHED", "FAILED", "RUNNING"}) {
+    FollowAndPublish("startPause");
+    HearActions(Entry(kId, status, R"(,"actionType":"startCharging")"));
+    HearActions("");
+    EXPECT_EQ(Ending(), "WAITING") << status;
+    EXPECT_THAT(Told(), HasSubstr("startCharging"));
+  }
+  HearActions(Entry(kId, "FINISHED", R"(,"actionType":"startCharging")") + "," +
+              Entry(kId, "FINISHED", R"(,"actionType":"STARTPAUSE")"));
+  EXPECT_EQ(Ending(), "FINISHED");
+  FollowAndPublish("initializePosition");
+  HearActions(Entry(kId, "FINISHED", R"(,"actionType":"initPosition")"));
+  EXPECT_EQ(Ending(), "FINISHED") << "the older versions' name for it";
+}
+
+TEST_F(ResponseTracker, DoesNotTakeTheListingAsAnotherActionForVanishing) {
+  FollowAndPublish("startPause");
+  HearActions(Entry(kId, "RUNNING"));
+  HearActions(Entry(kId, "RUNNING", R"(,"actionType":"startCharging")"));
+  EXPECT_EQ(Ending(), "WAITING");
+}
+
+TEST_F(ResponseTracker, TakesAContradictionForAFailure) {
+  for (const bool failed_first : {true, false}) {
+    FollowAndPublish("startPause");
+    const std::string failed = Entry(kId, "FAILED");
+    const std::string finished = Entry(kId, "FINISHED");
+    HearState(fmt::format(R"("actionStates":[{}],"instantActionStates":[{}])",
+                          failed_first ? failed : finished, failed_first ? finished : failed));
+    EXPECT_EQ(Ending(), "FAILED");
+    EXPECT_THAT(Told(), HasSubstr("FINISHED too"));
+  }
+  FollowAndPublish("startPause");
+  HearActions(Entry(kId, "FINISHED") + "," + Entry(kId, "FAILED"));
+  EXPECT_EQ(Ending(), "FAILED");
+}
+
 // ── FINISHED ──
 
 TEST_F(ResponseTracker, EndsWithFinished) {
