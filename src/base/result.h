@@ -7,7 +7,7 @@
 
 namespace fleetpub::base {
 
-/// Which kind of trouble. Decides the exit code (cli/exit_code.h) and nothing else.
+/// Which kind of trouble. Decides the exit code (cli/output/exit_code.h) and nothing else.
 enum class ErrorKind {
   kUnexpected,   ///< nobody foresaw it
   kUsage,        ///< the arguments or the configuration are wrong; nothing was sent

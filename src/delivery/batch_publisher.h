@@ -1,4 +1,4 @@
-// The bracket: [ lock ─▶ stamp ─▶ record ─▶ publish ─▶ acknowledgements ─▶ unlock ].
+// A batch: [ lock ─▶ stamp ─▶ record ─▶ publish ─▶ acknowledgements ─▶ unlock ].
 //
 // One critical section per topic: its lock is taken once the connection stands, ids and rows are
 // made durable in one transaction, the messages are written, and the lock is let go, at QoS 1 and 2
@@ -63,7 +63,7 @@ class BatchPublisher {
   /// Until when the acknowledgements may come.
   [[nodiscard]] mqtt::Deadline deadline() const { return deadline_; }
 
-  /// False when the message is not one of this bracket.
+  /// False when the message is not one of this batch.
   bool Take(const mqtt::Acknowledgement& acknowledgement);
 
   /// Lets the topics go. `reason` tells why acknowledgements that are still awaited will not come.

@@ -126,7 +126,7 @@ Status CommandSession::SendBatch(std::span<const message::Command> commands, Mor
   } else if (!commands.empty()) {
     left = pipeline_.Send(*transport_, commands, first_key);
   }
-  // An answer that is read while its command's bracket is under way would be lost.
+  // An answer that is read while its command's batch is under way would be lost.
   const bool overlaps = more == More::kFollow && subscribed_.empty();
   if (!lost_) pipeline_.Await(*transport_, left && overlaps ? PublishPipeline::kMostUnderWay : 0);
   if (!left) {

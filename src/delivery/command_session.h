@@ -1,5 +1,5 @@
-// The streaming core: commands as they come ─▶ brackets ─▶ the targets' answers ─▶ reports as they
-// are known. Nothing of a command is kept once its report is out.
+// A session: commands as they come ─▶ batches ─▶ the targets' answers ─▶ reports as they are
+// known. Nothing of a command is kept once its report is out.
 #pragma once
 
 #include <chrono>
@@ -36,20 +36,20 @@ struct SessionHooks {
 class CommandSession {
  public:
   /// `transport` is the open connection, and null while there is none. It and the ledger must
-  /// outlive the stream.
+  /// outlive the session.
   CommandSession(std::unique_ptr<mqtt::Transport>& transport, ledger::Ledger& ledger,
                  const SendOptions& send, const WaitOptions& wait, SessionHooks hooks);
 
   /// Subscribes to what these commands' trackers need, and waits for the acknowledgement.
   [[nodiscard]] Status Subscribe(std::span<const message::Command> commands);
 
-  /// Sends valid commands through one bracket, SendOptions::batch at most. Each gets its report: at
+  /// Sends valid commands through one batch, SendOptions::batch at most. Each gets its report: at
   /// once when it has no tracker or did not leave, else when its end is known. Those with a
   /// tracker are subscribed to first. Then, if many were sent since the last pause, reads
   /// until the targets' answers have come: a broker drops what it has to queue for long. Errors:
   /// what kept some from leaving; their reports say it too.
   ///
-  /// With More::kFollow the next Send comes at once: the bracket may still wait for the broker's
+  /// With More::kFollow the next Send comes at once: the batch may still wait for the broker's
   /// acknowledgements on return, and is told of by a later Send.
   enum class More : std::uint8_t { kNone, kFollow };
   Status Send(std::span<const message::Command> commands, More more = More::kNone);
@@ -93,7 +93,7 @@ class CommandSession {
   SessionHooks hooks_;
   PendingCommands pending_;
   PublishPipeline pipeline_;
-  std::optional<Error> broken_;         // a bracket tells that the connection is
+  std::optional<Error> broken_;         // a batch tells that the connection is
   std::vector<message::Report> ended_;  // not told yet
   PendingCommands::Key next_key_ = 0;
   std::unordered_map<PendingCommands::Key, message::Command>

@@ -13,8 +13,8 @@
 
 namespace fleetpub::delivery {
 
-/// Sends valid commands, each with a ResponseTracker, through a Stream, and waits for their ends.
-/// Reports come as they are known.
+/// Sends valid commands, each with a ResponseTracker, through a CommandSession, and waits for their
+/// ends. Reports come as they are known.
 ///
 /// All that is needed is subscribed, and acknowledged, before anything is published. A connection
 /// that is lost while waiting is opened again and subscribed again until time is up; `transport` is

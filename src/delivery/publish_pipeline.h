@@ -1,5 +1,5 @@
-// Brackets on their way, oldest first. While the broker's acknowledgements of one travel, the next
-// can be made: at a distance a fleet costs little more than one bracket's round trip.
+// Batches on their way, oldest first. While the broker's acknowledgements of one travel, the next
+// can be made: at a distance a fleet costs little more than one batch's round trip.
 #pragma once
 
 #include <cstddef>
@@ -20,19 +20,19 @@ class PublishPipeline {
   /// Told what became of a batch, in the order of Send; its outcomes are not recorded yet.
   using DoneHook = std::function<void(Key key, BatchResult result)>;
 
-  /// So many brackets travel while the next is made: enough for 50 ms. More would keep others from
+  /// So many batches travel while the next is made: enough for 50 ms. More would keep others from
   /// their topics longer, and the kernel walks all locks for each new one.
   static constexpr std::size_t kMostUnderWay = 2;
 
   PublishPipeline(ledger::Ledger& ledger, const SendOptions& options, SentHook sent, DoneHook done);
 
-  /// Opens a bracket for these commands, under the caller's key. Errors: nothing of it was sent.
-  /// A topic that is held, perhaps by a bracket under way, is waited for only when none is under
+  /// Opens a batch for these commands, under the caller's key. Errors: nothing of it was sent.
+  /// A topic that is held, perhaps by a batch under way, is waited for only when none is under
   /// way any more: who holds topics waits for nobody's.
   [[nodiscard]] Status Send(mqtt::Transport& transport, std::span<const message::Command> commands,
                             Key key);
 
-  /// Closes what is done, and waits until at most so many brackets are under way. When the
+  /// Closes what is done, and waits until at most so many batches are under way. When the
   /// connection is lost or the broker silent, closes them all.
   void Await(mqtt::Transport& transport, std::size_t most);
 

@@ -1,4 +1,4 @@
-// The second half of a command's way: bracket (bracket.h) ─▶ record the outcome ─▶ report.
+// The second half of a command's way: batch (batch_publisher.h) ─▶ record the outcome ─▶ report.
 #pragma once
 
 #include <functional>
@@ -23,7 +23,7 @@ using ReportSink = std::function<void(const message::Report&)>;
                           ledger::Ledger& ledger, const SendOptions& options,
                           const ReportSink& report, const SentHook& sent = {});
 
-/// Puts the reports' verdicts into the audit trail.
+/// Puts the reports' statuses into the audit trail.
 [[nodiscard]] Status RecordOutcomes(std::span<const message::Report> reports,
                                     ledger::Ledger& ledger);
 

@@ -3,7 +3,8 @@
 // SQLite's own lock ends with COMMIT; the message is written after that. So each topic has one byte
 // in a second file, `<ledger>.locks`, at an offset hashed from its name, and who sends holds a lock
 // on that byte (fcntl(2), open file description locks). The system releases the lock when its
-// holder dies, however it dies. What stands in the file is no part of this (id_marks.h).
+// holder dies, however it dies. What stands in the file is no part of this
+// (header_id_checkpoints.h).
 #pragma once
 
 #include <cstdint>

@@ -1,4 +1,4 @@
-// How a command's target tells what became of it. Each protocol has its own; dispatch only carries
+// How a command's target tells what became of it. Each protocol has its own; delivery only carries
 // the messages.
 #pragma once
 

@@ -25,23 +25,25 @@ ActionState* FindAction(RobotState& state, std::string_view id) {
   return nullptr;
 }
 
-Outcome StartPause(const CommandLine& /*call*/, RobotState& state, const Words& /*words*/) {
+Outcome StartPause(const ActionCall& /*call*/, RobotState& state, const ProtocolTerms& /*terms*/) {
   state.paused = true;
   return {};
 }
 
-Outcome StopPause(const CommandLine& /*call*/, RobotState& state, const Words& /*words*/) {
+Outcome StopPause(const ActionCall& /*call*/, RobotState& state, const ProtocolTerms& /*terms*/) {
   state.paused = false;
   return {};
 }
 
-Outcome StartCharging(const CommandLine& /*call*/, RobotState& state, const Words& /*words*/) {
+Outcome StartCharging(const ActionCall& /*call*/, RobotState& state,
+                      const ProtocolTerms& /*terms*/) {
   if (state.Driving()) return Failed("cannot charge while driving");
   state.charging = true;
   return {};
 }
 
-Outcome StopCharging(const CommandLine& /*call*/, RobotState& state, const Words& /*words*/) {
+Outcome StopCharging(const ActionCall& /*call*/, RobotState& state,
+                     const ProtocolTerms& /*terms*/) {
   state.charging = false;
   return {};
 }
@@ -53,7 +55,8 @@ void Enable(std::vector<Map>& maps, std::string_view id, std::string_view versio
   }
 }
 
-Outcome InitializePosition(const CommandLine& call, RobotState& state, const Words& /*words*/) {
+Outcome InitializePosition(const ActionCall& call, RobotState& state,
+                           const ProtocolTerms& /*terms*/) {
   state.position = {call.Number("x"), call.Number("y"), call.Number("theta"), call.Text("mapId")};
   state.last_node_id = call.Text("lastNodeId");
   const auto known = std::find_if(state.maps.rbegin(), state.maps.rend(),
@@ -62,19 +65,19 @@ Outcome InitializePosition(const CommandLine& call, RobotState& state, const Wor
   return {};
 }
 
-auto FindMap(RobotState& state, const CommandLine& call) {
+auto FindMap(RobotState& state, const ActionCall& call) {
   return std::find_if(state.maps.begin(), state.maps.end(), [&](const Map& map) {
     return map.id == call.Text("mapId") && map.version == call.Text("mapVersion");
   });
 }
 
-std::string NameOfMap(const CommandLine& call) {
+std::string NameOfMap(const ActionCall& call) {
   return fmt::format("map {} version {}", call.Text("mapId"), call.Text("mapVersion"));
 }
 
-Outcome DownloadMap(const CommandLine& call, RobotState& state, const Words& words) {
+Outcome DownloadMap(const ActionCall& call, RobotState& state, const ProtocolTerms& terms) {
   if (FindMap(state, call) != state.maps.end()) {
-    return Failed(NameOfMap(call) + " is already there", words.duplicate_map,
+    return Failed(NameOfMap(call) + " is already there", terms.duplicate_map,
                   {{"actionId", call.id},
                    {"mapId", call.Text("mapId")},
                    {"mapVersion", call.Text("mapVersion")}},
@@ -84,13 +87,13 @@ Outcome DownloadMap(const CommandLine& call, RobotState& state, const Words& wor
   return {};
 }
 
-Outcome EnableMap(const CommandLine& call, RobotState& state, const Words& /*words*/) {
+Outcome EnableMap(const ActionCall& call, RobotState& state, const ProtocolTerms& /*terms*/) {
   if (FindMap(state, call) == state.maps.end()) return Failed(NameOfMap(call) + " is not there");
   Enable(state.maps, call.Text("mapId"), call.Text("mapVersion"));
   return {};
 }
 
-Outcome DeleteMap(const CommandLine& call, RobotState& state, const Words& /*words*/) {
+Outcome DeleteMap(const ActionCall& call, RobotState& state, const ProtocolTerms& /*terms*/) {
   const auto map = FindMap(state, call);
   if (map == state.maps.end()) return Failed(NameOfMap(call) + " is not there");
   if (map->enabled) return Failed(NameOfMap(call) + " is in use");
@@ -98,16 +101,16 @@ Outcome DeleteMap(const CommandLine& call, RobotState& state, const Words& /*wor
   return {};
 }
 
-auto FindZoneSet(RobotState& state, const CommandLine& call) {
+auto FindZoneSet(RobotState& state, const ActionCall& call) {
   return std::find_if(state.zone_sets.begin(), state.zone_sets.end(),
                       [&](const ZoneSet& set) { return set.id == call.Text("zoneSetId"); });
 }
 
-std::string NameOfZoneSet(const CommandLine& call) { return "zone set " + call.Text("zoneSetId"); }
+std::string NameOfZoneSet(const ActionCall& call) { return "zone set " + call.Text("zoneSetId"); }
 
-Outcome DownloadZoneSet(const CommandLine& call, RobotState& state, const Words& words) {
+Outcome DownloadZoneSet(const ActionCall& call, RobotState& state, const ProtocolTerms& terms) {
   if (FindZoneSet(state, call) != state.zone_sets.end()) {
-    return Failed(NameOfZoneSet(call) + " is already there", words.duplicate_zone_set,
+    return Failed(NameOfZoneSet(call) + " is already there", terms.duplicate_zone_set,
                   {{"actionId", call.id}, {"zoneSetId", call.Text("zoneSetId")}},
                   Until::kNextInstantAction);
   }
@@ -115,7 +118,7 @@ Outcome DownloadZoneSet(const CommandLine& call, RobotState& state, const Words&
   return {};
 }
 
-Outcome EnableZoneSet(const CommandLine& call, RobotState& state, const Words& /*words*/) {
+Outcome EnableZoneSet(const ActionCall& call, RobotState& state, const ProtocolTerms& /*terms*/) {
   const auto chosen = FindZoneSet(state, call);
   if (chosen == state.zone_sets.end()) return Failed(NameOfZoneSet(call) + " is not there");
   for (ZoneSet& set : state.zone_sets) {
@@ -124,7 +127,7 @@ Outcome EnableZoneSet(const CommandLine& call, RobotState& state, const Words& /
   return {};
 }
 
-Outcome DeleteZoneSet(const CommandLine& call, RobotState& state, const Words& /*words*/) {
+Outcome DeleteZoneSet(const ActionCall& call, RobotState& state, const ProtocolTerms& /*terms*/) {
   const auto set = FindZoneSet(state, call);
   if (set == state.zone_sets.end()) return Failed(NameOfZoneSet(call) + " is not there");
   if (set->enabled) return Failed(NameOfZoneSet(call) + " is in use");
@@ -133,18 +136,19 @@ Outcome DeleteZoneSet(const CommandLine& call, RobotState& state, const Words& /
 }
 
 // Its own entry stays: it is not ended yet.
-Outcome ClearInstantActions(const CommandLine& call, RobotState& state, const Words& /*words*/) {
+Outcome ClearInstantActions(const ActionCall& call, RobotState& state,
+                            const ProtocolTerms& /*terms*/) {
   std::erase_if(state.instant_actions, [&](const ActionState& action) {
     return IsEnded(action.status) && action.id != call.id;
   });
   return {};
 }
 
-Outcome LogReport(const CommandLine& call, RobotState& /*state*/, const Words& /*words*/) {
+Outcome LogReport(const ActionCall& call, RobotState& /*state*/, const ProtocolTerms& /*terms*/) {
   return {.result = fmt::format("log-{}.txt", call.id)};
 }
 
-Outcome Trigger(const CommandLine& /*call*/, RobotState& state, const Words& /*words*/) {
+Outcome Trigger(const ActionCall& /*call*/, RobotState& state, const ProtocolTerms& /*terms*/) {
   int released = 0;
   for (ActionState& action : state.order_actions) {
     if (action.type != "waitForTrigger" || action.status != ActionStatus::kRunning) continue;
@@ -154,7 +158,7 @@ Outcome Trigger(const CommandLine& /*call*/, RobotState& state, const Words& /*w
   return released > 0 ? Outcome{} : Failed("nothing waits for a trigger");
 }
 
-Outcome OnRetriable(const CommandLine& call, RobotState& state, SideEffect consequence) {
+Outcome OnRetriable(const ActionCall& call, RobotState& state, SideEffect consequence) {
   const std::string target = call.Text("actionId");
   const ActionState* action = FindAction(state, target);
   if (action == nullptr || action->status != ActionStatus::kRetriable) {
@@ -163,11 +167,11 @@ Outcome OnRetriable(const CommandLine& call, RobotState& state, SideEffect conse
   return {.consequence = consequence, .target = target};
 }
 
-Outcome Retry(const CommandLine& call, RobotState& state, const Words& /*words*/) {
+Outcome Retry(const ActionCall& call, RobotState& state, const ProtocolTerms& /*terms*/) {
   return OnRetriable(call, state, SideEffect::kRetry);
 }
 
-Outcome SkipRetry(const CommandLine& call, RobotState& state, const Words& /*words*/) {
+Outcome SkipRetry(const ActionCall& call, RobotState& state, const ProtocolTerms& /*terms*/) {
   return OnRetriable(call, state, SideEffect::kSkipRetry);
 }
 
@@ -180,33 +184,34 @@ void GiveUpOrder(RobotState& state) {
   }
 }
 
-Outcome CancelOrder(const CommandLine& call, RobotState& state, const Words& words) {
+Outcome CancelOrder(const ActionCall& call, RobotState& state, const ProtocolTerms& terms) {
   const std::string wanted = call.Text("orderId");
   const bool other = !wanted.empty() && wanted != state.order.id;
   if (!state.order.Active() || other) {
     return Failed(other ? fmt::format("order {} is not active", wanted) : "no order is active",
-                  words.no_order, {{"actionId", call.id}}, Until::kNextOrder);
+                  terms.no_order, {{"actionId", call.id}}, Until::kNextOrder);
   }
   GiveUpOrder(state);
   return {};
 }
 
-Outcome FactsheetRequest(const CommandLine& /*call*/, RobotState& /*state*/,
-                         const Words& /*words*/) {
+Outcome FactsheetRequest(const ActionCall& /*call*/, RobotState& /*state*/,
+                         const ProtocolTerms& /*terms*/) {
   return {.consequence = SideEffect::kFactsheet};
 }
 
-Outcome StartHibernation(const CommandLine& /*call*/, RobotState& state, const Words& /*words*/) {
+Outcome StartHibernation(const ActionCall& /*call*/, RobotState& state,
+                         const ProtocolTerms& /*terms*/) {
   GiveUpOrder(state);
   return {.consequence = SideEffect::kHibernate};
 }
 
-Outcome StopHibernation(const CommandLine& /*call*/, RobotState& /*state*/,
-                        const Words& /*words*/) {
+Outcome StopHibernation(const ActionCall& /*call*/, RobotState& /*state*/,
+                        const ProtocolTerms& /*terms*/) {
   return {.consequence = SideEffect::kWake};
 }
 
-Outcome Shutdown(const CommandLine& call, RobotState& state, const Words& /*words*/) {
+Outcome Shutdown(const ActionCall& call, RobotState& state, const ProtocolTerms& /*terms*/) {
   const bool busy = std::any_of(
       state.instant_actions.begin(), state.instant_actions.end(),
       [&](const ActionState& action) { return !IsEnded(action.status) && action.id != call.id; });
@@ -219,7 +224,7 @@ using enum Beginning;
 struct Effect {
   std::string_view type;
   Beginning beginning;
-  Outcome (*carry)(const CommandLine& call, RobotState& state, const Words& words);
+  Outcome (*carry)(const ActionCall& call, RobotState& state, const ProtocolTerms& terms);
 };
 
 // stateRequest, clearZoneActions (there are none) and updateCertificate change nothing here.
@@ -257,7 +262,7 @@ const Effect* FindEffect(std::string_view type) {
 
 }  // namespace
 
-std::string CommandLine::Text(std::string_view key) const {
+std::string ActionCall::Text(std::string_view key) const {
   for (const Parameter& parameter : parameters) {
     const auto* text = std::get_if<std::string>(&parameter.value);
     if (parameter.key == key && text != nullptr) return *text;
@@ -265,7 +270,7 @@ std::string CommandLine::Text(std::string_view key) const {
   return {};
 }
 
-double CommandLine::Number(std::string_view key) const {
+double ActionCall::Number(std::string_view key) const {
   for (const Parameter& parameter : parameters) {
     const auto* number = std::get_if<double>(&parameter.value);
     if (parameter.key == key && number != nullptr) return *number;
@@ -278,10 +283,10 @@ Beginning BeginningOf(std::string_view type) {
   return effect == nullptr ? kRunning : effect->beginning;
 }
 
-Outcome Execute(const CommandLine& call, RobotState& state, const Words& words) {
+Outcome Execute(const ActionCall& call, RobotState& state, const ProtocolTerms& terms) {
   const Effect* effect = FindEffect(call.type);
   return effect == nullptr || effect->carry == nullptr ? Outcome{}
-                                                       : effect->carry(call, state, words);
+                                                       : effect->carry(call, state, terms);
 }
 
 }  // namespace fleetpub::simulator

@@ -18,7 +18,7 @@ struct Parameter {
 };
 
 /// An instant action that is to be carried out.
-struct CommandLine {
+struct ActionCall {
   std::string id;
   std::string type;
   std::vector<Parameter> parameters;
@@ -45,6 +45,7 @@ enum class Beginning { kWaiting, kInitializing, kRunning };
 [[nodiscard]] Beginning BeginningOf(std::string_view type);
 
 /// Carries it out. An action without an entry in the table finishes and changes nothing.
-[[nodiscard]] Outcome Execute(const CommandLine& call, RobotState& state, const Words& words);
+[[nodiscard]] Outcome Execute(const ActionCall& call, RobotState& state,
+                              const ProtocolTerms& terms);
 
 }  // namespace fleetpub::simulator

@@ -27,7 +27,7 @@ std::span<const std::string_view> HeardIn(vda5050::Version version) {
 
 Result<std::unique_ptr<Fleet>> Fleet::Make(Settings settings,
                                            const std::vector<RobotAddress>& robots,
-                                           schema::Registry& registry, Subscription listener) {
+                                           schema::Registry& registry, EventCallback listener) {
   std::unique_ptr<Fleet> fleet(new Fleet(std::move(settings), registry, std::move(listener)));
   fleet->members_.reserve(robots.size());
   for (const RobotAddress& address : robots) {
@@ -36,7 +36,7 @@ Result<std::unique_ptr<Fleet>> Fleet::Make(Settings settings,
   return fleet;
 }
 
-Fleet::Fleet(Settings settings, schema::Registry& registry, Subscription listener)
+Fleet::Fleet(Settings settings, schema::Registry& registry, EventCallback listener)
     : settings_(std::move(settings)),
       factsheet_(FactsheetBody(settings_.version, settings_.state_interval)),
       inspector_(settings_, registry),

@@ -31,12 +31,12 @@ struct Outgoing {
 class Fleet {
  public:
   /// `robot` is `manufacturer/serialNumber`.
-  using Subscription = std::function<void(std::string_view robot, const Event& event)>;
+  using EventCallback = std::function<void(std::string_view robot, const Event& event)>;
 
   /// `registry` outlives the fleet. Errors: ErrorKind::kUsage (topics).
   [[nodiscard]] static Result<std::unique_ptr<Fleet>> Make(
       Settings settings, const std::vector<vda5050::RobotAddress>& robots,
-      schema::Registry& registry, Subscription listener);
+      schema::Registry& registry, EventCallback listener);
   Fleet(const Fleet&) = delete;
   Fleet& operator=(const Fleet&) = delete;
 
@@ -72,7 +72,7 @@ class Fleet {
     std::string_view topic;  ///< the last level
   };
 
-  Fleet(Settings settings, schema::Registry& registry, Subscription listener);
+  Fleet(Settings settings, schema::Registry& registry, EventCallback listener);
   [[nodiscard]] Status Add(const vda5050::RobotAddress& address);
   /// Hands on what a robot said, and notes when its next turn is.
   void After(std::size_t index, Utterances& said, std::vector<Outgoing>& out);
@@ -81,7 +81,7 @@ class Fleet {
   Settings settings_;
   std::string factsheet_;
   Inspector inspector_;
-  Subscription listener_;
+  EventCallback listener_;
   std::vector<Member> members_;
   std::size_t present_ = 0;
   std::unordered_map<std::string, Destination> destinations_;

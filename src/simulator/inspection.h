@@ -15,7 +15,7 @@
 namespace fleetpub::simulator {
 
 struct ReceivedAction {
-  CommandLine call;
+  ActionCall call;
   std::string descriptor;
   std::string fault;  ///< why it cannot be carried out; "" when it can
 };

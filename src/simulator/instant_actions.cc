@@ -38,7 +38,7 @@ std::string TypesOf(const Inspection& inspection) {
 }  // namespace
 
 void VirtualRobot::ReceiveActions(std::string_view payload, const Moment& now,
-                                  const Subscription& listener) {
+                                  const EventCallback& listener) {
   const Inspection inspection = shared_.inspector.InspectInstantActions(payload);
   const std::string place = inspection.Place("instantActions");
   if (!inspection.fault.empty()) {
@@ -58,7 +58,7 @@ void VirtualRobot::ReceiveActions(std::string_view payload, const Moment& now,
 }
 
 void VirtualRobot::Begin(const ReceivedAction& action, const Moment& now) {
-  const CommandLine& call = action.call;
+  const ActionCall& call = action.call;
   changed_ = true;  // a repeated one is answered, not carried out again
   if (known_.contains(call.id)) return;
   if (const std::string reason = ReasonToReject(action); !reason.empty()) {
@@ -93,7 +93,7 @@ std::string VirtualRobot::ReasonToReject(const ReceivedAction& action) const {
 }
 
 void VirtualRobot::Reject(const ReceivedAction& action, const std::string& reason) {
-  const CommandLine& call = action.call;
+  const ActionCall& call = action.call;
   if (shared_.settings.Style() == RejectStyle::kState) {
     Remember(call.id);
     state_.instant_actions.push_back(
@@ -119,7 +119,7 @@ void VirtualRobot::Advance(Running& running, const Moment& now) {
 }
 
 void VirtualRobot::Complete(const Running& running, const Moment& now) {
-  const CommandLine& call = running.call;
+  const ActionCall& call = running.call;
   Outcome outcome;
   if (shared_.settings.fail.contains(call.type)) {
     outcome = {.finished = false, .result = fmt::format("{} failed, as asked for", call.type)};

@@ -53,7 +53,7 @@ void PutLegs(Json& json, std::string_view key, std::string_view id, const std::v
   });
 }
 
-void PutAction(Json& json, const ActionState& action, const Words& words) {
+void PutAction(Json& json, const ActionState& action, const ProtocolTerms& words) {
   Put(json, "actionId", action.id);
   Put(json, "actionType", action.type);
   if (!action.descriptor.empty()) Put(json, words.action_descriptor, action.descriptor);
@@ -61,7 +61,7 @@ void PutAction(Json& json, const ActionState& action, const Words& words) {
   if (!action.result.empty()) Put(json, words.action_result, action.result);
 }
 
-void PutActions(Json& json, const RobotState& state, const Words& words) {
+void PutActions(Json& json, const RobotState& state, const ProtocolTerms& words) {
   const auto put = [&](const ActionState& action) { PutAction(json, action, words); };
   if (words.own_instant_states) {
     PutArray(json, "actionStates", state.order_actions, put);
@@ -86,7 +86,7 @@ void PutErrors(Json& json, const std::vector<RobotError>& errors) {
   });
 }
 
-void PutMaps(Json& json, const RobotState& state, const Words& words) {
+void PutMaps(Json& json, const RobotState& state, const ProtocolTerms& words) {
   const auto status = [](bool enabled) -> std::string_view {
     return enabled ? "ENABLED" : "DISABLED";
   };
@@ -106,7 +106,7 @@ void PutMaps(Json& json, const RobotState& state, const Words& words) {
   }
 }
 
-void PutRequests(Json& json, const RobotState& state, const Words& words) {
+void PutRequests(Json& json, const RobotState& state, const ProtocolTerms& words) {
   if (!words.HasZoneSets()) return;
   for (const bool for_zones : {true, false}) {
     std::vector<Request> requests = state.requests;
@@ -126,7 +126,7 @@ void PutRequests(Json& json, const RobotState& state, const Words& words) {
   }
 }
 
-void PutPosition(Json& json, const Position& position, const Words& words) {
+void PutPosition(Json& json, const Position& position, const ProtocolTerms& words) {
   Put(json, words.position);
   json.StartObject();
   Put(json, "x", position.x);
@@ -137,7 +137,7 @@ void PutPosition(Json& json, const Position& position, const Words& words) {
   json.EndObject();
 }
 
-void PutPowerAndSafety(Json& json, const RobotState& state, const Words& words) {
+void PutPowerAndSafety(Json& json, const RobotState& state, const ProtocolTerms& words) {
   constexpr double kCharge = 80;
   Put(json, words.power);
   json.StartObject();
@@ -165,7 +165,7 @@ std::string ConnectionBody(std::string_view connection_state) {
   return fmt::format(R"("connectionState":"{}")", connection_state);
 }
 
-std::string StateBody(const RobotState& state, const Words& words) {
+std::string StateBody(const RobotState& state, const ProtocolTerms& words) {
   base::JsonBuffer buffer;
   Json json(buffer);
   json.StartObject();

@@ -22,7 +22,7 @@ bool IsReleased(const Value& leg) {
   return released == nullptr || !released->IsBool() || released->GetBool();
 }
 
-void AddActions(const Value& leg, const Words& words, std::vector<ActionState>& actions) {
+void AddActions(const Value& leg, const ProtocolTerms& words, std::vector<ActionState>& actions) {
   const Value* array = FindMember(leg, "actions");
   if (array == nullptr || !array->IsArray()) return;
   const std::string_view descriptor = words.action_descriptor;
@@ -42,7 +42,7 @@ struct Plan {
 };
 
 std::vector<Leg> ReadLegs(const Value& message, std::string_view list, std::string_view id,
-                          const Words& words, std::vector<ActionState>& actions) {
+                          const ProtocolTerms& words, std::vector<ActionState>& actions) {
   std::vector<Leg> legs;
   const Value* array = FindMember(message, list);
   if (array == nullptr || !array->IsArray()) return legs;
@@ -54,7 +54,7 @@ std::vector<Leg> ReadLegs(const Value& message, std::string_view list, std::stri
   return legs;
 }
 
-Plan ReadPlan(const Value& message, const Words& words) {
+Plan ReadPlan(const Value& message, const ProtocolTerms& words) {
   Plan plan;
   plan.nodes = ReadLegs(message, "nodes", "nodeId", words, plan.actions);
   plan.edges = ReadLegs(message, "edges", "edgeId", words, plan.actions);
@@ -70,7 +70,7 @@ Order ExampleOrder() {
           {{"edge-1", 1, true}, {"edge-2", 3, true}}};
 }
 
-std::string AcceptOrder(const Value& message, RobotState& state, const Words& words) {
+std::string AcceptOrder(const Value& message, RobotState& state, const ProtocolTerms& words) {
   const std::string_view id = StringMember(message, "orderId");
   const std::uint32_t update = NumberOf(message, "orderUpdateId");
   if (id.empty()) return "orderId is missing";

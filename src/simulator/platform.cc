@@ -47,7 +47,7 @@ void VirtualPlatform::Start(const Moment& now, std::vector<mqtt::Message>& out) 
 }
 
 void VirtualPlatform::Receive(const mqtt::Message& message, const Moment& now,
-                              std::vector<mqtt::Message>& out, const Subscription& listener) {
+                              std::vector<mqtt::Message>& out, const EventCallback& listener) {
   const auto fault = [&](std::string_view what) {
     listener({Event::Kind::kFault, fmt::format("{}: {}", message.topic, what)});
   };
@@ -178,7 +178,7 @@ steady_clock::time_point VirtualPlatform::Due() const {
 
 Result<std::unique_ptr<PlatformFleet>> PlatformFleet::Make(
     PlatformSettings settings, const std::vector<std::string>& destinations,
-    schema::Registry& registry, Subscription listener) {
+    schema::Registry& registry, EventCallback listener) {
   const auto schema = registry.Find(soar::kMessageSchema);
   if (!schema) return Fail(schema.error());
   std::unique_ptr<PlatformFleet> fleet(new PlatformFleet(std::move(settings), std::move(listener)));

@@ -33,7 +33,7 @@ struct PlatformSettings {
 /// acknowledges to whoever sent the message and has no status.
 class VirtualPlatform {
  public:
-  using Subscription = std::function<void(const Event&)>;
+  using EventCallback = std::function<void(const Event&)>;
 
   /// What platforms of one fleet share; all of it outlives them.
   struct Shared {
@@ -47,7 +47,7 @@ class VirtualPlatform {
   /// Connected, or connected again: its status.
   void Start(const Moment& now, std::vector<mqtt::Message>& out);
   void Receive(const mqtt::Message& message, const Moment& now, std::vector<mqtt::Message>& out,
-               const Subscription& listener);
+               const EventCallback& listener);
   /// To be called at Due() or later.
   void Tick(const Moment& now, std::vector<mqtt::Message>& out);
   [[nodiscard]] std::chrono::steady_clock::time_point Due() const;
@@ -94,12 +94,12 @@ class VirtualPlatform {
 class PlatformFleet {
  public:
   /// `platform` is its name: `soar.noc.autosub.ah1`.
-  using Subscription = std::function<void(std::string_view platform, const Event& event)>;
+  using EventCallback = std::function<void(std::string_view platform, const Event& event)>;
 
   /// `registry` outlives the fleet. Errors: ErrorKind::kUsage (destinations), or the schema.
   [[nodiscard]] static Result<std::unique_ptr<PlatformFleet>> Make(
       PlatformSettings settings, const std::vector<std::string>& destinations,
-      schema::Registry& registry, Subscription listener);
+      schema::Registry& registry, EventCallback listener);
   PlatformFleet(const PlatformFleet&) = delete;
   PlatformFleet& operator=(const PlatformFleet&) = delete;
 
@@ -111,11 +111,11 @@ class PlatformFleet {
   [[nodiscard]] std::chrono::steady_clock::time_point Due() const;
 
  private:
-  PlatformFleet(PlatformSettings settings, Subscription listener)
+  PlatformFleet(PlatformSettings settings, EventCallback listener)
       : settings_(std::move(settings)), listener_(std::move(listener)) {}
 
   PlatformSettings settings_;
-  Subscription listener_;
+  EventCallback listener_;
   std::vector<VirtualPlatform> platforms_;
   std::map<std::string, std::size_t, std::less<>> filters_;  // by topic filter
 };

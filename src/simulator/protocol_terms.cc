@@ -7,7 +7,7 @@ namespace {
 
 using vda5050::Version;
 
-constexpr Words Up21(Version version, mqtt::Qos connection_qos) {
+constexpr ProtocolTerms Up21(Version version, mqtt::Qos connection_qos) {
   return {.version = version,
           .broken = "CONNECTIONBROKEN",
           .connection_qos = connection_qos,
@@ -31,26 +31,28 @@ constexpr Words Up21(Version version, mqtt::Qos connection_qos) {
 constexpr std::array kWords = {Up21(Version::k110, mqtt::Qos::kAtMostOnce),
                                Up21(Version::k200, mqtt::Qos::kAtLeastOnce),
                                Up21(Version::k210, mqtt::Qos::kAtLeastOnce),
-                               Words{.version = Version::k300,
-                                     .broken = "CONNECTION_BROKEN",
-                                     .connection_qos = mqtt::Qos::kAtLeastOnce,
-                                     .position = "mobileRobotPosition",
-                                     .initialized = "localized",
-                                     .power = "powerSupply",
-                                     .charge = "stateOfCharge",
-                                     .emergency_stop = "activeEmergencyStop",
-                                     .action_descriptor = "actionDescriptor",
-                                     .action_result = "actionResult",
-                                     .own_instant_states = true,
-                                     .invalid_action = "INVALID_INSTANT_ACTION",
-                                     .invalid_message = "VALIDATION_FAILURE",
-                                     .no_order = "NO_ORDER_TO_CANCEL",
-                                     .invalid_order = "INVALID_ORDER",
-                                     .duplicate_map = "DUPLICATE_MAP",
-                                     .duplicate_zone_set = "DUPLICATE_ZONE_SET"}};
+                               ProtocolTerms{.version = Version::k300,
+                                             .broken = "CONNECTION_BROKEN",
+                                             .connection_qos = mqtt::Qos::kAtLeastOnce,
+                                             .position = "mobileRobotPosition",
+                                             .initialized = "localized",
+                                             .power = "powerSupply",
+                                             .charge = "stateOfCharge",
+                                             .emergency_stop = "activeEmergencyStop",
+                                             .action_descriptor = "actionDescriptor",
+                                             .action_result = "actionResult",
+                                             .own_instant_states = true,
+                                             .invalid_action = "INVALID_INSTANT_ACTION",
+                                             .invalid_message = "VALIDATION_FAILURE",
+                                             .no_order = "NO_ORDER_TO_CANCEL",
+                                             .invalid_order = "INVALID_ORDER",
+                                             .duplicate_map = "DUPLICATE_MAP",
+                                             .duplicate_zone_set = "DUPLICATE_ZONE_SET"}};
 
 }  // namespace
 
-const Words& WordsOf(Version version) { return kWords.at(static_cast<std::size_t>(version)); }
+const ProtocolTerms& WordsOf(Version version) {
+  return kWords.at(static_cast<std::size_t>(version));
+}
 
 }  // namespace fleetpub::simulator

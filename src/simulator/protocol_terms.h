@@ -9,7 +9,7 @@
 
 namespace fleetpub::simulator {
 
-struct Words {
+struct ProtocolTerms {
   vda5050::Version version;
   // connection
   std::string_view broken;  ///< the connectionState of the last will
@@ -42,6 +42,6 @@ struct Words {
   [[nodiscard]] bool OrderClearsInstantActions() const { return version < vda5050::Version::k300; }
 };
 
-[[nodiscard]] const Words& WordsOf(vda5050::Version version);
+[[nodiscard]] const ProtocolTerms& WordsOf(vda5050::Version version);
 
 }  // namespace fleetpub::simulator

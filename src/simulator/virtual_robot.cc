@@ -49,7 +49,7 @@ void VirtualRobot::End(const Moment& now, Utterances& out) {
 }
 
 void VirtualRobot::Receive(std::string_view topic, std::string_view payload, const Moment& now,
-                           Utterances& out, const Subscription& listener) {
+                           Utterances& out, const EventCallback& listener) {
   if (gone_) return;
   out_ = &out;
   if (topic == "instantActions") ReceiveActions(payload, now, listener);
@@ -103,7 +103,7 @@ void VirtualRobot::RefuseMessage(const Inspection& inspection, std::string_view 
 }
 
 void VirtualRobot::ReceiveOrder(std::string_view payload, const Moment& now,
-                                const Subscription& listener) {
+                                const EventCallback& listener) {
   const Inspection inspection = shared_.inspector.Inspect("order", payload);
   const std::string place = inspection.Place("order");
   std::string fault = inspection.fault;
@@ -143,7 +143,7 @@ void VirtualRobot::Drive(const Moment& now) {
 
 // The message; told as an error when it cannot be used.
 Inspection VirtualRobot::InspectFor(std::string_view topic, std::string_view payload,
-                                    std::string_view error_type, const Subscription& listener) {
+                                    std::string_view error_type, const EventCallback& listener) {
   Inspection inspection = shared_.inspector.Inspect(topic, payload);
   if (inspection.fault.empty()) return inspection;
   listener({Event::Kind::kFault, fmt::format("{}: {}", inspection.Place(topic), inspection.fault)});
@@ -155,7 +155,7 @@ Inspection VirtualRobot::InspectFor(std::string_view topic, std::string_view pay
   return inspection;
 }
 
-void VirtualRobot::ReceiveZoneSet(std::string_view payload, const Subscription& listener) {
+void VirtualRobot::ReceiveZoneSet(std::string_view payload, const EventCallback& listener) {
   const Inspection inspection =
       InspectFor("zoneSet", payload, shared_.words.invalid_message, listener);
   if (!inspection.fault.empty()) return;
@@ -172,7 +172,7 @@ void VirtualRobot::ReceiveZoneSet(std::string_view payload, const Subscription& 
 }
 
 void VirtualRobot::ReceiveResponses(std::string_view payload, const Moment& now,
-                                    const Subscription& listener) {
+                                    const EventCallback& listener) {
   const Inspection inspection =
       InspectFor("responses", payload, shared_.words.invalid_message, listener);
   if (!inspection.fault.empty()) return;

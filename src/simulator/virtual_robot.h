@@ -51,12 +51,12 @@ struct Event {
 
 class VirtualRobot {
  public:
-  using Subscription = std::function<void(const Event&)>;
+  using EventCallback = std::function<void(const Event&)>;
 
   /// What robots of one fleet share; all of it outlives them.
   struct Shared {
     const Settings& settings;
-    const Words& words;
+    const ProtocolTerms& words;
     Inspector& inspector;
     const std::string& factsheet;  ///< FactsheetBody; "": the version has none
   };
@@ -69,7 +69,7 @@ class VirtualRobot {
   void Start(const Moment& now, Utterances& out);
   /// A message of `instantActions`, `order`, `zoneSet` or `responses`.
   void Receive(std::string_view topic, std::string_view payload, const Moment& now, Utterances& out,
-               const Subscription& listener);
+               const EventCallback& listener);
   /// To be called at Due() or later.
   void Tick(const Moment& now, Utterances& out);
   /// The orderly end: OFFLINE.
@@ -83,17 +83,17 @@ class VirtualRobot {
 
  private:
   struct Running {
-    CommandLine call;
+    ActionCall call;
     std::chrono::steady_clock::time_point next;  // of the next change of its status
     bool retried = false;
   };
 
-  void ReceiveActions(std::string_view payload, const Moment& now, const Subscription& listener);
-  void ReceiveOrder(std::string_view payload, const Moment& now, const Subscription& listener);
-  void ReceiveZoneSet(std::string_view payload, const Subscription& listener);
-  void ReceiveResponses(std::string_view payload, const Moment& now, const Subscription& listener);
+  void ReceiveActions(std::string_view payload, const Moment& now, const EventCallback& listener);
+  void ReceiveOrder(std::string_view payload, const Moment& now, const EventCallback& listener);
+  void ReceiveZoneSet(std::string_view payload, const EventCallback& listener);
+  void ReceiveResponses(std::string_view payload, const Moment& now, const EventCallback& listener);
   [[nodiscard]] Inspection InspectFor(std::string_view topic, std::string_view payload,
-                                      std::string_view error_type, const Subscription& listener);
+                                      std::string_view error_type, const EventCallback& listener);
   void Drive(const Moment& now);
   void RefuseMessage(const Inspection& inspection, std::string_view topic);
   void Begin(const ReceivedAction& action, const Moment& now);

@@ -37,7 +37,7 @@ TEST_F(HeaderIds, ArriveInOrderFromParallelProcessesAtQos1) {
   }
 }
 
-// All brackets of the distant one are on their way when the near one commands the same robots.
+// All batches of the distant one are on their way when the near one commands the same robots.
 TEST_F(HeaderIds, ArriveInOrderFromWholeFleetsAtADistance) {
   constexpr int kRobots = 1'200;
   const Relay far(broker_.port(), std::chrono::milliseconds(700));

@@ -123,7 +123,7 @@ class Conversation {
 class EachVersion : public ::testing::TestWithParam<vda5050::Version> {
  protected:
   [[nodiscard]] Settings Plain() const { return {.version = GetParam()}; }
-  [[nodiscard]] const Words& words() const { return WordsOf(GetParam()); }
+  [[nodiscard]] const ProtocolTerms& words() const { return WordsOf(GetParam()); }
   [[nodiscard]] bool Is30() const { return GetParam() == vda5050::Version::k300; }
 };
 

@@ -138,7 +138,7 @@ class Batch {
     if (plan_.ReadsAhead() && group.commands.size() >= most) input_.ReadAhead(most);
     plan_.pace.Consume(group.commands.size(), steady_clock::now());
     Tell(group, results_, context_.output);
-    // A line with many targets may make more than a bracket holds.
+    // A line with many targets may make more than a batch holds.
     std::span<const Command> left = group.commands;
     while (!left.empty()) {
       const auto some = left.first(std::min(left.size(), plan_.send.batch));
@@ -271,7 +271,7 @@ Result<Plan> PlanOf(const Options& options, const config::Config& config) {
   const auto qos = QosOf(options.sending.qos);
   if (!qos) return Fail(qos.error());
   plan.send.qos = *qos;
-  // Each bracket waits for the disk once. While nobody waits for a robot's answer, and no
+  // Each batch waits for the disk once. While nobody waits for a robot's answer, and no
   // acknowledgement comes, it may be as large as what a default broker queues.
   if (*qos == mqtt::Qos::kAtMostOnce && !plan.defaults.wait_for) plan.send.batch = kLargestBatch;
   const auto pace = ParseRate(options.sending.rate);

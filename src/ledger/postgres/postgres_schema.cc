@@ -37,7 +37,7 @@ constexpr int kVersion = static_cast<int>(kMigrations.size());
 
 // lock_timeout is for rows and tables: whoever alters them should not make a command wait long. The
 // server learns within 25 s that a host is gone, and gives its locks away; a host that is cut off
-// from the server has given up sending by then (dispatch/send.h, acknowledge_timeout).
+// from the server has given up sending by then (SendOptions::acknowledge_timeout).
 constexpr Query kSettings = {
     "SELECT set_config(name, value, false) FROM (VALUES "
     "('search_path', 'pg_catalog'), ('default_transaction_isolation', 'read committed'), "

@@ -16,7 +16,7 @@
 // names. So everything below does the plain system call unless the calling *thread* is inside a
 // PahoCall *and* the descriptor is that call's.
 //
-//   connect()      dial.cc has connected a socket before Paho was entered (all addresses, exact
+//   connect()      tcp_connect.cc has connected a socket before Paho was entered (all addresses, exact
 //                  errors, a deadline). It is put in place of Paho's unconnected one by dup3(). The answer is
 //                  EINPROGRESS, *not* 0: Paho's path for 0 is hardly ever taken elsewhere and is
 //                  wrong (TLS connects fail half of the time, WebSockets always). Its state machine

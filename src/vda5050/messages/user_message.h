@@ -1,4 +1,4 @@
-// Messages that somebody else prepared: an order, a zone set, responses, instantActions from a
+// Messages of the user's own: an order, a zone set, responses, instantActions from a
 // file. Their header is made ours; the rest goes out as it was written.
 #pragma once
 
@@ -51,7 +51,7 @@ struct RequestResponse {
 /// The message, without header, for BuildUserMessage.
 [[nodiscard]] base::JsonDocument ResponsesMessage(const RequestResponse& response);
 
-/// Follows a prepared message until the robot's state shows it (docs/manual.md, "Waiting"):
+/// Follows a user's message until the robot's state shows it (docs/manual.md, "Waiting"):
 ///
 ///   order            orderId and orderUpdateId; kFinished: all nodes, edges and actions are done
 ///   instantActions   each of its actions

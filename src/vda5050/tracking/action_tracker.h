@@ -4,7 +4,7 @@
 // The action is recognised by its actionId in `actionStates` and in `instantActionStates`, in every
 // version: 3.0's own flow chart puts cancelOrder into the former. Terms of an end:
 //
-//   FINISHED, or what vda5050/ending.h says       kFinished, with the robot's result
+//   FINISHED, or what tracking/ending.h says      kFinished, with the robot's result
 //   FAILED                                        kFailed, with result and the errors that name it
 //   an error names our actionId, no entry does    kRejected (robots use several keys: by value)
 //   a new error names our headerId and topic      kRejected, told as "probably"
