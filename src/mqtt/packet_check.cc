@@ -356,7 +356,7 @@ void PacketCheck::BeginCodes() {
 }
 
 void PacketCheck::BeginPayload() {
-  // Paho forgets about the first, on MQTT 5 by reading through a null pointer.
+  // Paho drops one of the two, so that nobody would ever release it.
   if ((flags_ & kQosBits) == kExactlyOnceBits && !released_by_pubrel_.insert(packet_id_).second) {
     return RefuseWhole("a second message under a packet identifier that is in use");
   }
