@@ -287,7 +287,7 @@ void PacketCheck::AfterPacketId() {
       unsubacks_ = 0;
       return End();
     default:
-      if (type_ == kPubrel) released_by_pubrel_.erase(packet_id_);
+      if (type_ == kPubrel) qos2_ids_.erase(packet_id_);
       return left_ == 0 || !v5_ ? End() : Begin(Field::kReason);
   }
 }
@@ -356,8 +356,8 @@ void PacketCheck::BeginCodes() {
 }
 
 void PacketCheck::BeginPayload() {
-  // Paho forgets about the first, on MQTT 5 by reading through a null pointer.
-  if ((flags_ & kQosBits) == kExactlyOnceBits && !released_by_pubrel_.insert(packet_id_).second) {
+  // Paho drops one of the two, so that nobody would ever release it.
+  if ((flags_ & kQosBits) == kExactlyOnceBits && !qos2_ids_.insert(packet_id_).second) {
     return RefuseWhole("a second message under a packet identifier that is in use");
   }
   waiting_ += CostOf(topic_length_, left_) + CostOfProperties(properties_length_);

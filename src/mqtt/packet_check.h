@@ -108,7 +108,7 @@ class PacketCheck {
   bool disconnected_ = false;  // DISCONNECT has come
   std::size_t subacks_ = 0;    // filters of the SUBSCRIBE under way
   std::size_t unsubacks_ = 0;
-  std::unordered_set<std::uint32_t> released_by_pubrel_;  // ids of QoS 2 messages on their way
+  std::unordered_set<std::uint32_t> qos2_ids_;  // until their PUBREL
   std::size_t waiting_ = 0;
   std::string fault_;
 

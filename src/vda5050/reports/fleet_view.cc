@@ -23,6 +23,7 @@ int WeightOf(std::string_view level) {
 // was more.
 constexpr std::size_t kMostKept = std::size_t{20} << 20;
 constexpr std::size_t kLongestWhenFull = 64;
+constexpr std::size_t kShort = 512;  // of one robot, for which there is always room
 // Of what is short in every message that means well.
 constexpr std::size_t kLongestHeaderText = 256;
 
@@ -176,7 +177,7 @@ void FleetView::Keep(Entry& entry, RobotState state) {
   kept_ -= entry.kept;
   abridged_ -= entry.is_abridged ? 1 : 0;
   entry.kept = SizeOf(state);
-  entry.is_abridged = kept_ + entry.kept > kMostKept;
+  entry.is_abridged = entry.kept > kShort && kept_ + entry.kept > kMostKept;
   entry.view.errors_left_out = 0;
   if (entry.is_abridged) {
     entry.view.errors_left_out = Abridge(state);

@@ -148,6 +148,37 @@ TEST(FleetView, KeepsToItsPattern) {
   EXPECT_EQ(robot->interface_name, "agv");
 }
 
+// What 20,000 robots with long errors take.
+TEST(FleetView, KeepsNoMoreThanItCan) {
+  FleetView view({}, {});
+  const std::string error = R"({"errorType":"stuck","errorLevel":"FATAL","errorDescription":")" +
+                            std::string(50'000, 'x') +
+                            R"("},{"errorType":"dull","errorLevel":"WARNING"})";
+  const auto state = [&](std::string_view errors) {
+    return State("3.0.0", fmt::format(R"("errors":[{}])", errors));
+  };
+  const auto topic = [](int robot) { return fmt::format("vda5050/v3/KIT/{}/state", robot); };
+  constexpr int kRobots = 600;
+  for (int robot = 0; robot < kRobots; ++robot) {
+    ASSERT_THAT(view.Deliver(topic(robot), state(error), Origin::kLive), NotNull());
+  }
+  std::size_t kept = 0;
+  for (const RobotView* robot : view.robots()) kept += robot->state->errors[0].description.size();
+  EXPECT_LT(kept, 21U << 20);
+  EXPECT_GT(kept, 15U << 20);
+  EXPECT_GT(view.abridged(), 100U);
+  const RobotView* last = view.Deliver(topic(kRobots - 1), state(error), Origin::kLive);
+  EXPECT_THAT(last->state->errors, SizeIs(1));
+  EXPECT_EQ(last->state->errors[0].level, "FATAL");
+  EXPECT_EQ(last->errors_left_out, 1U);
+  // What is no longer said makes room.
+  for (int robot = 0; robot < kRobots; ++robot) {
+    view.Deliver(topic(robot), state(""), Origin::kLive);
+  }
+  EXPECT_EQ(view.abridged(), 0U);
+  EXPECT_THAT(view.Deliver(topic(1), state(error), Origin::kLive)->state->errors, SizeIs(2));
+}
+
 TEST(WorstError, IsTheOneWhoseLevelWeighsMost) {
   EXPECT_THAT(WorstError({}), IsNull());
   const std::vector<RobotError> errors = {{.type = "a", .level = "ODD"},
