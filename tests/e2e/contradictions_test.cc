@@ -65,7 +65,7 @@ TEST_F(Contradictions, AStateThatIsTooDeepOrTooLargeIsTold) {
   EXPECT_EQ(deep.exit_code, 6) << deep.output;
   EXPECT_THAT(deep.output, AllOf(HasSubstr("TIMEOUT"), HasSubstr("64 levels")));
   const Finished large =
-      PauseAnd(finished + '"' + std::string(std::size_t{17} << 20U, 'a') + "\"}");
+      PauseAnd(finished + '"' + std::string(std::size_t{33} << 19U, 'a') + "\"}");
   EXPECT_EQ(large.exit_code, 6) << large.output;
   EXPECT_THAT(large.output, AllOf(HasSubstr("TIMEOUT"), HasSubstr("too large")));
 }
