@@ -5,6 +5,7 @@
 
 #include <string>
 
+#include "ledger/ledger_files.h"
 #include "ledger/topic_locks.h"
 
 namespace fleetpub::ledger {
@@ -33,9 +34,8 @@ std::uint32_t CheckOf(std::string_view topic, std::uint32_t last) {
 
 HeaderIdCheckpoints::HeaderIdCheckpoints(const std::filesystem::path& ledger) {
   const std::string path = ledger.string() + ".locks";
-  constexpr int kFlags = O_CLOEXEC | O_NOFOLLOW;
-  fd_ = open(path.c_str(), O_RDWR | kFlags);
-  if (fd_ < 0) fd_ = open(path.c_str(), O_RDONLY | kFlags);
+  fd_ = OpenRegular(path.c_str(), O_RDWR);
+  if (fd_ < 0) fd_ = OpenRegular(path.c_str(), O_RDONLY);
 }
 
 HeaderIdCheckpoints::~HeaderIdCheckpoints() {

@@ -66,7 +66,66 @@ std::string HomeFolder() {
   return account ? account->home : std::string();
 }
 
+bool IsLink(const fs::path& path) {
+  struct stat info {};
+  return lstat(path.c_str(), &info) == 0 && S_ISLNK(info.st_mode);
+}
+
+bool OthersMayWriteIn(const fs::path& folder) {
+  struct stat info {};
+  return stat(folder.c_str(), &info) != 0 || (info.st_mode & (S_IWGRP | S_IWOTH)) != 0;
+}
+
+/// The first link among the path's parts, or an empty path.
+fs::path FindLink(const fs::path& path) {
+  fs::path place;
+  for (const fs::path& part : path) {
+    place /= part;
+    if (IsLink(place)) return place;
+  }
+  return {};
+}
+
 }  // namespace
+
+Result<fs::path> ResolveLinks(const fs::path& path) {
+  constexpr int kMostLinks = 40;  // as the kernel
+  std::error_code failed;
+  fs::path place = fs::absolute(path, failed);
+  for (int links = 0; links <= kMostLinks && !failed; ++links) {
+    const fs::path link = FindLink(place);
+    if (link.empty()) return place.lexically_normal();
+    if (OthersMayWriteIn(link.parent_path())) {
+      return Fail(ErrorKind::kLedger,
+                  fmt::format("the ledger's {} is a link in a folder that others can write in, and "
+                              "is not followed: name the file that it leads to",
+                              link.string()));
+    }
+    fs::path target = link.parent_path() / fs::read_symlink(link, failed);
+    if (link != place) target /= place.lexically_relative(link);
+    place = std::move(target);
+  }
+  return Fail(CannotOpen(path, failed ? failed.value() : ELOOP));
+}
+
+int OpenRegular(const char* path, int flags, mode_t mode) {
+  const int fd = open(path, flags | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC, mode);
+  struct stat info {};
+  if (fd < 0) return fd;
+  if (fstat(fd, &info) == 0 && (S_ISREG(info.st_mode) || S_ISDIR(info.st_mode))) return fd;
+  close(fd);
+  errno = ENXIO;
+  return -1;
+}
+
+fs::path FindIrregularFile(const fs::path& ledger) {
+  for (const char* end : {"", "-wal", "-shm", "-journal", ".locks", ".new"}) {
+    const fs::path path = ledger.string() + end;
+    struct stat info {};
+    if (lstat(path.c_str(), &info) == 0 && !S_ISREG(info.st_mode)) return path;
+  }
+  return {};
+}
 
 Result<bool> HasLedgerFile(const fs::path& path) {
   struct stat info {};

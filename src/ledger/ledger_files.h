@@ -1,4 +1,5 @@
-// The files of a ledger: making them with the right permissions, and what there is at a path.
+// The files of a ledger: making them with the right permissions, and what there is at a path. In a
+// folder of a group every name may be somebody else's trap.
 #pragma once
 
 #include <sys/types.h>
@@ -8,6 +9,18 @@
 #include "base/result.h"
 
 namespace fleetpub::ledger {
+
+/// The file that a ledger's name means, links resolved; it need not be there yet. A link in a
+/// folder that a group or everybody may write in is refused (ErrorKind::kLedger): whoever may write
+/// there could lead us to any file of this user's.
+[[nodiscard]] Result<std::filesystem::path> ResolveLinks(const std::filesystem::path& path);
+
+/// open(2) of a file beside others' files: no link is followed, no FIFO waited for, and nothing but
+/// regular files and folders opened. -1 and errno like open(2); ENXIO for what is neither.
+[[nodiscard]] int OpenRegular(const char* path, int flags, mode_t mode = 0);
+
+/// The first of a ledger's files that is a link, a FIFO or the like; empty: none is.
+[[nodiscard]] std::filesystem::path FindIrregularFile(const std::filesystem::path& ledger);
 
 /// True: a regular file with something in it is there. False: nothing is, or an empty file.
 /// Anything else: ErrorKind::kLedger.

@@ -59,21 +59,24 @@ class FileLock : public TopicLock {
 /// owner.
 void TakeOverPermissions(int fd, const std::filesystem::path& ledger) {
   struct stat info {};
-  if (stat(ledger.c_str(), &info) != 0) return;
+  if (lstat(ledger.c_str(), &info) != 0 || !S_ISREG(info.st_mode)) return;
   fchmod(fd, info.st_mode & 0777);
   if (geteuid() == 0 && fchown(fd, info.st_uid, info.st_gid) != 0) return;
 }
 
 Result<std::unique_ptr<FileLock>> OpenLockFile(const std::filesystem::path& ledger) {
   const std::string path = ledger.string() + ".locks";
-  constexpr int kFlags = O_RDWR | O_CLOEXEC | O_NOFOLLOW;
-  int fd = open(path.c_str(), kFlags);
+  int fd = OpenRegular(path.c_str(), O_RDWR);
   if (fd < 0 && errno == ENOENT) {
     if (Status made = CreateEmptyFile(path); !made) return Fail(made.error());
-    fd = open(path.c_str(), kFlags);
+    fd = OpenRegular(path.c_str(), O_RDWR);
     if (fd >= 0) TakeOverPermissions(fd, ledger);
   }
-  if (fd < 0) return Fail(CannotOpen(path, errno));
+  if (fd < 0) {
+    const int reason = errno;
+    auto trap = ExplainIrregularFile(ledger);
+    return Fail(trap ? *std::move(trap) : CannotOpen(path, reason));
+  }
   return std::make_unique<FileLock>(fd);
 }
 
@@ -94,8 +97,8 @@ Error Refusal(const std::filesystem::path& ledger, std::string_view what, int er
   if (error == EAGAIN) {
     return {ErrorKind::kLedger,
             fmt::format("another fleetpub has held {} for {}: try again, or find it with `fuser "
-                        "{}.locks`",
-                        what, base::FormatElapsed(waited), ledger.string())};
+                        "{}.locks`; {}",
+                        what, base::FormatElapsed(waited), ledger.string(), kUrgentWay)};
   }
   return {ErrorKind::kLedger,
           fmt::format("cannot lock {}.locks ({}): keep the ledger on a local file system",

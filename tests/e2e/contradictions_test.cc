@@ -84,8 +84,8 @@ TEST_F(Contradictions, AStateThatCannotBeReadIsSeenInTheFleetAndInConditions) {
   const Finished await = Fleetpub({"await", "KIT/0001", "state", "paused=true", "-W", "500ms"});
   EXPECT_EQ(await.exit_code, 6);
   EXPECT_THAT(await.errors, HasSubstr("64 levels"));
-  const Finished where =
-      Fleetpub({"resume", "KIT/*", "--where", "paused=true", "--state-wait", "500ms", "--yes"});
+  const Finished where = Fleetpub({"resume", "KIT/*", "--where", "paused=true", "--discover", "100",
+                                   "--state-wait", "2s", "--yes"});
   EXPECT_EQ(where.exit_code, 7) << where.output << where.errors;
   EXPECT_THAT(where.output, AllOf(HasSubstr("REFUSED"), HasSubstr("64 levels")));
 }

@@ -193,6 +193,7 @@ const std::map<std::string, std::map<std::string, World>>& Worlds() {
        {{"Commands", {}},
         {"Targets", kTargets},
         {"Waiting", {.setup = "online KIT/0001"}},
+        {"Files", {}},
         {"Completion",
          {.setup =
               "mkdir -p ~/.local/share/bash-completion/completions ~/.config/fish/completions\n"

@@ -13,6 +13,9 @@
 namespace fleetpub::ledger {
 namespace {
 
+constexpr int kLongestValue = 128 << 20;  // twice the largest message that is read from a file
+constexpr int kStepsPerGlance = 10'000;   // of SQLite's virtual machine: a millisecond or less
+
 /// SQLite's URI form (sqlite.org/uri.html): only there can a file be called immutable.
 std::string ImmutableUri(const std::string& path) {
   std::string uri = path.starts_with('/') ? "file://" : "file:";
@@ -50,6 +53,15 @@ Result<std::unique_ptr<Database>> Database::Open(const std::filesystem::path& pa
 }
 
 void Database::Configure() {
+  // Whoever may write the file may put into it what runs when we read or write (sqlite.org/
+  // security.html).
+  sqlite3_db_config(db_, SQLITE_DBCONFIG_DEFENSIVE, 1, nullptr);
+  for (const int option : {SQLITE_DBCONFIG_TRUSTED_SCHEMA, SQLITE_DBCONFIG_ENABLE_TRIGGER,
+                           SQLITE_DBCONFIG_ENABLE_VIEW}) {
+    sqlite3_db_config(db_, option, 0, nullptr);
+  }
+  sqlite3_limit(db_, SQLITE_LIMIT_LENGTH, kLongestValue);
+  sqlite3_progress_handler(db_, kStepsPerGlance, &Database::OnProgress, this);
   sqlite3_busy_handler(db_, &Database::OnBusy, this);
   // Closing would otherwise copy the log into the file, with two more waits for the disk, on every
   // command.
@@ -63,9 +75,13 @@ int Database::OnBusy(void* self, int count) {
   auto& database = *static_cast<Database*>(self);
   const auto now = std::chrono::steady_clock::now();
   if (count == 0) database.busy_since_ = now;
-  if (now - database.busy_since_ >= database.busy_timeout_) return 0;
+  if (now - database.busy_since_ >= database.busy_timeout_ || now >= database.deadline_) return 0;
   std::this_thread::sleep_for(BackoffFor(count));
   return 1;
+}
+
+int Database::OnProgress(void* self) {
+  return std::chrono::steady_clock::now() >= static_cast<Database*>(self)->deadline_ ? 1 : 0;
 }
 
 int Database::OnCommit(void* self, sqlite3* /*db*/, const char* /*schema*/, int frames) {

@@ -41,11 +41,19 @@ enum class AfterCheckpoint {
 
 class Database {
  public:
+  /// The path's links are resolved (ResolveLinks). What the file itself brings runs as little as it
+  /// can: no triggers, no views, no functions with side effects.
   [[nodiscard]] static Result<std::unique_ptr<Database>> Open(
       const std::filesystem::path& path, Access access, std::chrono::milliseconds busy_timeout);
   Database(const Database&) = delete;
   Database& operator=(const Database&) = delete;
   ~Database();
+
+  /// From now on statements may take so long in all, waiting and working; then they fail. Before
+  /// the first call there is no limit.
+  void Allow(std::chrono::milliseconds time) {
+    deadline_ = std::chrono::steady_clock::now() + time;
+  }
 
   [[nodiscard]] Status Execute(const char* sql);
   /// The first column of the first row, "" when there is none.
@@ -77,11 +85,13 @@ class Database {
       : path_(std::move(path)), busy_timeout_(busy_timeout) {}
   void Configure();
   static int OnBusy(void* self, int count);
+  static int OnProgress(void* self);
   static int OnCommit(void* self, sqlite3* db, const char* schema, int frames);
 
   std::filesystem::path path_;
   std::chrono::milliseconds busy_timeout_;
   std::chrono::steady_clock::time_point busy_since_ = {};
+  std::chrono::steady_clock::time_point deadline_ = std::chrono::steady_clock::time_point::max();
   sqlite3* db_ = nullptr;
   int wal_frames_ = 0;
   bool write_ahead_ = false;

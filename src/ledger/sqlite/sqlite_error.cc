@@ -8,6 +8,7 @@
 #include <system_error>
 
 #include "base/time.h"
+#include "ledger/ledger_files.h"
 
 namespace fleetpub::ledger {
 namespace {
@@ -29,8 +30,13 @@ std::string Message(const SqliteFailure& failure) {
     case SQLITE_PROTOCOL:
       return fmt::format(
           "another process has kept the ledger {} locked for {}: try again, or find it with `fuser "
-          "{}`",
-          path, base::FormatElapsed(failure.busy_timeout), path);
+          "{}`; {}",
+          path, base::FormatElapsed(failure.busy_timeout), path, kUrgentWay);
+    case SQLITE_INTERRUPT:
+      return fmt::format(
+          "the ledger {} took too long: its disk is slow, or it holds what fleetpub "
+          "did not write; {}",
+          path, kUrgentWay);
     case SQLITE_READONLY:
     case SQLITE_PERM:
     case SQLITE_AUTH:
@@ -67,10 +73,23 @@ Error CannotOpen(const std::filesystem::path& path, int system_error, std::strin
           std::move(detail)};
 }
 
+std::optional<Error> ExplainIrregularFile(const std::filesystem::path& ledger) {
+  const std::filesystem::path irregular = FindIrregularFile(ledger);
+  if (irregular.empty()) return std::nullopt;
+  return Error{ErrorKind::kLedger,
+               fmt::format("the ledger's {} is a link or no regular file, and is not opened: find "
+                           "out who put it there, and remove it",
+                           irregular.string()),
+               {}};
+}
+
 Error ExplainSqlite(const SqliteFailure& failure) {
   const int primary = failure.code & 0xFF;
   if (primary == SQLITE_CORRUPT || primary == SQLITE_NOTADB) {
     return DamagedLedger(failure.path, failure.text);
+  }
+  if (primary == SQLITE_CANTOPEN || primary == SQLITE_READONLY || primary == SQLITE_IOERR) {
+    if (auto trap = ExplainIrregularFile(failure.path)) return *std::move(trap);
   }
   if (primary == SQLITE_CANTOPEN) {
     const int error = failure.system_error == 0 ? EACCES : failure.system_error;

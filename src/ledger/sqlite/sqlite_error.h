@@ -3,11 +3,17 @@
 
 #include <chrono>
 #include <filesystem>
+#include <optional>
 #include <string>
+#include <string_view>
 
 #include "base/result.h"
 
 namespace fleetpub::ledger {
+
+/// What ends a message about a ledger that somebody blocks.
+inline constexpr std::string_view kUrgentWay =
+    "what cannot wait goes with --ledger and a file of your own";
 
 struct SqliteFailure {
   int code = 0;  ///< extended result code
@@ -26,5 +32,8 @@ struct SqliteFailure {
 /// This error of the system's kept a file of the ledger from being opened.
 [[nodiscard]] Error CannotOpen(const std::filesystem::path& path, int system_error,
                                std::string detail = {});
+
+/// One of the ledger's files is a link, a FIFO or the like; nothing: none is.
+[[nodiscard]] std::optional<Error> ExplainIrregularFile(const std::filesystem::path& ledger);
 
 }  // namespace fleetpub::ledger

@@ -109,7 +109,9 @@ Result<std::optional<Record>> FindRecord(Database& database, std::int64_t id) {
   return std::optional<Record>(std::move(records->front()));
 }
 
-Result<std::int64_t> PruneHistory(Database& database, WallTime older_than) {
+Result<std::int64_t> PruneHistory(Database& database, WallTime older_than,
+                                  std::chrono::milliseconds time_each) {
+  database.Allow(time_each);
   const std::int64_t time = ToMicros(older_than);
   const Result<Span> rows = RowsBefore(database, time);
   if (!rows) return Fail(rows.error());
@@ -118,6 +120,7 @@ Result<std::int64_t> PruneHistory(Database& database, WallTime older_than) {
     Statement statement(database,
                         "DELETE FROM messages WHERE id BETWEEN ?1 AND ?2 AND recorded_at < ?3");
     for (std::int64_t id = rows->first; id <= rows->last; id += kRowsPerTransaction) {
+      database.Allow(time_each);
       const std::int64_t end = std::min(rows->last, id + kRowsPerTransaction - 1);
       if (Status done = statement.Bind(1, id).Bind(2, end).Bind(3, time).Run(); !done) {
         return Fail(std::move(done.error()));
@@ -125,6 +128,7 @@ Result<std::int64_t> PruneHistory(Database& database, WallTime older_than) {
       removed += database.Changes();
     }
   }
+  database.Allow(time_each);
   GiveSpaceBack(database);
   database.Checkpoint(AfterCheckpoint::kNothingFollows);
   return removed;

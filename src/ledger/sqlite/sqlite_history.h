@@ -18,8 +18,9 @@ namespace fleetpub::ledger {
                                                       const HistoryFilter& filter);
 [[nodiscard]] Result<std::optional<Record>> FindRecord(Database& database, std::int64_t id);
 
-/// In short transactions, so that no command waits long. The file gives space back when half of it
-/// is free.
-[[nodiscard]] Result<std::int64_t> PruneHistory(Database& database, WallTime older_than);
+/// In short transactions, each with `time_each`, so that no command waits long. The file gives
+/// space back when half of it is free.
+[[nodiscard]] Result<std::int64_t> PruneHistory(Database& database, WallTime older_than,
+                                                std::chrono::milliseconds time_each);
 
 }  // namespace fleetpub::ledger

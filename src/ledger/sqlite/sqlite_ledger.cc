@@ -110,6 +110,7 @@ Result<std::unique_ptr<TopicLock>> SqliteLedger::Lock(std::span<const std::strin
 
 Result<std::vector<Reservation>> SqliteLedger::Reserve(std::span<const Draft> drafts) {
   if (Status writable = CheckWritable(); !writable) return Fail(writable.error());
+  database_->Allow(options_.command_timeout);
   return ReserveAll(*database_, options_, drafts);
 }
 
@@ -117,6 +118,7 @@ Status SqliteLedger::RecordOutcomes(std::span<const Outcome> outcomes) {
   if (Status writable = CheckWritable(); !writable) return writable;
   const bool any = std::any_of(outcomes.begin(), outcomes.end(),
                                [](const Outcome& outcome) { return outcome.row != 0; });
+  database_->Allow(options_.command_timeout);
   const int most = ++rounds_ > kRoundsOfACommand ? kLogFramesOfABatch : kLogFrames;
   if (database_->wal_frames() >= most) {
     database_->Checkpoint(any ? AfterCheckpoint::kCommitFollows : AfterCheckpoint::kNothingFollows);
@@ -126,6 +128,7 @@ Status SqliteLedger::RecordOutcomes(std::span<const Outcome> outcomes) {
 
 Result<std::uint32_t> SqliteLedger::PeekNext(std::string_view topic) {
   if (!database_) return NextId(HeaderIdCheckpoints(options_.path).Read(topic), options_.start);
+  database_->Allow(options_.command_timeout);
   const Result<std::optional<std::uint32_t>> last = ReadLastId(*database_, topic);
   if (!last) return Fail(last.error());
   return NextId(*last, options_.start);
@@ -133,22 +136,25 @@ Result<std::uint32_t> SqliteLedger::PeekNext(std::string_view topic) {
 
 Result<std::vector<Record>> SqliteLedger::History(const HistoryFilter& filter) {
   if (!database_) return std::vector<Record>();
+  database_->Allow(options_.history_timeout);
   return ReadHistory(*database_, filter);
 }
 
 Result<std::optional<Record>> SqliteLedger::Find(std::int64_t id) {
   if (!database_) return std::optional<Record>();
+  database_->Allow(options_.history_timeout);
   return FindRecord(*database_, id);
 }
 
 Result<std::int64_t> SqliteLedger::Prune(WallTime older_than) {
   if (Status writable = CheckWritable(); !writable) return Fail(writable.error());
-  return PruneHistory(*database_, older_than);
+  return PruneHistory(*database_, older_than, options_.history_timeout);
 }
 
 Result<LedgerInfo> SqliteLedger::Describe() {
   LedgerInfo info{.kind = "SQLite", .place = options_.path.string()};
   if (!database_) return info;
+  database_->Allow(options_.history_timeout);
   if (Status counted = CountTables(*database_, info); !counted) return Fail(counted.error());
   for (const char* end : {"", "-wal", "-shm", "-journal", ".locks"}) {
     info.bytes += static_cast<std::int64_t>(SizeOf(options_.path.string() + end));
@@ -167,6 +173,7 @@ Result<std::unique_ptr<Database>> OpenForWriting(const SqliteOptions& options) {
   }
   auto database = Database::Open(options.path, Access::kReadWrite, options.busy_timeout);
   if (!database) return database;
+  (*database)->Allow(options.command_timeout);
   if (Status ours = Inspect(**database); !ours) return Fail(ours.error());
   if (Status chosen = ChooseJournal(**database, journal); !chosen) return Fail(chosen.error());
   return database;
@@ -193,10 +200,13 @@ Result<std::unique_ptr<Database>> OpenForReading(const SqliteOptions& options) {
   if (!*exists) return std::unique_ptr<Database>();
   auto database = Database::Open(options.path, Access::kReadOnly, options.busy_timeout);
   if (!database) return database;
+  (*database)->Allow(options.command_timeout);
   Status ours = Inspect(**database);
-  if (!ours && (*database)->LacksSharedMemory()) {
+  const bool unshared = !ours && (*database)->LacksSharedMemory();
+  if (unshared && FindIrregularFile(options.path).empty()) {
     database = OpenUnshared(options, ours.error());
     if (!database) return database;
+    (*database)->Allow(options.command_timeout);
     ours = Inspect(**database);
   }
   if (!ours) return Fail(ours.error());
@@ -206,6 +216,9 @@ Result<std::unique_ptr<Database>> OpenForReading(const SqliteOptions& options) {
 }  // namespace
 
 Result<std::unique_ptr<Ledger>> OpenSqlite(SqliteOptions options, OpenMode mode) {
+  Result<std::filesystem::path> path = ResolveLinks(options.path);
+  if (!path) return Fail(std::move(path.error()));
+  options.path = *std::move(path);
   auto database = mode == OpenMode::kCreate ? OpenForWriting(options) : OpenForReading(options);
   if (!database) return Fail(std::move(database.error()));
   return std::make_unique<SqliteLedger>(std::move(options), mode, std::move(*database));

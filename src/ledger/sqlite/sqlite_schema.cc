@@ -20,16 +20,20 @@ constexpr std::int64_t kVersion = 1;
 // Small pages: a commit writes whole pages, and a command changes three. AUTOINCREMENT keeps the
 // numbers of pruned rows from being given again. No index: one would be written with each command,
 // and history is read rarely.
-constexpr std::array kCreate = {
+constexpr char kHeaderIds[] =
     "CREATE TABLE header_ids("
     "topic TEXT PRIMARY KEY, last INTEGER NOT NULL"
-    ") WITHOUT ROWID",
+    ") WITHOUT ROWID";
+constexpr char kMessages[] =
     "CREATE TABLE messages("
     "id INTEGER PRIMARY KEY AUTOINCREMENT, recorded_at INTEGER NOT NULL, outcome_at INTEGER, "
     "user TEXT NOT NULL, host TEXT NOT NULL, profile TEXT NOT NULL, broker TEXT NOT NULL, "
     "target TEXT NOT NULL, protocol TEXT NOT NULL, version TEXT NOT NULL, topic TEXT NOT NULL, "
     "header_id INTEGER, actions TEXT NOT NULL, payload TEXT NOT NULL, status TEXT NOT NULL, "
-    "detail TEXT NOT NULL)",
+    "detail TEXT NOT NULL)";
+constexpr std::array kCreate = {
+    kHeaderIds,
+    kMessages,
     "PRAGMA application_id=1179406402",
     "PRAGMA user_version=1",
 };
@@ -85,24 +89,37 @@ void RemoveFiles(const std::string& path, std::initializer_list<const char*> end
   for (const char* end : ends) std::filesystem::remove(path + end, ignored);
 }
 
+// What else is in the file is not used. A view in place of a table, a virtual one, or one with
+// other columns would be.
+Status CheckTables(Database& database) {
+  Statement statement(database,
+                      "SELECT count(*) FROM sqlite_schema WHERE type = 'table' AND "
+                      "((name = 'header_ids' AND sql = ?1) OR (name = 'messages' AND sql = ?2))");
+  const Result<bool> row = statement.Bind(1, kHeaderIds).Bind(2, kMessages).Step();
+  if (!row) return Fail(row.error());
+  if (statement.Integer(0) == 2) return {};
+  return Fail(ErrorKind::kLedger,
+              fmt::format("the tables of the ledger {} are not those that fleetpub makes: find out "
+                          "who changed them, and name another ledger or move this one aside",
+                          database.path().string()));
+}
+
 }  // namespace
 
 Status CreateLedger(const std::filesystem::path& path, Journal journal,
                     std::chrono::milliseconds busy_timeout) {
   if (Status made = MakeFolders(path.parent_path()); !made) return made;
-  std::error_code ignored;
-  const std::filesystem::path target = std::filesystem::weakly_canonical(path, ignored);
-  const auto alone = LockCreation(target, std::chrono::steady_clock::now() + busy_timeout);
+  const auto alone = LockCreation(path, std::chrono::steady_clock::now() + busy_timeout);
   if (!alone) return Fail(alone.error());
-  const Result<bool> made_meanwhile = HasLedgerFile(target);
+  const Result<bool> made_meanwhile = HasLedgerFile(path);
   if (!made_meanwhile) return Fail(made_meanwhile.error());
   if (*made_meanwhile) return {};
-  if (Status alone_too = RefuseOrphanedLog(target); !alone_too) return alone_too;
-  const std::string draft = target.string() + ".new";
+  if (Status alone_too = RefuseOrphanedLog(path); !alone_too) return alone_too;
+  const std::string draft = path.string() + ".new";
   RemoveFiles(draft, {"", "-wal", "-shm", "-journal"});  // of one who was killed here
   Status made = CreateDraft(draft, journal, busy_timeout);
   RemoveFiles(draft, {"-wal", "-shm", "-journal"});
-  if (made) return MoveFile(draft, target);
+  if (made) return MoveFile(draft, path);
   RemoveFiles(draft, {""});
   return made;
 }
@@ -122,7 +139,7 @@ Status Inspect(Database& database) {
                 fmt::format("the ledger {} was written by a newer fleetpub: update this one", path),
                 fmt::format("version {} of the file, {} known", *version, kVersion));
   }
-  return {};
+  return CheckTables(database);
 }
 
 Status CountTables(Database& database, LedgerInfo& info) {

@@ -21,8 +21,8 @@ enum class Journal {
 [[nodiscard]] Status CreateLedger(const std::filesystem::path& path, Journal journal,
                                   std::chrono::milliseconds busy_timeout);
 
-/// Reads, never writes. A file of another program, of a newer version, a damaged one:
-/// ErrorKind::kLedger.
+/// Reads, never writes. A file of another program, of a newer version, with other tables than ours,
+/// a damaged one: ErrorKind::kLedger.
 [[nodiscard]] Status Inspect(Database& database);
 
 /// Version, rows and topics.

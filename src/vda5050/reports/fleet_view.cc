@@ -13,6 +13,8 @@ namespace {
 // its connection is.
 constexpr std::array<std::string_view, 2> kTopics = {"state", "connection"};
 
+constexpr std::size_t kMostFaults = 1'000;  // of robots that nothing else is known of
+
 int WeightOf(std::string_view level) {
   constexpr std::array<std::string_view, 4> kLevels = {"WARNING", "URGENT", "CRITICAL", "FATAL"};
   const auto* const found = std::find(kLevels.begin(), kLevels.end(), level);
@@ -127,7 +129,9 @@ const RobotView* FleetView::Deliver(std::string_view topic, std::string_view pay
                      : levels->topic_name == "state"    ? TakeState(entry, topic, payload, origin)
                                                         : false;
   if (taken) return &entry.view;
-  if (is_new && !entry.view.state_fault.empty()) faults_[levels->robot] = entry.view.state_fault;
+  const bool has_room = faults_.size() < kMostFaults;
+  if (is_new && has_room && !entry.view.state_fault.empty())
+    faults_[levels->robot] = entry.view.state_fault;
   if (is_new) robots_.erase(levels->robot);
   return nullptr;
 }

@@ -40,9 +40,10 @@ TEST(LogVfs, ALogThatAppearsJustThenIsStillOpenedForWriting) {
   std::vector<char> storage(static_cast<std::size_t>(vfs->szOsFile));
   auto* file = reinterpret_cast<sqlite3_file*>(storage.data());
   int flags = SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE | SQLITE_OPEN_WAL;
+  const auto usual = vfs->xGetSystemCall(vfs, "open");
   vfs->xSetSystemCall(vfs, "open", reinterpret_cast<sqlite3_syscall_ptr>(OpenTooEarly));
   const int code = vfs->xOpen(vfs, name.c_str(), file, flags, &flags);
-  vfs->xSetSystemCall(vfs, "open", nullptr);
+  vfs->xSetSystemCall(vfs, "open", usual);
   ASSERT_EQ(code, SQLITE_OK);
   EXPECT_EQ(flags & SQLITE_OPEN_READONLY, 0);
   file->pMethods->xClose(file);
