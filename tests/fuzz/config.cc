@@ -8,12 +8,12 @@
 using namespace fleetpub;
 
 FUZZ(text) {
-  cli::Config config;
-  if (const auto read = config::ReadConfig(text, "/f/c.toml", config); !read) {
+  config::Config settings;
+  if (const auto read = config::ReadConfig(text, "/f/c.toml", settings); !read) {
     fuzz::Require(read.error().kind == ErrorKind::kUsage && !read.error().message.empty());
   } else {
-    static_cast<void>(cli::Resolve("north", config));
-    static_cast<void>(cli::Resolve(std::nullopt, config));
+    static_cast<void>(config::Resolve("north", settings));
+    static_cast<void>(config::Resolve(std::nullopt, settings));
   }
   const auto json = config::TomlToJson(text);
   fuzz::Require(!json || base::ParseJson(*json, {.bytes = 1U << 30U, .depth = 1000}));

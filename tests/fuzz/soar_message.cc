@@ -2,6 +2,7 @@
 // schema.
 #include "base/json.h"
 #include "fuzz/fuzz.h"
+#include "schema/schema.h"
 #include "soar/acknowledgement_tracker.h"
 #include "soar/message.h"
 
