@@ -120,7 +120,7 @@ int OpenRegular(const char* path, int flags, mode_t mode) {
 
 fs::path FindIrregularFile(const fs::path& ledger) {
   for (const char* end : {"", "-wal", "-shm", "-journal", ".locks", ".new"}) {
-    const fs::path path = ledger.string() + end;
+    fs::path path = ledger.string() + end;
     struct stat info {};
     if (lstat(path.c_str(), &info) == 0 && !S_ISREG(info.st_mode)) return path;
   }

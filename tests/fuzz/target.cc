@@ -10,7 +10,7 @@ using namespace fleetpub;
 
 FUZZ(text) {
   const auto robot = vda5050::ParseRobotAddress(text);
-  if (robot) fuzz::Require(robot->ToString() == text);
+  if (robot) fuzz::Require(vda5050::ParseRobotAddress(robot->ToString()) == *robot);
   const auto pattern = vda5050::ParseRobotPattern(text);
   if (robot && pattern) fuzz::Require(pattern->Matches(*robot));
   if (pattern)
