@@ -25,6 +25,12 @@ namespace fleetpub::base {
 /// Without the blanks, tabs and line ends around it.
 [[nodiscard]] std::string_view Trimmed(std::string_view text);
 
+/// The text, or this one where it is empty.
+[[nodiscard]] inline std::string_view NonEmptyOr(std::string_view text,
+                                                 std::string_view fallback) {
+  return text.empty() ? fallback : text;
+}
+
 /// How many letters must be changed, added, left out or swapped with their neighbour, ignoring
 /// case.
 [[nodiscard]] int EditDistance(std::string_view a, std::string_view b);

@@ -179,27 +179,27 @@ class Writer {
 };
 
 TomlValue ValueOf(const toml::node& node) {
-  using Type = TomlValue::Type;
-  TomlValue value{.type = Type::kTime, .place = PlaceOf(node.source())};
+  using Kind = TomlValue::Type;
+  TomlValue value{.type = Kind::kTime, .place = PlaceOf(node.source())};
   if (const auto* table = node.as_table()) {
-    value.type = Type::kTable;
+    value.type = Kind::kTable;
     for (const auto& [key, member] : *table) {
       value.members.push_back({std::string(key.str()), PlaceOf(key.source()), ValueOf(member)});
     }
   } else if (const auto* array = node.as_array()) {
-    value.type = Type::kArray;
+    value.type = Kind::kArray;
     for (const auto& item : *array) value.items.push_back(ValueOf(item));
   } else if (const auto* text = node.as_string()) {
-    value.type = Type::kText;
+    value.type = Kind::kText;
     value.text = text->get();
   } else if (const auto* whole = node.as_integer()) {
-    value.type = Type::kInteger;
+    value.type = Kind::kInteger;
     value.text = fmt::format("{}", whole->get());
   } else if (const auto* flag = node.as_boolean()) {
-    value.type = Type::kBoolean;
+    value.type = Kind::kBoolean;
     value.text = flag->get() ? "true" : "false";
   } else if (node.is_floating_point()) {
-    value.type = Type::kNumber;
+    value.type = Kind::kNumber;
   }
   return value;
 }

@@ -43,10 +43,6 @@ constexpr std::array<std::pair<std::string_view, std::string_view>, 8> kOtherNam
 
 constexpr std::string_view kForm = "write mqtt://host, mqtts://host:8883 or ws://host:port/path";
 
-tl::unexpected<Error> Usage(std::string message) {
-  return Fail(ErrorKind::kUsage, std::move(message));
-}
-
 bool IsControl(char c) {
   const auto byte = static_cast<unsigned char>(c);
   return byte < 0x20 || byte == 0x7F;
@@ -95,18 +91,21 @@ struct Pieces {
 };
 
 Status CheckCharacters(std::string_view text) {
-  if (text.empty()) return Usage(fmt::format("the broker URL is empty: {}", kForm));
+  if (text.empty())
+    return Fail(ErrorKind::kUsage, fmt::format("the broker URL is empty: {}", kForm));
   if (text.size() > kMaximumLength) {
-    return Usage(
-        fmt::format("the broker URL is longer than {} characters: {}", kMaximumLength, kForm));
+    return Fail(ErrorKind::kUsage, fmt::format("the broker URL is longer than {} characters: {}",
+                                               kMaximumLength, kForm));
   }
   if (std::any_of(text.begin(), text.end(), IsControl)) {
-    return Usage(fmt::format("the broker URL contains a control character: {}", kForm));
+    return Fail(ErrorKind::kUsage,
+                fmt::format("the broker URL contains a control character: {}", kForm));
   }
   if (text.find(' ') != std::string_view::npos) {
-    return Usage(fmt::format("the broker URL contains a space: {}", kForm));
+    return Fail(ErrorKind::kUsage, fmt::format("the broker URL contains a space: {}", kForm));
   }
-  if (!base::IsUtf8(text)) return Usage(fmt::format("the broker URL is not UTF-8: {}", kForm));
+  if (!base::IsUtf8(text))
+    return Fail(ErrorKind::kUsage, fmt::format("the broker URL is not UTF-8: {}", kForm));
   return {};
 }
 
@@ -116,9 +115,10 @@ Result<Pieces> Split(std::string_view text) {
   const std::size_t scheme_end = text.find("://");
   if (scheme_end == std::string_view::npos) {
     if (!pieces.may_repeat || text.find("//") != std::string_view::npos) {
-      return Usage(fmt::format("the broker URL has no scheme: {}", kForm));
+      return Fail(ErrorKind::kUsage, fmt::format("the broker URL has no scheme: {}", kForm));
     }
-    return Usage(fmt::format("\"{0}\" is no broker URL: write mqtt://{0}", base::Printable(text)));
+    return Fail(ErrorKind::kUsage,
+                fmt::format("\"{0}\" is no broker URL: write mqtt://{0}", base::Printable(text)));
   }
   pieces.scheme = text.substr(0, scheme_end);
   std::string_view rest = text.substr(scheme_end + 3);
@@ -142,34 +142,39 @@ Result<SchemeInfo> ParseScheme(std::string_view name) {
   }
   for (const auto& [other, ours] : kOtherNames) {
     if (lower == other) {
-      return Usage(fmt::format("{0}:// is no scheme of a broker URL: write {1}://", lower, ours));
+      return Fail(ErrorKind::kUsage,
+                  fmt::format("{0}:// is no scheme of a broker URL: write {1}://", lower, ours));
     }
   }
-  return Usage(fmt::format("the scheme of the broker URL is not known: {}", kForm));
+  return Fail(ErrorKind::kUsage,
+              fmt::format("the scheme of the broker URL is not known: {}", kForm));
 }
 
 Result<std::string> ParseUser(const Pieces& pieces) {
   if (!pieces.has_user) return std::string();
   if (pieces.user.find(':') != std::string_view::npos) {
-    return Usage(
+    return Fail(
+        ErrorKind::kUsage,
         "a broker URL carries no password, since other users of this machine can read it in the "
         "process list: "
         "use --password-file or FLEETPUB_PASSWORD (a : in a user name is written %3A)");
   }
   if (pieces.user.empty()) {
-    return Usage(
+    return Fail(
+        ErrorKind::kUsage,
         "the broker URL has an @ without a user name: write mqtt://user@host or mqtt://host");
   }
   if (pieces.user.find_first_of("@/?#") != std::string_view::npos) {
-    return Usage(
+    return Fail(
+        ErrorKind::kUsage,
         "the user name in the broker URL contains @, /, ? or #: write them as %40, %2F, %3F, %23");
   }
   auto user = PercentDecode(pieces.user);
   if (!user || !base::IsUtf8(*user)) {
-    return Usage(
-        "the user name in the broker URL has a bad percent escape: write % as %25, and two "
-        "hexadecimal digits after "
-        "each %");
+    return Fail(ErrorKind::kUsage,
+                "the user name in the broker URL has a bad percent escape: write % as %25, and two "
+                "hexadecimal digits after "
+                "each %");
   }
   return *std::move(user);
 }
@@ -194,7 +199,8 @@ Result<std::string> ParseIpv6(std::string_view text, const Pieces& pieces) {
                       std::all_of(host->begin() + static_cast<std::ptrdiff_t>(zone) + 1,
                                   host->end(), IsHostCharacter)));
   if (!good) {
-    return Usage(
+    return Fail(
+        ErrorKind::kUsage,
         fmt::format("the address{} in the broker URL is no IPv6 address: write mqtt://[::1]:1883, "
                     "and a zone as [fe80::1%25eth0]",
                     pieces.Quoted(text)));
@@ -203,11 +209,13 @@ Result<std::string> ParseIpv6(std::string_view text, const Pieces& pieces) {
 }
 
 Result<std::string> ParseHostName(std::string_view text, const Pieces& pieces) {
-  if (text.empty()) return Usage(fmt::format("the broker URL names no host: {}", kForm));
+  if (text.empty())
+    return Fail(ErrorKind::kUsage, fmt::format("the broker URL names no host: {}", kForm));
   auto host = PercentDecode(text);
   if (!host || host->empty() || host->size() > kMaximumHostLength ||
       !std::all_of(host->begin(), host->end(), IsHostCharacter)) {
-    return Usage(
+    return Fail(
+        ErrorKind::kUsage,
         fmt::format("the host{} in the broker URL is no host name: it consists of letters, digits, "
                     ". and - (and a name with "
                     "other letters has an xn-- form)",
@@ -221,8 +229,9 @@ Result<std::uint16_t> ParsePort(std::string_view text, const Pieces& pieces) {
   const char* const end = text.data() + text.size();
   const auto [stop, error] = std::from_chars(text.data(), end, value);
   if (error != std::errc() || stop != end || value < 1 || value > 65535) {
-    return Usage(fmt::format("the port{} in the broker URL is no number from 1 to 65535",
-                             pieces.Quoted(text.substr(0, kMaximumHostLength))));
+    return Fail(ErrorKind::kUsage,
+                fmt::format("the port{} in the broker URL is no number from 1 to 65535",
+                            pieces.Quoted(text.substr(0, kMaximumHostLength))));
   }
   return static_cast<std::uint16_t>(value);
 }
@@ -234,7 +243,8 @@ Status ParseAuthority(const Pieces& pieces, BrokerUrl& url) {
     const std::size_t close = host.find(']');
     const std::string_view after = close == std::string_view::npos ? "" : host.substr(close + 1);
     if (close == std::string_view::npos || (!after.empty() && after.front() != ':')) {
-      return Usage(
+      return Fail(
+          ErrorKind::kUsage,
           "the IPv6 address in the broker URL has no proper brackets: write mqtt://[::1]:1883");
     }
     if (!after.empty()) port = after.substr(1);
@@ -243,7 +253,8 @@ Status ParseAuthority(const Pieces& pieces, BrokerUrl& url) {
     url.host = *std::move(address);
   } else {
     if (std::count(host.begin(), host.end(), ':') > 1) {
-      return Usage("an IPv6 address in a broker URL stands in brackets: write mqtt://[::1]:1883");
+      return Fail(ErrorKind::kUsage,
+                  "an IPv6 address in a broker URL stands in brackets: write mqtt://[::1]:1883");
     }
     if (const std::size_t colon = host.find(':'); colon != std::string_view::npos) {
       port = host.substr(colon + 1);
@@ -263,21 +274,24 @@ Status ParseAuthority(const Pieces& pieces, BrokerUrl& url) {
 
 Status ParsePath(const Pieces& pieces, BrokerUrl& url) {
   if (pieces.path.find_first_of("?#") != std::string_view::npos) {
-    return Usage("a broker URL has no query (?) and no fragment (#): leave them out");
+    return Fail(ErrorKind::kUsage,
+                "a broker URL has no query (?) and no fragment (#): leave them out");
   }
   if (!url.UsesWebSocket()) {
     if (pieces.path.empty() || pieces.path == "/") return {};
-    return Usage(fmt::format(
-        "the path{} does not belong into an mqtt:// or mqtts:// URL, only into ws:// and wss://",
-        pieces.Quoted(pieces.path)));
+    return Fail(ErrorKind::kUsage, fmt::format("the path{} does not belong into an mqtt:// or "
+                                               "mqtts:// URL, only into ws:// and wss://",
+                                               pieces.Quoted(pieces.path)));
   }
   const bool plain = std::all_of(pieces.path.begin(), pieces.path.end(), [](char c) {
     return c > ' ' && c < 0x7F && std::string_view("\"<>\\^`{|}").find(c) == std::string_view::npos;
   });
   if (!plain || !PercentDecode(pieces.path)) {
-    return Usage(fmt::format(
-        "the path{} in the broker URL has a character or a percent escape that no path has",
-        pieces.Quoted(pieces.path)));
+    return Fail(
+        ErrorKind::kUsage,
+        fmt::format(
+            "the path{} in the broker URL has a character or a percent escape that no path has",
+            pieces.Quoted(pieces.path)));
   }
   url.path = pieces.path;
   return {};

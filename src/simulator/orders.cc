@@ -12,7 +12,7 @@ using base::FindMember;
 using base::StringMember;
 using Value = base::JsonValue;
 
-std::uint32_t NumberOf(const Value& object, std::string_view name) {
+std::uint32_t ReadCount(const Value& object, std::string_view name) {
   const Value* number = FindMember(object, name);
   return number != nullptr && number->IsUint() ? number->GetUint() : 0;
 }
@@ -48,7 +48,7 @@ std::vector<Leg> ReadLegs(const Value& message, std::string_view list, std::stri
   if (array == nullptr || !array->IsArray()) return legs;
   for (const Value& leg : array->GetArray()) {
     legs.push_back(
-        {std::string(StringMember(leg, id)), NumberOf(leg, "sequenceId"), IsReleased(leg)});
+        {std::string(StringMember(leg, id)), ReadCount(leg, "sequenceId"), IsReleased(leg)});
     AddActions(leg, words, actions);
   }
   return legs;
@@ -72,7 +72,7 @@ Order ExampleOrder() {
 
 std::string AcceptOrder(const Value& message, RobotState& state, const ProtocolTerms& words) {
   const std::string_view id = StringMember(message, "orderId");
-  const std::uint32_t update = NumberOf(message, "orderUpdateId");
+  const std::uint32_t update = ReadCount(message, "orderUpdateId");
   if (id.empty()) return "orderId is missing";
   const bool same = id == state.order.id;
   if (!same && state.order.Active()) {

@@ -15,7 +15,7 @@ using base::FindMember;
 using base::StringMember;
 using Value = base::JsonValue;
 
-double NumberOf(const Value& object, std::string_view name) {
+double ReadNumber(const Value& object, std::string_view name) {
   const Value* number = FindMember(object, name);
   return number != nullptr && number->IsNumber() ? number->GetDouble() : 0;
 }
@@ -24,7 +24,7 @@ std::vector<Point> CornersOf(const Value& zone) {
   std::vector<Point> corners;
   if (const Value* vertices = FindArray(zone, "vertices")) {
     for (const Value& vertex : vertices->GetArray()) {
-      corners.push_back({NumberOf(vertex, "x"), NumberOf(vertex, "y")});
+      corners.push_back({ReadNumber(vertex, "x"), ReadNumber(vertex, "y")});
     }
   }
   return corners;
@@ -48,7 +48,7 @@ bool LeadsInto(const Value& order, const ReleaseZone& zone, std::string_view map
   return std::any_of(nodes->Begin(), nodes->End(), [&](const Value& node) {
     const Value* position = FindMember(node, "nodePosition");
     return position != nullptr && StringMember(*position, "mapId") == map_id &&
-           IsInside({NumberOf(*position, "x"), NumberOf(*position, "y")}, zone.corners);
+           IsInside({ReadNumber(*position, "x"), ReadNumber(*position, "y")}, zone.corners);
   });
 }
 
@@ -112,7 +112,7 @@ void AskForPermissions(const Value& order, RobotState& state) {
     if (!NeedsRelease(edge)) continue;
     Ask({.type = "CORRIDOR",
          .edge_id = std::string(StringMember(edge, "edgeId")),
-         .sequence_id = static_cast<std::uint32_t>(NumberOf(edge, "sequenceId"))},
+         .sequence_id = static_cast<std::uint32_t>(ReadNumber(edge, "sequenceId"))},
         state);
   }
 }

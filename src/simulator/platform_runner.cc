@@ -8,13 +8,7 @@
 namespace fleetpub::simulator {
 namespace {
 
-using std::chrono::milliseconds;
 using std::chrono::steady_clock;
-
-constexpr milliseconds kGlance{50};         // how often `stopped` is asked
-constexpr milliseconds kBetweenTries{300};  // to connect again
-
-Moment Now() { return {steady_clock::now(), base::WallTime::clock::now()}; }
 
 class PlatformRunner {
  public:
@@ -36,7 +30,7 @@ class PlatformRunner {
       options_.on_lost(lost.error());
       transport_.reset();
       out_.clear();
-      std::this_thread::sleep_for(kBetweenTries);
+      std::this_thread::sleep_for(kReconnectInterval);
     }
     if (transport_ != nullptr) transport_->Disconnect();
     return {};
@@ -60,7 +54,7 @@ class PlatformRunner {
   }
 
   Status Turn() {
-    const auto until = std::min({fleet_.Due(), steady_clock::now() + kGlance, end_});
+    const auto until = std::min({fleet_.Due(), steady_clock::now() + kStopPollInterval, end_});
     auto message = transport_->Receive(until);
     if (!message) return Fail(std::move(message.error()));
     if (*message) fleet_.Receive(**message, Now(), out_);

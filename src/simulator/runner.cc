@@ -15,15 +15,11 @@ namespace {
 using std::chrono::milliseconds;
 using std::chrono::steady_clock;
 
-constexpr milliseconds kGlance{50};          // how often `stopped` is asked
-constexpr milliseconds kBetweenTries{300};   // to connect again
 constexpr milliseconds kBetweenLooks{1000};  // at the connections that only hold a will
 // A broker drops what it cannot queue for us (mosquitto: 1,000 messages), so everything that has
 // come is read before much of it is answered.
 constexpr std::size_t kMostUnanswered = 100'000;
 constexpr std::size_t kAnsweredAtOnce = 50;
-
-Moment Now() { return {steady_clock::now(), base::WallTime::clock::now()}; }
 
 class Runner {
  public:
@@ -42,7 +38,7 @@ class Runner {
       if (lost) return Disconnect();
       options_.on_lost(lost.error());
       Drop();
-      std::this_thread::sleep_for(kBetweenTries);
+      std::this_thread::sleep_for(kReconnectInterval);
     }
     return {};
   }
@@ -93,7 +89,7 @@ class Runner {
   // Reads what there is, answers some of it.
   Status Turn() {
     const auto now = steady_clock::now();
-    const auto until = unanswered_.empty() ? std::min(fleet_.Due(), now + kGlance) : now;
+    const auto until = unanswered_.empty() ? std::min(fleet_.Due(), now + kStopPollInterval) : now;
     if (auto read = Read(until); !read) return read;
     for (std::size_t i = 0; i < kAnsweredAtOnce && !unanswered_.empty(); ++i) {
       fleet_.Receive(unanswered_.front(), Now(), out_);

@@ -28,6 +28,13 @@ struct Moment {
   std::chrono::steady_clock::time_point steady;
   base::WallTime wall;
 };
+[[nodiscard]] inline Moment Now() {
+  return {std::chrono::steady_clock::now(), base::WallTime::clock::now()};
+}
+
+/// How often a running simulation asks whether it is to stop, and tries to connect again.
+constexpr std::chrono::milliseconds kStopPollInterval{50};
+constexpr std::chrono::milliseconds kReconnectInterval{300};
 
 /// What a robot says.
 struct Utterance {

@@ -15,7 +15,7 @@ namespace fleetpub::cli {
 namespace {
 
 constexpr const char* kSoar = "SoAR";
-constexpr const char* kWaiting = "Waiting";
+constexpr const char* kAcknowledging = "Waiting";
 constexpr std::size_t kMostAcknowledgements = 100'000;
 
 tl::unexpected<Error> Usage(std::string message) {
@@ -130,9 +130,9 @@ void DeclareSoarOptions(OptionSet& set, SoarOptions& o) {
 }
 
 void DeclareSoarWaiting(OptionSet& set, SoarWaitingOptions& o) {
-  set.AddFlag("-w,--wait", o.wait, "Wait until it is acknowledged as executed").Group(kWaiting);
+  set.AddFlag("-w,--wait", o.wait, "Wait until it is acknowledged as executed").Group(kAcknowledging);
   const auto add = [&](const char* names, std::string& value, const char* type, const char* help) {
-    set.AddOption(names, value, help).Type(type).Group(kWaiting);
+    set.AddOption(names, value, help).Type(type).Group(kAcknowledging);
   };
   add("--wait-for", o.wait_for, "LEVEL",
       "Wait for c2_received, operator_approved_and_sent or executed");
@@ -143,7 +143,7 @@ void DeclareSoarWaiting(OptionSet& set, SoarWaitingOptions& o) {
                 "[the destination's from_platform.acknowledgement]")
       .Type("TOPIC")
       .OneValueEach()
-      .Group(kWaiting);
+      .Group(kAcknowledging);
 }
 
 Result<soar::Sender> SenderOf(const SoarOptions& options) {

@@ -49,7 +49,7 @@ void Leave() {
   if (g_has_keys) tcsetattr(STDIN_FILENO, TCSANOW, &g_normal);
 }
 
-void End(int /*signal*/) {
+void LeaveAndExit(int /*signal*/) {
   Leave();
   _exit(0);
 }
@@ -89,8 +89,8 @@ void Handle(int signal, void (*handler)(int)) {
 }  // namespace
 
 void EndQuietlyOnSignals() {
-  Handle(SIGINT, End);
-  Handle(SIGTERM, End);
+  Handle(SIGINT, LeaveAndExit);
+  Handle(SIGTERM, LeaveAndExit);
 }
 
 bool Screen::IsPossible() {

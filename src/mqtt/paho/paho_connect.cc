@@ -301,66 +301,70 @@ Attempted Attempt(const BrokerUrl& broker, const ConnectOptions& options,
   return Failed(ConnectError(broker, options, facts), facts.verify_code != 0);
 }
 
-tl::unexpected<Error> Usage(std::string message) {
-  return Fail(ErrorKind::kUsage, std::move(message));
-}
-
 // Whoever disturbs one of the brokers decides which of them is used.
 Status CheckSameSecrecy(const std::vector<BrokerUrl>& brokers) {
   const auto uses_tls = [](const BrokerUrl& broker) { return broker.UsesTls(); };
   const auto encrypted = std::find_if(brokers.begin(), brokers.end(), uses_tls);
   const auto plain = std::find_if_not(brokers.begin(), brokers.end(), uses_tls);
   if (encrypted == brokers.end() || plain == brokers.end()) return {};
-  return Usage(
+  return Fail(
+      ErrorKind::kUsage,
       fmt::format("{} is encrypted and {} is not: brokers that stand in for each other are all "
                   "mqtts:// (or wss://), or none is, lest a failure lead to plain text",
                   encrypted->ToString(), plain->ToString()));
 }
 
+}  // namespace
+
 bool IsMqttString(const std::string& text) {
   return text.size() <= 65'535 && base::IsUtf8(text) && text.find('\0') == std::string::npos;
 }
 
-}  // namespace
-
 Status CheckConnectOptions(const ConnectOptions& options) {
-  if (options.brokers.empty()) return Usage("no broker is given: use --broker mqtt://host");
+  if (options.brokers.empty())
+    return Fail(ErrorKind::kUsage, "no broker is given: use --broker mqtt://host");
   if (auto status = CheckSameSecrecy(options.brokers); !status) return status;
   if (!IsMqttString(options.client_id) || !IsMqttString(options.username)) {
-    return Usage(
+    return Fail(
+        ErrorKind::kUsage,
         "the client id or the user name is no MQTT text: UTF-8 without NUL, 65,535 bytes at most");
   }
   if (options.password && options.password->size() > 65'535) {
-    return Usage("the password is longer than 65,535 bytes, the most that MQTT can carry");
+    return Fail(ErrorKind::kUsage,
+                "the password is longer than 65,535 bytes, the most that MQTT can carry");
   }
   const bool named = !options.username.empty() ||
                      std::all_of(options.brokers.begin(), options.brokers.end(),
                                  [](const BrokerUrl& broker) { return !broker.username.empty(); });
   if (options.password && !named && options.version == ProtocolVersion::k311) {
-    return Usage("a password without a user name (MQTT 3.1.1 has no such thing): give --username");
+    return Fail(ErrorKind::kUsage,
+                "a password without a user name (MQTT 3.1.1 has no such thing): give --username");
   }
   if (!options.proxy.empty()) {
     if (!PahoCall::Supported()) {
-      return Usage(
+      return Fail(
+          ErrorKind::kUsage,
           "this build cannot use a proxy (FLEETPUB_FAST_CONNECT is off): leave out --proxy");
     }
     if (auto proxy = ParseHttpProxy(options.proxy); !proxy) return Fail(std::move(proxy.error()));
   }
   if (options.will && (options.will->topic.empty() || !IsMqttString(options.will->topic) ||
                        options.will->payload.size() > 65'535)) {
-    return Usage(
-        "the last will has no MQTT topic, or more than the 65,535 bytes that MQTT carries");
+    return Fail(ErrorKind::kUsage,
+                "the last will has no MQTT topic, or more than the 65,535 bytes that MQTT carries");
   }
   const TlsOptions& tls = options.tls;
   if (tls.cert_file.empty() && !tls.key_file.empty()) {
-    return Usage("--key without --cert: a private key is of use only with its certificate");
+    return Fail(ErrorKind::kUsage,
+                "--key without --cert: a private key is of use only with its certificate");
   }
   if (tls.ciphers.find("SECLEVEL=0") != std::string::npos) {
-    return Usage("--ciphers asks for SECLEVEL=0, which would let in TLS 1.0: take 1 or higher");
+    return Fail(ErrorKind::kUsage,
+                "--ciphers asks for SECLEVEL=0, which would let in TLS 1.0: take 1 or higher");
   }
   for (const std::string& protocol : tls.alpn) {
     if (protocol.empty() || protocol.size() > 255) {
-      return Usage("--tls-alpn: a protocol name has 1 to 255 bytes");
+      return Fail(ErrorKind::kUsage, "--tls-alpn: a protocol name has 1 to 255 bytes");
     }
   }
   return {};

@@ -33,6 +33,9 @@ template <typename Response>
   return code;
 }
 
+/// MQTT §1.5.4: UTF-8 without NUL, 65,535 bytes at most.
+[[nodiscard]] bool IsMqttString(const std::string& text);
+
 /// Checks what can be known to be wrong before connecting. Errors: ErrorKind::kUsage.
 [[nodiscard]] Status CheckConnectOptions(const ConnectOptions& options);
 

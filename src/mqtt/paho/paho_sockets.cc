@@ -105,13 +105,13 @@ bool PahoCall::Supported() { return true; }
 
 namespace {
 
-int RawPoll(pollfd* descriptors, nfds_t count, int milliseconds) {
+int RawPoll(pollfd* descriptors, nfds_t count, int timeout) {
 #ifdef SYS_poll
-  return static_cast<int>(syscall(SYS_poll, descriptors, count, milliseconds));
+  return static_cast<int>(syscall(SYS_poll, descriptors, count, timeout));
 #else
-  timespec time{milliseconds / 1000, (milliseconds % 1000) * 1'000'000L};
+  timespec time{timeout / 1000, (timeout % 1000) * 1'000'000L};
   return static_cast<int>(
-      syscall(SYS_ppoll, descriptors, count, milliseconds < 0 ? nullptr : &time, nullptr, 0));
+      syscall(SYS_ppoll, descriptors, count, timeout < 0 ? nullptr : &time, nullptr, 0));
 #endif
 }
 
@@ -143,25 +143,25 @@ struct Interposed {
     return nullptr;
   }
 
-  static int Poll(pollfd* descriptors, nfds_t count, int milliseconds) {
+  static int Poll(pollfd* descriptors, nfds_t count, int timeout) {
     pollfd* const ours = current_call == nullptr ? nullptr : FindReading(descriptors, count);
-    if (ours == nullptr) return RawPoll(descriptors, count, milliseconds);
+    if (ours == nullptr) return RawPoll(descriptors, count, timeout);
     PahoCall& call = *current_call;
-    if (std::exchange(call.just_connected_, false)) milliseconds = 0;
-    if (milliseconds != 0) {
+    if (std::exchange(call.just_connected_, false)) timeout = 0;
+    if (timeout != 0) {
       const int left = MillisecondsUntil(call.deadline_);
       if (left == 0) {
         call.expired_ = true;
         call.Abort();
       }
-      if (milliseconds < 0 || milliseconds > left) milliseconds = left;
+      if (timeout < 0 || timeout > left) timeout = left;
     }
     int ready = RawPoll(descriptors, count, 0);
-    if (ready == 0 && milliseconds != 0) {
+    if (ready == 0 && timeout != 0) {
       // A broker that sends in two pieces (SUBACK, then what is retained) waits for the first one's
       // acknowledgement, which our kernel would put off for 40 ms.
       AcknowledgeAtOnce(ours->fd);
-      ready = RawPoll(descriptors, count, milliseconds);
+      ready = RawPoll(descriptors, count, timeout);
     }
     if (ready < 0) return ready;
     if (ours->revents != 0) {
@@ -260,8 +260,8 @@ FLEETPUB_INTERPOSE int connect(int descriptor, const sockaddr* address, socklen_
 
 #ifdef FLEETPUB_FAST_CONNECT
 
-FLEETPUB_INTERPOSE int poll(pollfd* descriptors, nfds_t count, int milliseconds) {
-  return Interposed::Poll(descriptors, count, milliseconds);
+FLEETPUB_INTERPOSE int poll(pollfd* descriptors, nfds_t count, int timeout) {
+  return Interposed::Poll(descriptors, count, timeout);
 }
 
 FLEETPUB_INTERPOSE ssize_t writev(int descriptor, const iovec* parts, int count) {

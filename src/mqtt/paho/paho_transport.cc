@@ -16,17 +16,11 @@ using std::chrono::steady_clock;
 // MQTT's largest packet (3.1.1 §2.2.3), and what a PUBLISH adds to topic and payload at most.
 constexpr std::size_t kMaximumPacket = 268'435'455;
 constexpr std::size_t kPublishOverhead = 16;
-constexpr std::size_t kMaximumString = 65'535;
 // Brokers limit how many filters one SUBSCRIBE may have.
 constexpr std::size_t kFiltersPerPacket = 100;
 // mosquitto 2.0.11 acknowledges more than its max_inflight_messages (20) of QoS 2 at once to the
 // end and delivers 20 of them. MQTT 5 tells the number, 3.1.1 does not.
 constexpr int kWindowOfQos2 = 20;
-
-bool IsMqttString(const std::string& text) {
-  return !text.empty() && text.size() <= kMaximumString && base::IsUtf8(text) &&
-         text.find('\0') == std::string::npos;
-}
 
 class PahoTransport final : public RobotTransport {
  public:
@@ -43,7 +37,7 @@ class PahoTransport final : public RobotTransport {
   [[nodiscard]] Status Subscribe(std::span<const std::string> filters, Qos qos,
                                  Deadline deadline) override {
     for (const std::string& filter : filters) {
-      if (!IsMqttString(filter)) {
+      if (filter.empty() || !IsMqttString(filter)) {
         return Fail(ErrorKind::kUsage,
                     fmt::format("\"{}\" is no topic filter", base::Printable(filter)));
       }

@@ -12,10 +12,6 @@ namespace {
 
 using base::JsonString;
 
-std::string_view Or(std::string_view text, std::string_view otherwise) {
-  return text.empty() ? otherwise : text;
-}
-
 std::string ParametersJson(std::span<const Parameter> parameters) {
   std::string json;
   for (const Parameter& parameter : parameters) {
@@ -32,7 +28,8 @@ std::string ActionJson(const InstantAction& action, std::string_view type,
   if (!action.descriptor.empty()) {
     json += fmt::format(R"(,"{}":{})", facts.descriptor_key, JsonString(action.descriptor));
   }
-  json += fmt::format(R"(,"blockingType":{})", JsonString(Or(action.blocking_type, "NONE")));
+  json += fmt::format(R"(,"blockingType":{})",
+                      JsonString(base::NonEmptyOr(action.blocking_type, "NONE")));
   if (!action.parameters.empty() || facts.empty_parameters) {
     json += R"(,"actionParameters":)" + ParametersJson(action.parameters);
   }
@@ -41,10 +38,11 @@ std::string ActionJson(const InstantAction& action, std::string_view type,
 
 // Everything behind the timestamp's opening quotation mark.
 std::string HeaderRest(const RobotAddress& robot, const Dialect& dialect) {
-  return fmt::format(R"(","version":{},"manufacturer":{},"serialNumber":{},)",
-                     JsonString(Or(dialect.header_version, FactsOf(dialect.version).name)),
-                     JsonString(Or(dialect.header_manufacturer, robot.manufacturer)),
-                     JsonString(Or(dialect.header_serial, robot.serial_number)));
+  return fmt::format(
+      R"(","version":{},"manufacturer":{},"serialNumber":{},)",
+      JsonString(base::NonEmptyOr(dialect.header_version, FactsOf(dialect.version).name)),
+      JsonString(base::NonEmptyOr(dialect.header_manufacturer, robot.manufacturer)),
+      JsonString(base::NonEmptyOr(dialect.header_serial, robot.serial_number)));
 }
 
 message::PayloadTemplate PayloadOf(const RobotAddress& robot, const Dialect& dialect,
@@ -83,7 +81,7 @@ Result<message::Command> BuildInstantActions(const RobotAddress& robot, const Di
   };
   command.header_id = header_id;
 
-  const std::string_view actions_key = Or(dialect.actions_key, facts.actions_key);
+  const std::string_view actions_key = base::NonEmptyOr(dialect.actions_key, facts.actions_key);
   if (actions_key != facts.actions_key) {
     command.renamed_member = std::pair<std::string, std::string>(actions_key, facts.actions_key);
   }

@@ -25,16 +25,16 @@ struct Topic {
   Version since;
 };
 
-constexpr std::array<Topic, 4> kTopics = {{{"order", Version::k110},
-                                           {"instantActions", Version::k110},
-                                           {"zoneSet", Version::k300},
-                                           {"responses", Version::k300}}};
+constexpr std::array<Topic, 4> kMessageTopics = {{{"order", Version::k110},
+                                                  {"instantActions", Version::k110},
+                                                  {"zoneSet", Version::k300},
+                                                  {"responses", Version::k300}}};
 
 constexpr std::array<std::string_view, 5> kHeader = {"headerId", "timestamp", "version",
                                                      "manufacturer", "serialNumber"};
 
 Version SinceWhen(std::string_view name) {
-  for (const Topic& topic : kTopics) {
+  for (const Topic& topic : kMessageTopics) {
     if (topic.name == name) return topic.since;
   }
   return Version::k110;
@@ -44,10 +44,6 @@ bool IsHeader(std::string_view name) {
   return std::find(kHeader.begin(), kHeader.end(), name) != kHeader.end();
 }
 
-std::string_view Or(std::string_view text, std::string_view otherwise) {
-  return text.empty() ? otherwise : text;
-}
-
 struct OwnHeader {
   std::string_view version;
   std::string_view manufacturer;
@@ -55,9 +51,9 @@ struct OwnHeader {
 };
 
 OwnHeader HeaderFor(const RobotAddress& robot, const Dialect& dialect) {
-  return {Or(dialect.header_version, FactsOf(dialect.version).name),
-          Or(dialect.header_manufacturer, robot.manufacturer),
-          Or(dialect.header_serial, robot.serial_number)};
+  return {base::NonEmptyOr(dialect.header_version, FactsOf(dialect.version).name),
+          base::NonEmptyOr(dialect.header_manufacturer, robot.manufacturer),
+          base::NonEmptyOr(dialect.header_serial, robot.serial_number)};
 }
 
 // A message for one robot must not reach another by a slip of the command line.
@@ -116,7 +112,7 @@ std::vector<message::ActionRef> ContentsOf(const Value& message, std::string_vie
 }  // namespace
 
 Result<std::string_view> PublishedTopic(std::string_view text) {
-  for (const Topic& topic : kTopics) {
+  for (const Topic& topic : kMessageTopics) {
     if (base::EqualsIgnoringCase(topic.name, text)) return topic.name;
   }
   return Fail(ErrorKind::kUsage,
@@ -160,7 +156,7 @@ Result<message::Command> BuildUserMessage(const RobotAddress& robot, const Diale
   command.schema = fmt::format("vda5050/{}/{}", facts.name, topic);
   command.text_rules = TextRulesFor(topic, dialect.version);
   command.header_id = header_id;
-  const std::string_view key = Or(dialect.actions_key, facts.actions_key);
+  const std::string_view key = base::NonEmptyOr(dialect.actions_key, facts.actions_key);
   if (topic == "instantActions" && key != facts.actions_key) {
     command.renamed_member = std::pair<std::string, std::string>(key, facts.actions_key);
   }
@@ -173,8 +169,8 @@ Result<message::Command> BuildUserMessage(const RobotAddress& robot, const Diale
 
 std::vector<InstantAction> ActionsIn(const Value& message, const Dialect& dialect) {
   std::vector<InstantAction> actions;
-  const Value* list =
-      FindArray(message, Or(dialect.actions_key, FactsOf(dialect.version).actions_key));
+  const Value* list = FindArray(
+      message, base::NonEmptyOr(dialect.actions_key, FactsOf(dialect.version).actions_key));
   if (list == nullptr) return actions;
   for (const Value& entry : list->GetArray()) {
     InstantAction action{.type = std::string(StringMember(entry, "actionType")),
