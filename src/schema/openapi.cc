@@ -63,7 +63,7 @@ class Translator {
     object.AddMember(Text(name), value, allocator_);
   }
 
-  // What is no schema stays as it is: the vetting says so.
+  // What is no schema stays as it is: the loader says so.
   bool Schema(Value& schema, const Place& place) {
     if (!schema.IsObject() || FindMember(schema, "$ref") != nullptr) return true;
     Nullable(schema);

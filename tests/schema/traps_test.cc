@@ -25,7 +25,7 @@ Schema Compiled(std::string_view text) {
   return std::move(*schema);
 }
 
-std::vector<Violation> Judge(std::string_view schema, std::string_view message) {
+std::vector<Violation> Validate(std::string_view schema, std::string_view message) {
   const auto document = base::ParseJson(message);
   if (!document) return {{"parser", document.error().message}};
   const auto begin = std::chrono::steady_clock::now();
@@ -35,7 +35,7 @@ std::vector<Violation> Judge(std::string_view schema, std::string_view message) 
 }
 
 bool IsValid(std::string_view schema, std::string_view message) {
-  return Judge(schema, message).empty();
+  return Validate(schema, message).empty();
 }
 
 std::string Repeat(std::string_view text, int times) {
@@ -46,7 +46,7 @@ std::string Repeat(std::string_view text, int times) {
 
 TEST(Traps, DeepSchemasAndMessagesAreRefused) {
   const std::string deep = Repeat("[", 1'000'000);
-  EXPECT_EQ(Judge("true", deep).at(0).path, "parser");
+  EXPECT_EQ(Validate("true", deep).at(0).path, "parser");
   const auto schema = Schema::Compile(Repeat(R"({"items":)", 100'000), "deep");
   ASSERT_FALSE(schema);
   EXPECT_NE(schema.error().message.find("nested more than 64 levels"), std::string::npos);
@@ -58,7 +58,7 @@ TEST(Traps, TextsThatAreNoJsonAreRefused) {
        {nul, std::string("\"\xff\""), std::string("\"\xed\xa0\x80\""), std::string("{} {}"),
         std::string(R"({"a":1,"a":2})"), std::string(R"({"a":1,})"), std::string("NaN")}) {
     EXPECT_FALSE(Schema::Compile(text, "bad")) << text;
-    EXPECT_EQ(Judge("true", text).at(0).path, "parser") << text;
+    EXPECT_EQ(Validate("true", text).at(0).path, "parser") << text;
   }
 }
 
@@ -77,22 +77,22 @@ TEST(Traps, LongStringsAreOnlyStrings) {
   EXPECT_FALSE(IsValid(R"({"format":"date-time"})", text));
   EXPECT_TRUE(IsValid(R"({"minLength":10000000,"maxLength":10000000})", text));
   EXPECT_TRUE(IsValid(R"({"pattern":"x$"})", text));
-  EXPECT_EQ(Judge("true", "\"" + Repeat("x", 17'000'000) + "\"").at(0).path, "parser");
+  EXPECT_EQ(Validate("true", "\"" + Repeat("x", 17'000'000) + "\"").at(0).path, "parser");
 }
 
 TEST(Traps, ManyItemsAreComparedInReasonableTime) {
   std::string different = "[0";
   for (int i = 1; i < 300'000; ++i) different += fmt::format(",{}", i);
   EXPECT_TRUE(IsValid(R"({"uniqueItems":true})", different + "]"));
-  const auto twice = Judge(R"({"uniqueItems":true})", different + ",7.0]");
+  const auto twice = Validate(R"({"uniqueItems":true})", different + ",7.0]");
   ASSERT_EQ(twice.size(), 1U);
   EXPECT_EQ(twice[0].message, "must not hold an item twice: items 7 and 300000 are equal");
 }
 
 TEST(Traps, ALateFaultInALongMessageIsFound) {
   const auto found =
-      Judge(R"({"items":{"$ref":"#/definitions/a"},"definitions":{"a":{"type":"integer"}}})",
-            "[" + Repeat("1,", 500'000) + "\"x\"]");
+      Validate(R"({"items":{"$ref":"#/definitions/a"},"definitions":{"a":{"type":"integer"}}})",
+               "[" + Repeat("1,", 500'000) + "\"x\"]");
   ASSERT_EQ(found.size(), 1U);
   EXPECT_EQ(found[0].path, "/500000");
 }
@@ -104,7 +104,7 @@ TEST(Traps, RecursiveSchemasFollowTheMessage) {
     return Repeat(R"({"n":1,"child":)", 60) + std::string(inner) + std::string(60, '}');
   };
   EXPECT_TRUE(IsValid(kTree, nested("{}")));
-  const auto found = Judge(kTree, nested(R"({"n":"x"})"));
+  const auto found = Validate(kTree, nested(R"({"n":"x"})"));
   ASSERT_EQ(found.size(), 1U);
   EXPECT_EQ(found[0].path, Repeat("/child", 60) + "/n");
 }
@@ -120,7 +120,7 @@ TEST(Traps, TheLongestChainAtTheGreatestDepthFitsTheStack) {
            "$ref":"#/definitions/a30"}})",
       definitions);
   EXPECT_TRUE(IsValid(schema, Repeat(R"({"c":)", 63) + "{}" + std::string(63, '}')));
-  EXPECT_EQ(Judge(schema, Repeat(R"({"c":)", 63) + "1" + std::string(63, '}')).at(0).message,
+  EXPECT_EQ(Validate(schema, Repeat(R"({"c":)", 63) + "1" + std::string(63, '}')).at(0).message,
             "must be an object, not a number");
 }
 
@@ -129,7 +129,7 @@ TEST(Traps, ExponentialWorkIsGivenUp) {
   constexpr std::string_view kTwice =
       R"({"properties":{"a":{"$ref":"#"}},"patternProperties":{"a":{"$ref":"#"}}})";
   const auto nested = Repeat(R"({"a":)", 60) + "1" + std::string(60, '}');
-  const auto found = Judge(kTwice, nested);
+  const auto found = Validate(kTwice, nested);
   ASSERT_EQ(found.size(), 1U);
   EXPECT_EQ(found[0].message,
             "could not be checked: the schema's references make this message too much work");
