@@ -143,6 +143,7 @@ class Translator {
     if (!Implied(*alternatives, above.Below(list), meant)) return false;
     Value rules = Rules(ViewOf(*property), meant);
     schema.RemoveMember(Text(list));
+    schema.RemoveMember("discriminator");
     if (Value* all = Member(schema, "allOf"); all != nullptr && all->IsArray()) {
       for (Value& rule : rules.GetArray()) all->PushBack(rule, allocator_);
     } else {

@@ -401,13 +401,17 @@ const SchemaNode* SchemaNode::FindProperty(std::string_view name) const {
 Result<std::unique_ptr<const CheckedSchema>> LoadSchema(std::string_view text,
                                                         std::string_view pointer,
                                                         SchemaOrigin origin) {
-  auto document = base::ParseJson(text, kLimits);
-  if (!document) return Fail(std::move(document.error()));
   auto checked = std::make_unique<CheckedSchema>();
-  checked->document = std::move(*document);
-  if (origin == SchemaOrigin::kUser && IsOpenApi(checked->document)) {
-    auto translated = TranslateOpenApi(checked->document);
-    if (!translated) return Fail(ErrorKind::kInvalid, std::move(translated.error()));
+  if (origin == SchemaOrigin::kBuiltIn) {  // written by base::ToJson: nothing is to be doubted
+    checked->document.Parse<rapidjson::kParseFullPrecisionFlag>(text.data(), text.size());
+  } else {
+    auto document = base::ParseJson(text, kLimits);
+    if (!document) return Fail(std::move(document.error()));
+    checked->document = std::move(*document);
+    if (IsOpenApi(checked->document)) {
+      auto translated = TranslateOpenApi(checked->document);
+      if (!translated) return Fail(ErrorKind::kInvalid, std::move(translated.error()));
+    }
   }
   Loader loader(*checked);
   if (!loader.Run(pointer)) return Fail(loader.TakeError());

@@ -88,7 +88,7 @@ struct CheckedSchema {
 
 enum class SchemaOrigin {
   kUser,
-  kBuiltIn,  ///< an OpenAPI document was translated when the program was built
+  kBuiltIn,  ///< Embedded::rules: valid JSON, and OpenAPI is translated already
 };
 
 /// `pointer` leads to the schema when it is only a part of the document. Errors:

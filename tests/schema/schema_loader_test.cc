@@ -150,11 +150,11 @@ TEST(SchemaLoader, RefusesReferencesInACircle) {
 
 TEST(SchemaLoader, RefusesChainsThatWouldExhaustTheStack) {
   std::string definitions = R"("a0":true)";
-  for (int i = 1; i < 10'000; ++i) {
+  for (int i = 1; i < 2'000; ++i) {
     definitions += fmt::format(R"(,"a{}":{{"allOf":[{{"$ref":"#/definitions/a{}"}}]}})", i, i - 1);
   }
   const auto schema =
-      fmt::format(R"({{"definitions":{{{}}},"$ref":"#/definitions/a9999"}})", definitions);
+      fmt::format(R"({{"definitions":{{{}}},"$ref":"#/definitions/a1999"}})", definitions);
   EXPECT_NE(Refusal(schema).find("belongs to a chain of more than 32 schemas"), std::string::npos);
 }
 
