@@ -131,7 +131,7 @@ constexpr std::string_view kTwice =
     R"({"properties":{"a":{"$ref":"#"}},"patternProperties":{"a":{"$ref":"#"}}})";
 
 bool IsTooMuchWork(std::string_view schema, int levels, int most_work) {
-  const auto message = base::ParseJson(Repeat(R"({"a":)", levels) + "1" + std::string(levels, '}'));
+  const auto message = base::ParseJson(Repeat(R"({"a":)", levels) + "1" + Repeat("}", levels));
   const auto checked = LoadSchema(schema);
   if (!checked) throw std::runtime_error(checked.error().message);
   const auto found = CollectViolations(**checked, *message, most_work);
