@@ -78,8 +78,10 @@ void DropDescriptions(base::JsonValue& value) {
   for (const char* name : {"title", "description", "$comment"}) {
     if (!base::StringMember(value, name).empty()) value.EraseMember(name);
   }
-  for (auto& member : value.GetObject()) {
-    if (member.name != "const" && member.name != "enum") DropDescriptions(member.value);
+  const auto end = value.MemberEnd();
+  for (auto member = value.MemberBegin(); member < end; ++member) {
+    const std::string_view name = base::ViewOf(member->name);
+    if (name != "const" && name != "enum") DropDescriptions(member->value);
   }
 }
 

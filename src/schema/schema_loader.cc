@@ -226,6 +226,7 @@ class Loader {
       return true;
     }
     std::vector<std::string> names;
+    names.reserve(kTypes.size());
     for (const auto& [name, bit] : kTypes) names.emplace_back(name);
     return MustBe(false, place, "one of " + base::Join(names, ", "), value);
   }
