@@ -44,11 +44,9 @@ struct Library {
 };
 
 constexpr Library kLibraries[] = {
-    {"MQTT", "mqtt", true},       {"openssl/", "mqtt", true},
-    {"sqlite3", "ledger"},        {"SQLiteCpp/", "ledger"},
-    {"libpq", "ledger"},          {"valijson/", "schema"},
-    {"re2/", "schema"},           {"CLI/", "cli"},
-    {"rapidjson/", "base", true}, {"uuid/", "base"},
+    {"MQTT", "mqtt", true},   {"openssl/", "mqtt", true},   {"sqlite3", "ledger"},
+    {"SQLiteCpp/", "ledger"}, {"libpq", "ledger"},          {"re2/", "schema"},
+    {"CLI/", "cli"},          {"rapidjson/", "base", true}, {"uuid/", "base"},
     {"toml++/", "config"},
 };
 

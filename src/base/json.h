@@ -13,7 +13,7 @@ namespace fleetpub::base {
 struct JsonLimits {
   std::size_t bytes = std::size_t{16} * 1024 * 1024;
   /// Arrays and objects inside each other. Far above any message; RapidJSON's copies and
-  /// comparisons and valijson's walk recurse, and a hostile text would exhaust the stack.
+  /// comparisons and the validator recurse, and a hostile text would exhaust the stack.
   int depth = 64;
 };
 

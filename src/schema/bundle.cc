@@ -28,7 +28,7 @@ class Bundler {
       : root_(root),
         allocator_(root.GetAllocator()),
         find_(find),
-        root_uri_(BaseOf(root, std::string(uri))) {
+        root_uri_(FindBase(root, std::string(uri))) {
     if (const Value* known = base::FindMember(root, "definitions"); known && known->IsObject()) {
       for (const auto& member : known->GetObject()) names_.emplace(ViewOf(member.name));
     }
@@ -49,7 +49,7 @@ class Bundler {
 
  private:
   // What relative references inside of the schema are seen from.
-  static std::string BaseOf(const Value& schema, std::string base) {
+  static std::string FindBase(const Value& schema, std::string base) {
     const std::string_view id = base::StringMember(schema, "$id");
     if (id.empty() || base::FindMember(schema, "$ref") != nullptr) return base;
     return SplitFragment(ResolveUri(base, id)).first;
@@ -60,7 +60,7 @@ class Bundler {
       for (Value& each : value.GetArray()) Walk(each, base);
     }
     if (!value.IsObject()) return;
-    const std::string here = BaseOf(value, base);
+    const std::string here = FindBase(value, base);
     const auto end = value.MemberEnd();
     for (auto member = value.MemberBegin(); member < end; ++member) {
       const std::string_view name = ViewOf(member->name);
@@ -98,7 +98,7 @@ class Bundler {
     std::string name = NameFor(uri, fragment);
     known_.emplace(std::pair(uri, fragment), name);
     Value copy(*schema, allocator_);
-    Walk(copy, BaseOf(*document, uri));
+    Walk(copy, FindBase(*document, uri));
     if (copy.IsObject() && fragment.empty()) {
       copy.EraseMember("$schema");
       copy.EraseMember("$id");

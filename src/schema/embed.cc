@@ -1,8 +1,9 @@
 // A program of the build: writes a C++ source with every schema below a folder.
 //   embed_schemas FOLDER OUTPUT
 //
-// Each schema is embedded complete, with a copy of the definitions that it refers to, and without
-// line breaks and indentation: it is parsed at each start of the program.
+// Each schema is embedded complete, with a copy of the definitions that it refers to, and twice: as
+// a person reads it, and as the validator parses it in each process that needs it, without what
+// only describes and with OpenAPI translated. Both are without line breaks and indentation.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -15,6 +16,7 @@
 #include "base/file.h"
 #include "base/json.h"
 #include "schema/bundle.h"
+#include "schema/openapi.h"
 
 namespace fleetpub::schema {
 namespace {
@@ -41,7 +43,7 @@ std::span<const Embedded> EmbeddedSchemas() {{ return kSchemas; }}
 )source";
 
 // Without its ending; "" for what is no schema by itself.
-std::string NameOf(std::string path) {
+std::string ParseName(std::string path) {
   constexpr std::array<std::string_view, 2> kEndings = {".schema.json", ".openapi.json"};
   const auto* ending = std::find_if(kEndings.begin(), kEndings.end(),
                                     [&path](std::string_view e) { return path.ends_with(e); });
@@ -67,12 +69,38 @@ Result<Documents> ReadAll(const fs::path& folder) {
   return documents;
 }
 
-Result<std::string> Source(const fs::path& folder) {
+// Drops texts that only describe; a member of that name under `properties` is a schema, no text.
+void DropDescriptions(base::JsonValue& value) {
+  if (value.IsArray()) {
+    for (base::JsonValue& each : value.GetArray()) DropDescriptions(each);
+  }
+  if (!value.IsObject()) return;
+  for (const char* name : {"title", "description", "$comment"}) {
+    if (!base::StringMember(value, name).empty()) value.EraseMember(name);
+  }
+  const auto end = value.MemberEnd();
+  for (auto member = value.MemberBegin(); member < end; ++member) {
+    const std::string_view name = base::ViewOf(member->name);
+    if (name != "const" && name != "enum") DropDescriptions(member->value);
+  }
+}
+
+Result<std::string> MakeRules(base::JsonDocument& document) {
+  if (IsOpenApi(document)) {
+    if (auto done = TranslateOpenApi(document); !done) {
+      return Fail(ErrorKind::kInvalid, std::move(done.error()));
+    }
+  }
+  DropDescriptions(document);
+  return base::ToJson(document);
+}
+
+Result<std::string> MakeSource(const fs::path& folder) {
   const auto documents = ReadAll(folder);
   if (!documents) return Fail(documents.error());
   std::string entries;
   for (const auto& [path, original] : *documents) {
-    const std::string name = NameOf(path);
+    const std::string name = ParseName(path);
     if (name.empty()) continue;
     base::JsonDocument document;
     document.CopyFrom(original, document.GetAllocator());
@@ -81,8 +109,11 @@ Result<std::string> Source(const fs::path& folder) {
       return found == documents->end() ? nullptr : &found->second;
     });
     if (!done) return Fail(ErrorKind::kInvalid, path + ": " + done.error().message);
-    entries +=
-        fmt::format("    {{\"{}\",\n     R\"json({})json\"}},\n", name, base::ToJson(document));
+    const std::string text = base::ToJson(document);
+    const auto rules = MakeRules(document);
+    if (!rules) return Fail(ErrorKind::kInvalid, path + ": " + rules.error().message);
+    entries += fmt::format("    {{\"{}\",\n     R\"json({})json\",\n     R\"json({})json\"}},\n",
+                           name, text, *rules);
   }
   return fmt::format(kSource, entries);
 }
@@ -92,7 +123,7 @@ Result<std::string> Source(const fs::path& folder) {
 
 int main(int argc, char** argv) {
   if (argc != 3) return 2;
-  const auto source = fleetpub::schema::Source(argv[1]);
+  const auto source = fleetpub::schema::MakeSource(argv[1]);
   if (!source) {
     fmt::print(stderr, "embed_schemas: {}\n", source.error().message);
     return 1;

@@ -63,7 +63,7 @@ class Translator {
     object.AddMember(Text(name), value, allocator_);
   }
 
-  // What is no schema stays as it is: the vetting says so.
+  // What is no schema stays as it is: the loader says so.
   bool Schema(Value& schema, const Place& place) {
     if (!schema.IsObject() || FindMember(schema, "$ref") != nullptr) return true;
     Nullable(schema);
@@ -143,6 +143,7 @@ class Translator {
     if (!Implied(*alternatives, above.Below(list), meant)) return false;
     Value rules = Rules(ViewOf(*property), meant);
     schema.RemoveMember(Text(list));
+    schema.RemoveMember("discriminator");
     if (Value* all = Member(schema, "allOf"); all != nullptr && all->IsArray()) {
       for (Value& rule : rules.GetArray()) all->PushBack(rule, allocator_);
     } else {

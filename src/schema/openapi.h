@@ -1,5 +1,5 @@
 // OpenAPI 3.0 describes values in a dialect of JSON Schema of its own. It is turned into draft-07,
-// so that one vetting, one validator and one explanation serve both.
+// so that one loader and one walk serve both.
 #pragma once
 
 #include <string>

@@ -2,97 +2,59 @@
 
 #include <fmt/format.h>
 
-#include <array>
-#include <charconv>
 #include <utility>
 
 #include "base/json.h"
 #include "base/text.h"
+#include "schema/schema_loader.h"
 #include "schema/uri.h"
-#include "schema/vet.h"
 
 namespace fleetpub::schema {
 namespace {
 
-using base::ViewOf;
 using Value = base::JsonValue;
+using Node = SchemaNode;
 
-// A validator's stack holds this many schemas for each level of the message
-// (base::JsonLimits::depth).
+// The walk's stack holds this many schemas for each level of the message (base::JsonLimits::depth).
 constexpr int kLongestChain = 32;
-
-std::string Unescape(std::string_view token) {  // RFC 6901 §4
-  std::string name;
-  for (std::size_t i = 0; i < token.size(); ++i) {
-    const bool escape = token[i] == '~' && i + 1 < token.size();
-    if (escape && (token[i + 1] == '0' || token[i + 1] == '1')) {
-      name += token[++i] == '0' ? '~' : '/';
-    } else {
-      name += token[i];
-    }
-  }
-  return name;
-}
-
-const Value* Step(const Value& value, std::string_view token) {
-  if (value.IsObject()) return base::FindMember(value, Unescape(token));
-  if (!value.IsArray()) return nullptr;
-  if (token.size() > 1 && token.front() == '0') return nullptr;
-  rapidjson::SizeType index = 0;
-  const char* end = token.data() + token.size();
-  const auto [stop, error] = std::from_chars(token.data(), end, index);
-  return error == std::errc() && stop == end && index < value.Size() ? &value[index] : nullptr;
-}
 
 // Finds the longest chain of schemas that apply to one and the same value.
 class ChainWalk {
  public:
-  explicit ChainWalk(const Vetted& vetted) : vetted_(vetted) {}
+  enum class Result { kFine, kCycle, kTooLong };
 
-  enum class CommandStatus { kFine, kCycle, kTooLong };
-
-  CommandStatus Walk(const Value& schema, int level) {
-    if (level > kLongestChain) return CommandStatus::kTooLong;
+  Result Walk(const Node& schema, int level) {
+    if (level > kLongestChain) return Result::kTooLong;
     const auto [entry, is_new] = below_.emplace(&schema, kOpen);
-    if (!is_new && entry->second == kOpen) return CommandStatus::kCycle;
-    if (!is_new) {
-      return level + entry->second > kLongestChain ? CommandStatus::kTooLong : CommandStatus::kFine;
-    }
+    int& below = entry->second;
+    if (!is_new && below == kOpen) return Result::kCycle;
+    if (!is_new) return level + below > kLongestChain ? Result::kTooLong : Result::kFine;
     int longest = 0;
-    CommandStatus status = CommandStatus::kFine;
-    ForEachApplied(schema, [&](const Value& applied) {
-      if (status == CommandStatus::kFine) status = Walk(applied, level + 1);
-      if (status == CommandStatus::kFine) longest = std::max(longest, below_[&applied] + 1);
+    Result result = Result::kFine;
+    ForEachApplied(schema, [&](const Node* applied) {
+      if (applied == nullptr || result != Result::kFine) return;
+      result = Walk(*applied, level + 1);
+      if (result == Result::kFine) longest = std::max(longest, below_[applied] + 1);
     });
-    below_[&schema] = longest;
-    return status;
+    below = longest;
+    return result;
   }
 
  private:
   template <typename Function>
-  void ForEachApplied(const Value& schema, const Function& apply) const {
-    if (const Value* target = vetted_.Reference(schema)) apply(*target);
-    if (vetted_.OnlyReference(schema) != nullptr) return;
-    constexpr std::array<std::string_view, 3> kLists = {"allOf", "anyOf", "oneOf"};
-    for (const std::string_view keyword : kLists) {
-      const Value* list = base::FindMember(schema, keyword);
-      if (list == nullptr) continue;
-      for (const Value& item : list->GetArray()) apply(item);
+  static void ForEachApplied(const Node& schema, const Function& apply) {
+    for (const Node* one :
+         {schema.reference, schema.excluded, schema.condition, schema.then, schema.otherwise}) {
+      apply(one);
     }
-    constexpr std::array<std::string_view, 4> kSingle = {"not", "if", "then", "else"};
-    for (const std::string_view keyword : kSingle) {
-      if (const Value* single = base::FindMember(schema, keyword)) apply(*single);
+    for (const auto* list : {&schema.all_of, &schema.any_of, &schema.one_of}) {
+      for (const Node* one : *list) apply(one);
     }
-    const Value* dependencies = base::FindMember(schema, "dependencies");
-    if (dependencies == nullptr) return;
-    for (const auto& member : dependencies->GetObject()) {
-      if (!member.value.IsArray()) apply(member.value);
-    }
+    for (const Node::Dependency& dependency : schema.dependencies) apply(dependency.schema);
   }
 
   static constexpr int kOpen = -1;
-  const Vetted& vetted_;
-  std::unordered_map<const Value*, int> below_;  // length of the longest chain that begins here
+  std::unordered_map<const Node*, int> below_;  // length of the longest chain that begins here
 };
 
 }  // namespace
@@ -104,19 +66,11 @@ std::string Place::Pointer() const {
   return fmt::format("{}/{}", above, base::PointerToken(name));
 }
 
-const Value* Follow(const Value& document, std::string_view pointer) {
-  const Value* value = &document;
-  while (value != nullptr && !pointer.empty()) {
-    pointer.remove_prefix(1);
-    const std::string_view token = pointer.substr(0, pointer.find('/'));
-    value = Step(*value, token);
-    pointer.remove_prefix(token.size());
-  }
-  return value;
-}
-
-ReferenceTable::ReferenceTable(Vetted& vetted) : vetted_(vetted) {
-  documents_.emplace("", &vetted.document);
+const Value* FollowPointer(const Value& document, std::string_view pointer) {
+  if (pointer.empty()) return &document;
+  if (pointer.front() != '/') return nullptr;  // `#…` is a URI to RapidJSON
+  const base::JsonPointer way(pointer.data(), pointer.size());
+  return way.IsValid() ? way.Get(document) : nullptr;
 }
 
 bool ReferenceTable::Identify(const Value& schema, std::string_view id, Place& here) {
@@ -129,10 +83,10 @@ bool ReferenceTable::Identify(const Value& schema, std::string_view id, Place& h
   return is_new || !fragment.empty() || document->second == &schema;
 }
 
-void ReferenceTable::Add(const Value& schema, std::string_view reference, const Place& place) {
+void ReferenceTable::Add(Node& from, std::string_view reference, const Place& place) {
   auto [uri, fragment] = SplitFragment(ResolveUri(place.base, reference));
   references_.push_back(
-      {&schema, std::string(reference), std::move(uri), std::move(fragment), place.Pointer()});
+      {&from, std::string(reference), std::move(uri), std::move(fragment), place.Pointer()});
 }
 
 const Value* ReferenceTable::Find(const Reference& reference) const {
@@ -140,7 +94,7 @@ const Value* ReferenceTable::Find(const Reference& reference) const {
     const auto anchor = anchors_.find(reference.uri + "#" + reference.fragment);
     return anchor == anchors_.end() ? nullptr : anchor->second;
   }
-  return Follow(*documents_.at(reference.uri), reference.fragment);
+  return FollowPointer(*documents_.at(reference.uri), reference.fragment);
 }
 
 auto ReferenceTable::Resolve(std::size_t index) -> Checked<Found> {
@@ -157,28 +111,28 @@ auto ReferenceTable::Resolve(std::size_t index) -> Checked<Found> {
   if (schema == nullptr) {
     return tl::unexpected(fmt::format("{} refers to {}, which is not there", place, text));
   }
-  vetted_.targets.emplace(reference.schema, schema);
-  return Found{schema, reference.fragment, document->first};
+  return Found{reference.from, schema, reference.fragment, document->first};
 }
 
-auto ReferenceTable::CheckChains(std::span<const Value* const> schemas) const -> Checked<void> {
-  ChainWalk walk(vetted_);
-  const auto refuse = [](const Reference& reference, ChainWalk::CommandStatus status) {
+auto ReferenceTable::CheckChains(const std::deque<Node>& schemas) const -> Checked<void> {
+  if (references_.empty()) return {};
+  ChainWalk walk;
+  const auto check = [&walk](const Node& schema, const Reference& reference) -> Checked<void> {
+    const auto result = walk.Walk(schema, 0);
+    if (result == ChainWalk::Result::kFine) return {};
     const std::string place = base::Printable(reference.place);
     return tl::unexpected(
-        status == ChainWalk::CommandStatus::kCycle
+        result == ChainWalk::Result::kCycle
             ? fmt::format("{} leads in a circle through nothing but references", place)
             : fmt::format(
                   "{} belongs to a chain of more than {} schemas for one and the same value", place,
                   kLongestChain));
   };
   for (const Reference& reference : references_) {
-    const auto status = walk.Walk(*reference.schema, 0);
-    if (status != ChainWalk::CommandStatus::kFine) return refuse(reference, status);
+    if (auto checked = check(*reference.from, reference); !checked) return checked;
   }
-  for (const Value* schema : schemas) {  // a chain that begins above all references
-    const auto status = walk.Walk(*schema, 0);
-    if (status != ChainWalk::CommandStatus::kFine) return refuse(references_.front(), status);
+  for (const Node& schema : schemas) {  // a chain that begins above all references
+    if (auto checked = check(schema, references_.front()); !checked) return checked;
   }
   return {};
 }

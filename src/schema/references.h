@@ -3,7 +3,6 @@
 
 #include <cstddef>
 #include <deque>
-#include <span>
 #include <string>
 #include <string_view>
 #include <tl/expected.hpp>
@@ -13,7 +12,7 @@
 
 namespace fleetpub::schema {
 
-struct Vetted;
+struct SchemaNode;
 
 /// Where a walk through a schema stands. A link of a chain on the stack: `up` outlives it.
 struct Place {
@@ -28,10 +27,9 @@ struct Place {
   [[nodiscard]] std::string Pointer() const;
 };
 
-/// The value that a JSON Pointer leads to (RFC 6901 §4), or null. `pointer` is empty or begins with
-/// `/`.
-[[nodiscard]] const base::JsonValue* Follow(const base::JsonValue& document,
-                                            std::string_view pointer);
+/// The value that a JSON Pointer leads to (RFC 6901 §4), or null; also when it is no pointer.
+[[nodiscard]] const base::JsonValue* FollowPointer(const base::JsonValue& document,
+                                                   std::string_view pointer);
 
 class ReferenceTable {
  public:
@@ -39,30 +37,31 @@ class ReferenceTable {
   using Checked = tl::expected<T, std::string>;  // the error begins with the pointer of the place
 
   struct Found {
+    SchemaNode* from;
     const base::JsonValue* schema;
     std::string_view pointer;  ///< the fragment, for messages
     std::string_view base;
   };
 
-  /// Fills `vetted.targets`; `vetted` outlives the table.
-  explicit ReferenceTable(Vetted& vetted);
+  /// `document` outlives the table.
+  explicit ReferenceTable(const base::JsonValue& document) { documents_.emplace("", &document); }
 
   /// `schema` at `here` is called `id`; `here.base` becomes its URI. False when the name is taken.
   bool Identify(const base::JsonValue& schema, std::string_view id, Place& here);
 
-  void Add(const base::JsonValue& schema, std::string_view reference, const Place& place);
+  void Add(SchemaNode& from, std::string_view reference, const Place& place);
   [[nodiscard]] std::size_t size() const { return references_.size(); }
 
   /// The schema that the reference means, once every `$id` is known.
   Checked<Found> Resolve(std::size_t index);
 
   /// That no schema asks for itself without a step into the message, and none asks so through too
-  /// many others: a validator would exhaust the stack.
-  [[nodiscard]] Checked<void> CheckChains(std::span<const base::JsonValue* const> schemas) const;
+  /// many others: the walk would exhaust the stack. `schemas` are all, their references followed.
+  [[nodiscard]] Checked<void> CheckChains(const std::deque<SchemaNode>& schemas) const;
 
  private:
   struct Reference {
-    const base::JsonValue* schema;
+    SchemaNode* from;
     std::string text;      // as it stands there, for messages
     std::string uri;       // resolved, without the fragment
     std::string fragment;  // decoded
@@ -72,7 +71,6 @@ class ReferenceTable {
 
   [[nodiscard]] const base::JsonValue* Find(const Reference& reference) const;
 
-  Vetted& vetted_;
   Named documents_;  // by URI without a fragment
   Named anchors_;    // by URI with a fragment that is a name
   std::deque<Reference> references_;

@@ -52,16 +52,20 @@ Result<std::string> Registry::Text(std::string_view name) const {
 Result<const Schema*> Registry::Find(std::string_view name) {
   if (const auto known = compiled_.find(name); known != compiled_.end()) return &known->second;
   const auto [document, pointer] = SplitFragment(name);
-  const auto text = Text(document);
-  if (!text) return Fail(text.error());
-  const auto file = files_.find(document);
-  const std::string shown = file == files_.end() ? document : file->second.string();
-  auto schema = Schema::Compile(*text, shown, pointer);
+  const auto compile = [&, &document = document, &pointer = pointer]() -> Result<Schema> {
+    const auto file = files_.find(document);
+    const Embedded* embedded = file == files_.end() ? FindEmbedded(document) : nullptr;
+    if (scanned_ && embedded != nullptr) return Schema::Compile(*embedded, pointer);
+    const auto text = Text(document);
+    if (!text) return Fail(text.error());
+    return Schema::Compile(*text, file->second.string(), pointer);
+  };
+  auto schema = compile();
   if (!schema) return Fail(std::move(schema.error()));
   return &compiled_.emplace(std::string(name), std::move(*schema)).first->second;
 }
 
-std::string Registry::OriginOf(std::string_view name) const {
+std::string Registry::FindOrigin(std::string_view name) const {
   const auto file = files_.find(name);
   return file == files_.end() ? "built-in" : file->second.string();
 }

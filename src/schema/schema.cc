@@ -4,16 +4,13 @@
 
 #include <algorithm>
 #include <array>
-#include <exception>
-#include <new>
 #include <string>
 #include <string_view>
 #include <utility>
 
 #include "base/text.h"
-#include "schema/explain.h"
-#include "schema/validator.h"
-#include "schema/vet.h"
+#include "schema/schema_loader.h"
+#include "schema/violations.h"
 
 namespace fleetpub::schema {
 namespace {
@@ -33,52 +30,30 @@ std::string_view KnownBroken(std::string_view name) {
 
 }  // namespace
 
-struct Schema::Compiled {
-  explicit Compiled(std::unique_ptr<const Vetted> schema)
-      : vetted(std::move(schema)), validator(*vetted) {}
-
-  std::unique_ptr<const Vetted> vetted;
-  Validator validator;
-};
-
-Schema::Schema(std::unique_ptr<const Compiled> compiled) : compiled_(std::move(compiled)) {}
+Schema::Schema(std::unique_ptr<const CheckedSchema> checked) : checked_(std::move(checked)) {}
 Schema::Schema(Schema&&) noexcept = default;
 Schema& Schema::operator=(Schema&&) noexcept = default;
 Schema::~Schema() = default;
 
 Result<Schema> Schema::Compile(std::string_view text, std::string_view name,
                                std::string_view pointer) {
-  const auto refuse = [name](std::string_view why, std::string detail = {}) {
-    return Fail(ErrorKind::kInvalid, fmt::format("schema {}: {}", base::Printable(name), why),
-                std::move(detail));
-  };
-  auto vetted = Vet(text, pointer);
-  if (!vetted) {
-    const std::string& why = vetted.error().message;
-    return refuse(why + std::string(why.starts_with("not valid JSON") ? KnownBroken(name) : ""));
-  }
-  try {
-    return Schema(std::make_unique<const Compiled>(std::move(*vetted)));
-  } catch (const std::bad_alloc&) {
-    throw;
-  } catch (const std::exception& e) {  // valijson's and rapidjson's
-    return refuse("it asks for more than this validator can do", e.what());
-  }
+  auto checked = LoadSchema(text, pointer);
+  if (checked) return Schema(std::move(*checked));
+  const std::string& why = checked.error().message;
+  return Fail(ErrorKind::kInvalid,
+              fmt::format("schema {}: {}{}", base::Printable(name), why,
+                          why.starts_with("not valid JSON") ? KnownBroken(name) : ""));
+}
+
+Result<Schema> Schema::Compile(const Embedded& embedded, std::string_view pointer) {
+  auto checked = LoadSchema(embedded.rules, pointer, SchemaOrigin::kBuiltIn);
+  if (checked) return Schema(std::move(*checked));
+  return Fail(ErrorKind::kInvalid,
+              fmt::format("schema {}: {}", embedded.name, checked.error().message));
 }
 
 std::vector<Violation> Schema::Validate(const base::JsonValue& message) const {
-  try {
-    if (compiled_->validator.IsValid(message)) return {};
-    std::vector<Violation> violations = Explain(*compiled_->vetted, message, kMostViolations);
-    if (violations.empty()) violations.push_back({"", "does not satisfy the schema"});
-    return violations;
-  } catch (const TooMuchWork&) {
-    return {{"", "could not be checked: the schema's references make this message too much work"}};
-  } catch (const std::bad_alloc&) {
-    throw;
-  } catch (const std::exception&) {
-    return {{"", "could not be checked: the schema asks for more than this validator can do"}};
-  }
+  return CollectViolations(*checked_, message);
 }
 
 }  // namespace fleetpub::schema

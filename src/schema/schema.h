@@ -1,5 +1,4 @@
-// JSON Schema validation. The folder is the only user of valijson; its types stay behind this
-// header.
+// JSON Schema validation.
 //
 // A schema is known by name: `vda5050/3.0.0/instantActions`. The built-in ones are embedded at
 // build time; a folder of the user's own can be laid before them.
@@ -24,6 +23,9 @@ namespace fleetpub::schema {
 
 using message::Violation;
 
+struct CheckedSchema;
+struct Embedded;
+
 /// A compiled schema: JSON Schema draft-07, with `date-time` asserted (RFC 3339, real calendar) and
 /// every other `format` an annotation. `pattern` is matched by RE2 in linear time. A schema that
 /// names draft-06, 2019-09 or 2020-12 in `$schema` is taken as well when it uses nothing that
@@ -36,28 +38,31 @@ class Schema {
   /// leads to the schema when it is only a part of the text: `/components/schemas/MESSAGE`.
   [[nodiscard]] static Result<Schema> Compile(std::string_view text, std::string_view name,
                                               std::string_view pointer = {});
+  [[nodiscard]] static Result<Schema> Compile(const Embedded& embedded,
+                                              std::string_view pointer = {});
 
   Schema(Schema&&) noexcept;
   Schema& operator=(Schema&&) noexcept;
   ~Schema();
 
   /// Every violation, in the order of the message; empty when valid. Only causes are listed, not
-  /// the objects around them; after kMostViolations one line says that there are more. Never
-  /// throws. `message` comes from base::ParseJson, which bounds its depth.
+  /// the objects around them; after kMostViolations one line says that there are more. `message`
+  /// comes from base::ParseJson, which bounds its depth.
   [[nodiscard]] std::vector<Violation> Validate(const base::JsonValue& message) const;
 
   static constexpr std::size_t kMostViolations = 1000;
 
  private:
-  struct Compiled;
-  explicit Schema(std::unique_ptr<const Compiled> compiled);
-  std::unique_ptr<const Compiled> compiled_;
+  explicit Schema(std::unique_ptr<const CheckedSchema> checked);
+  std::unique_ptr<const CheckedSchema> checked_;
 };
 
-/// A built-in schema as it was embedded.
+/// A built-in schema as it was embedded (schema/embed.cc).
 struct Embedded {
   std::string_view name;  ///< `vda5050/3.0.0/instantActions`
   std::string_view text;  ///< without line breaks; base::ToPrettyJson makes it readable
+  /// The same for the validator: what describes left out, OpenAPI translated to JSON Schema.
+  std::string_view rules;
 };
 
 /// All of them, sorted by name.
@@ -80,7 +85,7 @@ class Registry {
   [[nodiscard]] Result<const Schema*> Find(std::string_view name);
 
   /// Where it comes from: `built-in` or a path.
-  [[nodiscard]] std::string OriginOf(std::string_view name) const;
+  [[nodiscard]] std::string FindOrigin(std::string_view name) const;
 
   /// Every name that Find accepts, sorted, with where it comes from ("built-in" or a path).
   [[nodiscard]] std::vector<std::pair<std::string, std::string>> List() const;

@@ -42,7 +42,7 @@ Known KnownNames() {
 }
 
 // Without its ending; "" for what is no schema file.
-std::string StemOf(std::string path) {
+std::string ParseStem(std::string path) {
   constexpr std::array<std::string_view, 3> kEndings = {".schema.json", ".openapi.json", ".schema"};
   const auto* ending = std::find_if(kEndings.begin(), kEndings.end(),
                                     [&path](std::string_view e) { return path.ends_with(e); });
@@ -53,7 +53,7 @@ std::string StemOf(std::string path) {
 
 // `3.0.0` for `3.0.0`, `v3.0` and `3.0.0-site`; the number itself for a version that we do not
 // know; nothing for what is no version.
-std::optional<std::string> VersionOf(std::string_view folder, const Known& known) {
+std::optional<std::string> ParseVersion(std::string_view folder, const Known& known) {
   if (folder.starts_with('v') || folder.starts_with('V')) folder.remove_prefix(1);
   const std::string_view number = folder.substr(0, folder.find_first_not_of("0123456789."));
   const std::string_view rest = folder.substr(number.size());
@@ -67,7 +67,7 @@ std::optional<std::string> VersionOf(std::string_view folder, const Known& known
 }
 
 // `instantActions` for `instant-actions`; what is no topic stays as it is.
-std::string TopicOf(std::string_view stem, const Known& known) {
+std::string ParseTopic(std::string_view stem, const Known& known) {
   std::string topic;
   for (std::size_t i = 0; i < stem.size(); ++i) {
     const bool joint = stem[i] == '-' && i + 1 < stem.size();
@@ -80,7 +80,7 @@ std::string TopicOf(std::string_view stem, const Known& known) {
 
 // All names of the file with this stem; the second is true for those that give way to a file that
 // is more specific.
-std::vector<std::pair<std::string, bool>> NamesOf(std::string stem, const Known& known) {
+std::vector<std::pair<std::string, bool>> MakeNames(std::string stem, const Known& known) {
   // The official repository's own folder says nothing.
   constexpr std::string_view kPublished = "json_schemas/";
   const std::size_t at = stem.find(kPublished);
@@ -90,12 +90,12 @@ std::vector<std::pair<std::string, bool>> NamesOf(std::string stem, const Known&
   if (rest.starts_with(kProtocol)) rest.remove_prefix(kProtocol.size());
   const std::size_t slash = rest.find('/');
   if (slash != std::string_view::npos) {
-    const auto version = VersionOf(rest.substr(0, slash), known);
+    const auto version = ParseVersion(rest.substr(0, slash), known);
     if (!version) return {{stem, false}};
     return {
-        {fmt::format("vda5050/{}/{}", *version, TopicOf(rest.substr(slash + 1), known)), false}};
+        {fmt::format("vda5050/{}/{}", *version, ParseTopic(rest.substr(slash + 1), known)), false}};
   }
-  const std::string topic = TopicOf(rest, known);
+  const std::string topic = ParseTopic(rest, known);
   std::vector<std::pair<std::string, bool>> names = {{stem, false}};
   for (const Embedded& embedded : EmbeddedSchemas()) {
     const std::string_view name = embedded.name;
@@ -116,7 +116,7 @@ Result<std::map<fs::path, std::string>> StemsBelow(const fs::path& folder) {
     if (entry.depth() >= kDeepest) entry.disable_recursion_pending();
     std::error_code ignored;
     if (!entry->is_regular_file(ignored)) continue;
-    std::string stem = StemOf(entry->path().lexically_relative(folder).generic_string());
+    std::string stem = ParseStem(entry->path().lexically_relative(folder).generic_string());
     if (!stem.empty()) stems.emplace(entry->path(), std::move(stem));
   }
   if (error) {
@@ -186,7 +186,7 @@ Result<SchemaFiles> ScanSchemaFolder(const fs::path& folder) {
   SchemaFiles files;
   SchemaFiles fallbacks;
   for (const auto& [path, stem] : *stems) {
-    for (const auto& [name, gives_way] : NamesOf(stem, known)) {
+    for (const auto& [name, gives_way] : MakeNames(stem, known)) {
       const auto [taken, is_new] = (gives_way ? fallbacks : files).emplace(name, path);
       if (is_new) continue;
       return Fail(ErrorKind::kUsage,
@@ -204,7 +204,7 @@ std::vector<fs::path> FilesBeside(const fs::path& file) {
   const fs::path folder = file.has_parent_path() ? file.parent_path() : fs::path(".");
   for (fs::directory_iterator entry(folder, error); !error && entry != fs::directory_iterator();
        entry.increment(error)) {
-    if (!StemOf(entry->path().filename().string()).empty()) files.push_back(entry->path());
+    if (!ParseStem(entry->path().filename().string()).empty()) files.push_back(entry->path());
   }
   return files;
 }

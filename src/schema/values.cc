@@ -115,6 +115,15 @@ bool Equal(const Value& a, const Value& b) {
 }
 
 std::optional<std::pair<std::size_t, std::size_t>> FirstRepeat(const Value& array) {
+  constexpr SizeType kFew = 16;
+  if (array.Size() <= kFew) {  // nearly always: comparing pairs beats allocating
+    for (SizeType later = 1; later < array.Size(); ++later) {
+      for (SizeType earlier = 0; earlier < later; ++earlier) {
+        if (Equal(array[earlier], array[later])) return {{earlier, later}};
+      }
+    }
+    return std::nullopt;
+  }
   std::vector<std::pair<std::string, std::size_t>> items(array.Size());
   for (SizeType i = 0; i < array.Size(); ++i) {
     AppendCanonical(array[i], items[i].first);

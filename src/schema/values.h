@@ -1,5 +1,4 @@
-// What JSON Schema asks of single JSON values. Used by the validator and by the explanation of what
-// it refused, so that both mean the same.
+// What JSON Schema asks of single JSON values.
 #pragma once
 
 #include <cstdint>

@@ -10,7 +10,7 @@ FUZZ(text) {
   static schema::Registry registry;
   static vda5050::Conformance conformance({}, registry);
   const auto [topic, payload] = fuzz::Cut(text, '\n');
-  static_cast<void>(conformance.Judge(topic, payload));
+  static_cast<void>(conformance.Validate(topic, payload));
   const auto document = base::ParseJson(payload);
   if (!document) return;
   const std::string printed = base::ToJson(*document);

@@ -52,11 +52,7 @@ function ourVerdicts(version, topic, messages) {
   const result = run(["validate", "--lines", "--vda", version, "--topic", topic, "-o", "json"], messages.join("\n"));
   const lines = result.stdout.trim().split("\n").map((line) => JSON.parse(line));
   if (lines.length !== messages.length) throw new Error(`${lines.length} verdicts on ${messages.length} messages: ${result.stderr}`);
-  return lines.map(({ valid, errors }) => {
-    // The list of causes is another walk over schema and message than the verdict.
-    if (errors.some(({ message }) => message === "does not satisfy the schema")) throw new Error("an invalid message without a cause");
-    return valid;
-  });
+  return lines.map(({ valid }) => valid);
 }
 
 function compiled(published) {

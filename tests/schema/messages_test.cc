@@ -81,7 +81,7 @@ std::vector<std::string> Found(const Schema& schema, const Value& message) {
 
 class Messages : public ::testing::TestWithParam<const char*> {};
 
-TEST_P(Messages, AreJudgedInEveryVersion) {
+TEST_P(Messages, AreValidatedInEveryVersion) {
   const Document cases = ReadCases(GetParam());
   Registry registry;
   for (const std::string_view version : kVersions) {

@@ -16,13 +16,13 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
-std::string DocumentOf(std::string_view schemas) {
+std::string MakeDocument(std::string_view schemas) {
   return fmt::format(R"({{"openapi":"3.0.2","components":{{"schemas":{{{}}}}}}})", schemas);
 }
 
 // The violations of schema A, as `path: message`.
 std::vector<std::string> Faults(std::string_view schemas, std::string_view message) {
-  const auto schema = Schema::Compile(DocumentOf(schemas), "mine", "/components/schemas/A");
+  const auto schema = Schema::Compile(MakeDocument(schemas), "mine", "/components/schemas/A");
   if (!schema) return {schema.error().message};
   std::vector<std::string> faults;
   const auto value = base::ParseJson(message);

@@ -6,6 +6,7 @@
 
 #include "base/json.h"
 #include "schema/schema.h"
+#include "schema/schema_loader.h"
 #include "support/temporary_folder.h"
 
 namespace fleetpub::schema {
@@ -26,8 +27,22 @@ TEST(Embedded, AreSortedAndCompile) {
                              [](const auto& a, const auto& b) { return a.name < b.name; }));
   for (const Embedded& embedded : all) {
     if (embedded.name.starts_with("soar/")) continue;  // a document of several schemas
-    const auto schema = Schema::Compile(embedded.text, embedded.name);
-    EXPECT_TRUE(schema) << schema.error().message;
+    for (const auto& schema :
+         {Schema::Compile(embedded.text, embedded.name), Schema::Compile(embedded)}) {
+      EXPECT_TRUE(schema) << schema.error().message;
+    }
+  }
+}
+
+TEST(Embedded, RulesAreReadAsTheyAreWrittenAndDescribeNothing) {
+  for (const Embedded& embedded : EmbeddedSchemas()) {
+    const bool soar = embedded.name.starts_with("soar/");
+    const auto checked = LoadSchema(embedded.rules, soar ? "/components/schemas/MESSAGE" : "",
+                                    SchemaOrigin::kBuiltIn);
+    ASSERT_TRUE(checked) << embedded.name << ": " << checked.error().message;
+    EXPECT_EQ(base::ToJson((*checked)->document), embedded.rules) << embedded.name;
+    EXPECT_EQ(embedded.rules.find("\"description\":\""), std::string_view::npos);
+    EXPECT_EQ(embedded.rules.find("\"discriminator\""), std::string_view::npos);
   }
 }
 

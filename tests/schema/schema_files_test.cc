@@ -14,7 +14,7 @@ using ::testing::StartsWith;
 using testing::TemporaryFolder;
 
 /// Under which name the only file of a folder is found.
-std::string NameOf(const std::string& file) {
+std::string FindName(const std::string& file) {
   const TemporaryFolder folder;
   folder.Write(file, "true");
   const auto files = ScanSchemaFolder(folder.path());
@@ -36,7 +36,7 @@ TEST(SchemaFiles, HaveTheNamesOfWhatTheyStandFor) {
       {"hand-made.schema", "hand-made"},
       {"soar/1.0/messages.openapi.json", "soar/1.0/messages"},
   };
-  for (const auto& [file, name] : table) EXPECT_EQ(NameOf(file), name) << file;
+  for (const auto& [file, name] : table) EXPECT_EQ(FindName(file), name) << file;
 }
 
 TEST(SchemaFiles, OfATopicAloneStandForItInEveryVersionWithoutItsOwn) {

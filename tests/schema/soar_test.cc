@@ -151,7 +151,7 @@ Document Verdicts(const Schema& schema) {
 }
 
 // FLEETPUB_RECORD=1 writes the file anew.
-TEST(SoarSchema, JudgesEveryChangeAsRecorded) {
+TEST(SoarSchema, ValidatesEveryChangeAsRecorded) {
   const Document verdicts = Verdicts(Ours());
   if (std::getenv("FLEETPUB_RECORD") != nullptr) {
     std::ofstream(kData + std::string("verdicts.json")) << base::ToPrettyJson(verdicts) << '\n';
@@ -161,7 +161,7 @@ TEST(SoarSchema, JudgesEveryChangeAsRecorded) {
 }
 
 // Where it is not at hand, the recorded verdicts, which were its own, stand for it.
-TEST(SoarSchema, JudgesEveryChangeAsThePublishedDocument) {
+TEST(SoarSchema, ValidatesEveryChangeAsThePublishedDocument) {
   const auto text = base::ReadFile(kPublished);
   if (!text) return;
   const auto published = Schema::Compile(*text, "published", kWhole);

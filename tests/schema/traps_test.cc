@@ -12,6 +12,8 @@
 
 #include "base/json.h"
 #include "schema/schema.h"
+#include "schema/schema_loader.h"
+#include "schema/violations.h"
 #include "support/patience.h"
 
 namespace fleetpub::schema {
@@ -25,7 +27,7 @@ Schema Compiled(std::string_view text) {
   return std::move(*schema);
 }
 
-std::vector<Violation> Judge(std::string_view schema, std::string_view message) {
+std::vector<Violation> Validate(std::string_view schema, std::string_view message) {
   const auto document = base::ParseJson(message);
   if (!document) return {{"parser", document.error().message}};
   const auto begin = std::chrono::steady_clock::now();
@@ -35,7 +37,7 @@ std::vector<Violation> Judge(std::string_view schema, std::string_view message) 
 }
 
 bool IsValid(std::string_view schema, std::string_view message) {
-  return Judge(schema, message).empty();
+  return Validate(schema, message).empty();
 }
 
 std::string Repeat(std::string_view text, int times) {
@@ -45,8 +47,8 @@ std::string Repeat(std::string_view text, int times) {
 }
 
 TEST(Traps, DeepSchemasAndMessagesAreRefused) {
-  const std::string deep = Repeat("[", 1'000'000);
-  EXPECT_EQ(Judge("true", deep).at(0).path, "parser");
+  const std::string deep(1'000'000, '[');
+  EXPECT_EQ(Validate("true", deep).at(0).path, "parser");
   const auto schema = Schema::Compile(Repeat(R"({"items":)", 100'000), "deep");
   ASSERT_FALSE(schema);
   EXPECT_NE(schema.error().message.find("nested more than 64 levels"), std::string::npos);
@@ -58,7 +60,7 @@ TEST(Traps, TextsThatAreNoJsonAreRefused) {
        {nul, std::string("\"\xff\""), std::string("\"\xed\xa0\x80\""), std::string("{} {}"),
         std::string(R"({"a":1,"a":2})"), std::string(R"({"a":1,})"), std::string("NaN")}) {
     EXPECT_FALSE(Schema::Compile(text, "bad")) << text;
-    EXPECT_EQ(Judge("true", text).at(0).path, "parser") << text;
+    EXPECT_EQ(Validate("true", text).at(0).path, "parser") << text;
   }
 }
 
@@ -73,28 +75,28 @@ TEST(Traps, RegularExpressionsTakeLinearTime) {
 }
 
 TEST(Traps, LongStringsAreOnlyStrings) {
-  const std::string text = "\"" + Repeat("x", 10'000'000) + "\"";
+  const std::string text = "\"" + std::string(1'000'000, 'x') + "\"";
   EXPECT_FALSE(IsValid(R"({"format":"date-time"})", text));
-  EXPECT_TRUE(IsValid(R"({"minLength":10000000,"maxLength":10000000})", text));
+  EXPECT_TRUE(IsValid(R"({"minLength":1000000,"maxLength":1000000})", text));
   EXPECT_TRUE(IsValid(R"({"pattern":"x$"})", text));
-  EXPECT_EQ(Judge("true", "\"" + Repeat("x", 17'000'000) + "\"").at(0).path, "parser");
+  EXPECT_EQ(Validate("true", "\"" + std::string(17'000'000, 'x') + "\"").at(0).path, "parser");
 }
 
 TEST(Traps, ManyItemsAreComparedInReasonableTime) {
   std::string different = "[0";
-  for (int i = 1; i < 300'000; ++i) different += fmt::format(",{}", i);
+  for (int i = 1; i < 50'000; ++i) different += fmt::format(",{}", i);
   EXPECT_TRUE(IsValid(R"({"uniqueItems":true})", different + "]"));
-  const auto twice = Judge(R"({"uniqueItems":true})", different + ",7.0]");
+  const auto twice = Validate(R"({"uniqueItems":true})", different + ",7.0]");
   ASSERT_EQ(twice.size(), 1U);
-  EXPECT_EQ(twice[0].message, "must not hold an item twice: items 7 and 300000 are equal");
+  EXPECT_EQ(twice[0].message, "must not hold an item twice: items 7 and 50000 are equal");
 }
 
 TEST(Traps, ALateFaultInALongMessageIsFound) {
   const auto found =
-      Judge(R"({"items":{"$ref":"#/definitions/a"},"definitions":{"a":{"type":"integer"}}})",
-            "[" + Repeat("1,", 500'000) + "\"x\"]");
+      Validate(R"({"items":{"$ref":"#/definitions/a"},"definitions":{"a":{"type":"integer"}}})",
+               "[" + Repeat("1,", 100'000) + "\"x\"]");
   ASSERT_EQ(found.size(), 1U);
-  EXPECT_EQ(found[0].path, "/500000");
+  EXPECT_EQ(found[0].path, "/100000");
 }
 
 TEST(Traps, RecursiveSchemasFollowTheMessage) {
@@ -104,7 +106,7 @@ TEST(Traps, RecursiveSchemasFollowTheMessage) {
     return Repeat(R"({"n":1,"child":)", 60) + std::string(inner) + std::string(60, '}');
   };
   EXPECT_TRUE(IsValid(kTree, nested("{}")));
-  const auto found = Judge(kTree, nested(R"({"n":"x"})"));
+  const auto found = Validate(kTree, nested(R"({"n":"x"})"));
   ASSERT_EQ(found.size(), 1U);
   EXPECT_EQ(found[0].path, Repeat("/child", 60) + "/n");
 }
@@ -120,19 +122,41 @@ TEST(Traps, TheLongestChainAtTheGreatestDepthFitsTheStack) {
            "$ref":"#/definitions/a30"}})",
       definitions);
   EXPECT_TRUE(IsValid(schema, Repeat(R"({"c":)", 63) + "{}" + std::string(63, '}')));
-  EXPECT_EQ(Judge(schema, Repeat(R"({"c":)", 63) + "1" + std::string(63, '}')).at(0).message,
+  EXPECT_EQ(Validate(schema, Repeat(R"({"c":)", 63) + "1" + std::string(63, '}')).at(0).message,
             "must be an object, not a number");
 }
 
+// Each level of the message doubles the visits.
+constexpr std::string_view kTwice =
+    R"({"properties":{"a":{"$ref":"#"}},"patternProperties":{"a":{"$ref":"#"}}})";
+
+bool IsTooMuchWork(std::string_view schema, int levels, int most_work) {
+  const auto message = base::ParseJson(Repeat(R"({"a":)", levels) + "1" + Repeat("}", levels));
+  const auto checked = LoadSchema(schema);
+  if (!checked) throw std::runtime_error(checked.error().message);
+  const auto found = CollectViolations(**checked, *message, most_work);
+  return found.size() == 1 && found[0].message.find("too much work") != std::string::npos;
+}
+
 TEST(Traps, ExponentialWorkIsGivenUp) {
-  // Each level of the message doubles the visits.
-  constexpr std::string_view kTwice =
-      R"({"properties":{"a":{"$ref":"#"}},"patternProperties":{"a":{"$ref":"#"}}})";
-  const auto nested = Repeat(R"({"a":)", 60) + "1" + std::string(60, '}');
-  const auto found = Judge(kTwice, nested);
-  ASSERT_EQ(found.size(), 1U);
-  EXPECT_EQ(found[0].message,
-            "could not be checked: the schema's references make this message too much work");
+  EXPECT_TRUE(IsTooMuchWork(kTwice, 60, 10'000));
+  EXPECT_TRUE(IsTooMuchWork(fmt::format(R"({{"not":{}}})", kTwice), 60, 10'000));
+  EXPECT_TRUE(IsTooMuchWork(fmt::format(R"({{"oneOf":[{0},{0}]}})", kTwice), 60, 10'000));
+}
+
+TEST(Traps, WorkIsGivenUpWhileTheNearestAlternativeIsSought) {
+  constexpr std::string_view kLate =
+      R"({"anyOf":[{"$ref":"#/definitions/a"},{"$ref":"#/definitions/a"}],
+          "definitions":{"a":{"allOf":[{"$ref":"#/definitions/b"},{"type":"array"}]},
+                         "b":{"properties":{"a":{"$ref":"#/definitions/b"}},
+                              "patternProperties":{"a":{"$ref":"#/definitions/b"}}}}})";
+  EXPECT_TRUE(IsTooMuchWork(kLate, 12, 20'000));  // four times some 8,000
+  EXPECT_FALSE(IsTooMuchWork(kLate, 12, 40'000));
+}
+
+TEST(Traps, TheLargestMessageIsNotTooMuchWork) {
+  // The shortest item takes two bytes.
+  EXPECT_GT(static_cast<std::size_t>(kMostWork), base::JsonLimits().bytes / 2);
 }
 
 TEST(Traps, NumbersMeanWhatTheySay) {
@@ -155,6 +179,9 @@ TEST(Traps, ANulIsACharacterLikeAnyOther) {
   EXPECT_FALSE(IsValid(R"({"enum":["a"]})", R"("a\u0000b")"));
   EXPECT_TRUE(IsValid(R"({"enum":["a\u0000b"]})", R"("a\u0000b")"));
   EXPECT_FALSE(IsValid(R"({"required":["a"]})", R"({"a\u0000b":1})"));
+  EXPECT_FALSE(IsValid(R"({"required":["a\u0000b"]})", R"({"a":1})"));
+  EXPECT_TRUE(IsValid(R"({"required":["a\u0000b"]})", R"({"a\u0000b":1})"));
+  EXPECT_FALSE(IsValid(R"({"dependencies":{"a\u0000b":["c"]}})", R"({"a\u0000b":1})"));
   EXPECT_FALSE(IsValid(R"({"properties":{"a\u0000b":{"type":"string"}}})", R"({"a\u0000b":1})"));
   EXPECT_TRUE(IsValid(R"({"properties":{"a\u0000b":{"type":"string"}}})", R"({"a":1})"));
   EXPECT_FALSE(IsValid(R"({"propertyNames":{"enum":["a"]}})", R"({"a\u0000b":1})"));

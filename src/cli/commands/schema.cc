@@ -51,7 +51,7 @@ Result<ExitCode> RunShow(const std::string& name, const Context& context) {
   const auto document = base::ParseJson(*text);
   if (!document) {
     return Fail(document.error().kind,
-                fmt::format("schema {}: {}", registry.OriginOf(name), document.error().message));
+                fmt::format("schema {}: {}", registry.FindOrigin(name), document.error().message));
   }
   const std::string pointer = name.substr(std::min(hash + 1, name.size()));
   const base::JsonPointer way(pointer.data(), pointer.size());

@@ -20,7 +20,7 @@ namespace {
 
 using std::chrono::milliseconds;
 using std::chrono::steady_clock;
-using vda5050::Judgement;
+using vda5050::ValidationResult;
 
 constexpr milliseconds kGlance{100};  // between two looks at whether to end
 
@@ -47,7 +47,7 @@ class Inspector {
 
   void Take(const mqtt::Message& message) {
     if (message.retained && !IsNew(message)) return;
-    const auto judgement = conformance_.Judge(message.topic, message.payload);
+    const auto judgement = conformance_.Validate(message.topic, message.payload);
     if (!judgement) return;
     for (Tally* tally : {&total_, &by_topic_[judgement->topic_name]}) {
       ++tally->messages;
@@ -85,14 +85,14 @@ class Inspector {
     return added || std::exchange(known->second, hash) != hash;
   }
 
-  static std::string PlaceOf(const mqtt::Message& message, const Judgement& judgement) {
+  static std::string PlaceOf(const mqtt::Message& message, const ValidationResult& judgement) {
     return fmt::format("{} {}{}{}", base::Printable(judgement.robot.ToString()),
                        judgement.topic_name,
                        judgement.header_id ? fmt::format(" headerId {}", *judgement.header_id) : "",
                        message.retained ? " (retained)" : "");
   }
 
-  void Tell(const mqtt::Message& message, const Judgement& judgement,
+  void Tell(const mqtt::Message& message, const ValidationResult& judgement,
             const schema::Violation& violation) const {
     if (!output_.json()) {
       const std::string path = base::Printable(violation.path);

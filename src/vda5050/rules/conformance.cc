@@ -25,7 +25,7 @@ constexpr std::array<std::string_view, 8> kTopics = {"state",         "connectio
                                                      "zoneSet",       "responses"};
 
 // 1.1's text has v2 in its example, and there are robots that follow it.
-bool IsLevelOf(Version version, std::string_view major) {
+bool MatchesLevel(Version version, std::string_view major) {
   return major.empty() || major == FactsOf(version).major ||
          (version == Version::k110 && major == "v2");
 }
@@ -66,7 +66,8 @@ Result<std::vector<std::string>> Conformance::Filters() const {
   return DiscoveryFilters(options_.scheme, options_.pattern.Filter(), one);
 }
 
-std::optional<Judgement> Conformance::Judge(std::string_view topic, std::string_view payload) {
+std::optional<ValidationResult> Conformance::Validate(std::string_view topic,
+                                                      std::string_view payload) {
   const auto levels = ReadTopic(options_.scheme, topic);
   if (!levels || !options_.pattern.Matches(levels->robot)) return std::nullopt;
   if (std::find(kTopics.begin(), kTopics.end(), levels->topic_name) == kTopics.end()) {
@@ -75,30 +76,30 @@ std::optional<Judgement> Conformance::Judge(std::string_view topic, std::string_
   const bool may_be_deleted =
       levels->topic_name == "connection" || levels->topic_name == "factsheet";
   if (payload.empty() && may_be_deleted) return std::nullopt;
-  Judgement judgement;
-  judgement.robot = levels->robot;
-  judgement.topic_name = levels->topic_name;
+  ValidationResult result;
+  result.robot = levels->robot;
+  result.topic_name = levels->topic_name;
   const auto message = base::ParseJson(payload);
   if (message) {
-    judgement.header_id = ReadHeader(*message).header_id;
-    JudgeMessage(*message, *levels, judgement);
+    result.header_id = ReadHeader(*message).header_id;
+    ValidateMessage(*message, *levels, result);
   } else {
-    judgement.findings.errors.push_back({"", message.error().message});
+    result.findings.errors.push_back({"", message.error().message});
   }
-  return judgement;
+  return result;
 }
 
-void Conformance::JudgeMessage(const Value& message, const TopicLevels& levels,
-                               Judgement& judgement) {
+void Conformance::ValidateMessage(const Value& message, const TopicLevels& levels,
+                                  ValidationResult& result) {
   std::vector<Violation> header;
-  const auto version = VersionOf(message, levels, header);
+  const auto version = FindVersion(message, levels, header);
   CompareWithTopic(message, "manufacturer", levels.robot.manufacturer, header);
   CompareWithTopic(message, "serialNumber", levels.robot.serial_number, header);
-  delivery::Findings& findings = judgement.findings;
+  delivery::Findings& findings = result.findings;
   if (version) {
-    judgement.version = FactsOf(*version).name;
+    result.version = FactsOf(*version).name;
     const auto schema =
-        registry_.Find(fmt::format("vda5050/{}/{}", judgement.version, levels.topic_name));
+        registry_.Find(fmt::format("vda5050/{}/{}", result.version, levels.topic_name));
     if (schema) {
       findings = delivery::Check(message, **schema, TextRulesFor(levels.topic_name, *version));
       if (!options_.strict) Soften(findings);
@@ -110,8 +111,8 @@ void Conformance::JudgeMessage(const Value& message, const TopicLevels& levels,
 }
 
 // Where the header does not say it as it should, what it seems to mean, or what the topic says.
-std::optional<Version> Conformance::VersionOf(const Value& message, const TopicLevels& levels,
-                                              std::vector<Violation>& errors) const {
+std::optional<Version> Conformance::FindVersion(const Value& message, const TopicLevels& levels,
+                                                std::vector<Violation>& errors) const {
   const std::string_view said = StringMember(message, "version");
   const auto exact = VersionSaidBy(message);
   if (options_.version) {
@@ -121,7 +122,7 @@ std::optional<Version> Conformance::VersionOf(const Value& message, const TopicL
     }
     return options_.version;
   }
-  if (exact && !IsLevelOf(*exact, levels.major)) {
+  if (exact && !MatchesLevel(*exact, levels.major)) {
     errors.push_back({"/version", fmt::format("is \"{}\", but the topic says \"{}\"", said,
                                               Shown(levels.major, 80))});
   }

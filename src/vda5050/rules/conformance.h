@@ -28,8 +28,8 @@ struct ConformanceOptions {
   bool strict = false;             ///< the text's rules are errors too
 };
 
-/// One message, judged.
-struct Judgement {
+/// What one message was found to be.
+struct ValidationResult {
   RobotAddress robot;
   std::string topic_name;  ///< `state`
   std::optional<std::uint32_t> header_id;
@@ -47,14 +47,15 @@ class Conformance {
 
   /// Nothing when the topic is of no robot that is meant, and for the empty payload with which a
   /// retained message is deleted.
-  [[nodiscard]] std::optional<Judgement> Judge(std::string_view topic, std::string_view payload);
+  [[nodiscard]] std::optional<ValidationResult> Validate(std::string_view topic,
+                                                         std::string_view payload);
 
  private:
-  void JudgeMessage(const base::JsonValue& message, const TopicLevels& levels,
-                    Judgement& judgement);
-  [[nodiscard]] std::optional<Version> VersionOf(const base::JsonValue& message,
-                                                 const TopicLevels& levels,
-                                                 std::vector<schema::Violation>& errors) const;
+  void ValidateMessage(const base::JsonValue& message, const TopicLevels& levels,
+                       ValidationResult& result);
+  [[nodiscard]] std::optional<Version> FindVersion(const base::JsonValue& message,
+                                                   const TopicLevels& levels,
+                                                   std::vector<schema::Violation>& errors) const;
 
   ConformanceOptions options_;
   schema::Registry& registry_;

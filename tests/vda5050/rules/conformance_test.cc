@@ -20,10 +20,10 @@ class Conforming : public ::testing::Test {
  protected:
   std::vector<std::string> Errors(std::string_view topic, std::string_view payload,
                                   ConformanceOptions options = {}) {
-    auto judgement = Conformance(std::move(options), registry_).Judge(topic, payload);
-    if (!judgement) return {"not judged"};
+    auto result = Conformance(std::move(options), registry_).Validate(topic, payload);
+    if (!result) return {"not validated"};
     std::vector<std::string> errors;
-    for (const auto& [path, message] : judgement->findings.errors) {
+    for (const auto& [path, message] : result->findings.errors) {
       errors.push_back(path + ": " + message);
     }
     return errors;
@@ -60,11 +60,11 @@ TEST_F(Conforming, SaysWhatBreaksTheSchema) {
 }
 
 TEST_F(Conforming, PassesOverWhatIsNotMeant) {
-  EXPECT_THAT(Errors("uagv/v2/KIT/0001/connection", ""), ElementsAre("not judged"));
-  EXPECT_THAT(Errors("uagv/v2/KIT/0001/log", "x"), ElementsAre("not judged"));
-  EXPECT_THAT(Errors("one/two", "x"), ElementsAre("not judged"));
+  EXPECT_THAT(Errors("uagv/v2/KIT/0001/connection", ""), ElementsAre("not validated"));
+  EXPECT_THAT(Errors("uagv/v2/KIT/0001/log", "x"), ElementsAre("not validated"));
+  EXPECT_THAT(Errors("one/two", "x"), ElementsAre("not validated"));
   EXPECT_THAT(Errors("uagv/v2/KIT/0001/state", "x", {.pattern = {"KIT", "0002"}}),
-              ElementsAre("not judged"));
+              ElementsAre("not validated"));
 }
 
 TEST_F(Conforming, ListensToAllTopicsOrToOne) {

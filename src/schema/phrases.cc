@@ -1,4 +1,4 @@
-#include "schema/words.h"
+#include "schema/phrases.h"
 
 #include <fmt/format.h>
 
@@ -23,7 +23,7 @@ std::string WithArticle(std::string_view type) {
   return fmt::format("{} {}", vowel ? "an" : "a", type);
 }
 
-std::vector<std::string> TypesOf(const Value& schema) {
+std::vector<std::string> ListTypes(const Value& schema) {
   const Value* type = base::FindMember(schema, "type");
   if (type == nullptr) return {};
   if (type->IsString()) return {std::string(ViewOf(*type))};
@@ -47,7 +47,7 @@ std::string Choice(const Value& value) {
 
 }  // namespace
 
-std::string RangeInWords(const Value& schema) {
+std::string RangePhrase(const Value& schema) {
   const Value* minimum = base::FindMember(schema, "minimum");
   const Value* maximum = base::FindMember(schema, "maximum");
   const Value* above = base::FindMember(schema, "exclusiveMinimum");
@@ -58,47 +58,47 @@ std::string RangeInWords(const Value& schema) {
   std::vector<std::string> limits;
   const std::array<std::pair<const Value*, std::string_view>, 4> all = {
       {{minimum, "at least"}, {above, "more than"}, {maximum, "at most"}, {below, "less than"}}};
-  for (const auto& [limit, words] : all) {
-    if (limit != nullptr) limits.push_back(fmt::format("{} {}", words, Shown(*limit)));
+  for (const auto& [limit, phrases] : all) {
+    if (limit != nullptr) limits.push_back(fmt::format("{} {}", phrases, Shown(*limit)));
   }
   return base::Join(limits, " and ");
 }
 
-std::string TypeInWords(const Value& schema) {
-  std::vector<std::string> words;
-  const std::string range = RangeInWords(schema);
-  for (const std::string& type : TypesOf(schema)) {
+std::string TypePhrase(const Value& schema) {
+  std::vector<std::string> phrases;
+  const std::string range = RangePhrase(schema);
+  for (const std::string& type : ListTypes(schema)) {
     const bool ranged = !range.empty() && (type == "integer" || type == "number");
-    words.push_back(ranged ? fmt::format("{}{} {}", WithArticle(type),
-                                         range.starts_with("between") ? "" : ",", range)
-                           : WithArticle(type));
+    phrases.push_back(ranged ? fmt::format("{}{} {}", WithArticle(type),
+                                           range.starts_with("between") ? "" : ",", range)
+                             : WithArticle(type));
   }
   // A number is named once: every integer is one.
-  if (words.size() > 1 && std::count(words.begin(), words.end(), "a number") > 0) {
-    words.erase(std::remove(words.begin(), words.end(), "an integer"), words.end());
+  if (phrases.size() > 1 && std::count(phrases.begin(), phrases.end(), "a number") > 0) {
+    phrases.erase(std::remove(phrases.begin(), phrases.end(), "an integer"), phrases.end());
   }
-  return Alternatives(words);
+  return Alternatives(phrases);
 }
 
-std::string KindInWords(const Value& value, const Value& schema) {
+std::string KindPhrase(const Value& value, const Value& schema) {
   if (value.IsNumber()) {
-    const auto types = TypesOf(schema);
+    const auto types = ListTypes(schema);
     const bool wants_integer = std::find(types.begin(), types.end(), "integer") != types.end();
     return wants_integer ? Shown(value) : "a number";
   }
   return value.IsBool() ? Shown(value) : WithArticle(TypeName(value));
 }
 
-std::string ChoiceInWords(const Value& values) {
+std::string ChoicePhrase(const Value& values) {
   constexpr rapidjson::SizeType kMost = 12;
   if (values.Size() == 1) return Choice(values[0]);
-  std::vector<std::string> words;
+  std::vector<std::string> phrases;
   for (rapidjson::SizeType i = 0; i < std::min(values.Size(), kMost); ++i) {
-    words.push_back(Choice(values[i]));
+    phrases.push_back(Choice(values[i]));
   }
   const std::string more =
       values.Size() > kMost ? fmt::format(", … ({} in all)", values.Size()) : std::string();
-  return fmt::format("one of {}{}", base::Join(words, ", "), more);
+  return fmt::format("one of {}{}", base::Join(phrases, ", "), more);
 }
 
 std::string Counted(std::uint64_t count, std::string_view noun) {

@@ -11,17 +11,17 @@ namespace fleetpub::schema {
 
 /// `a string`, `an integer between 0 and 4294967295`, `a string or a number`: `type`, with the
 /// limits of a number.
-[[nodiscard]] std::string TypeInWords(const base::JsonValue& schema);
+[[nodiscard]] std::string TypePhrase(const base::JsonValue& schema);
 
 /// `between 0 and 9`, `at least 0`, `more than 0 and at most 1`; empty without limits.
-[[nodiscard]] std::string RangeInWords(const base::JsonValue& schema);
+[[nodiscard]] std::string RangePhrase(const base::JsonValue& schema);
 
 /// What kind of value it is, where its kind is what is wrong: `a number`, `null`; a number with a
 /// fraction is shown where only the fraction is wrong.
-[[nodiscard]] std::string KindInWords(const base::JsonValue& value, const base::JsonValue& schema);
+[[nodiscard]] std::string KindPhrase(const base::JsonValue& value, const base::JsonValue& schema);
 
 /// `one of NONE, SOFT, HARD`; the first dozen of many.
-[[nodiscard]] std::string ChoiceInWords(const base::JsonValue& values);
+[[nodiscard]] std::string ChoicePhrase(const base::JsonValue& values);
 
 /// `1 item`, `3 items`.
 [[nodiscard]] std::string Counted(std::uint64_t count, std::string_view noun);

@@ -1,5 +1,5 @@
 // What a person is told.
-#include "schema/explain.h"
+#include "schema/violations.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -16,10 +16,10 @@ namespace {
 struct Case {
   std::string schema;
   std::string message;
-  std::vector<std::string> violations;  // path, blank, words
+  std::vector<std::string> violations;  // path, blank, message
 };
 
-std::vector<std::string> Violations(const std::string& schema, const std::string& message) {
+std::vector<std::string> Collect(const std::string& schema, const std::string& message) {
   const auto compiled = Schema::Compile(schema, "test");
   if (!compiled) return {compiled.error().message};
   const auto document = base::ParseJson(message);
@@ -33,11 +33,11 @@ std::vector<std::string> Violations(const std::string& schema, const std::string
 
 void Check(const std::vector<Case>& table) {
   for (const auto& [schema, message, violations] : table) {
-    EXPECT_EQ(Violations(schema, message), violations) << schema << " <- " << message;
+    EXPECT_EQ(Collect(schema, message), violations) << schema << " <- " << message;
   }
 }
 
-TEST(Explain, SaysWhichTypeIsWanted) {
+TEST(Violations, SaysWhichTypeIsWanted) {
   Check({
       {R"({"type":"string"})", "1", {" must be a string, not a number"}},
       {R"({"type":"boolean"})", "\"x\"", {" must be true or false, not a string"}},
@@ -56,7 +56,7 @@ TEST(Explain, SaysWhichTypeIsWanted) {
   });
 }
 
-TEST(Explain, CountsInWords) {
+TEST(Violations, CountsWithANoun) {
   Check({
       {R"({"minItems":3})", "[1,2]", {" must have at least 3 items, has 2"}},
       {R"({"maxItems":1})", "[1,2]", {" must have at most 1 item, has 2"}},
@@ -71,7 +71,7 @@ TEST(Explain, CountsInWords) {
   });
 }
 
-TEST(Explain, NamesWhatIsMissingOrUnknown) {
+TEST(Violations, NamesWhatIsMissingOrUnknown) {
   Check({
       {R"({"required":["a","b"]})", R"({"b":1})", {" a is required but missing"}},
       {R"({"required":["a","b"]})", "{}", {" a, b are required but missing"}},
@@ -88,7 +88,7 @@ TEST(Explain, NamesWhatIsMissingOrUnknown) {
   });
 }
 
-TEST(Explain, ListsCausesOnceInTheOrderOfTheMessage) {
+TEST(Violations, ListsCausesOnceInTheOrderOfTheMessage) {
   Check({
       {R"({"properties":{"a":{"type":"string"},"b":{"items":{"type":"string"}}},"required":["c"]})",
        R"({"b":[1,"x",2],"a":1})",
@@ -103,7 +103,7 @@ TEST(Explain, ListsCausesOnceInTheOrderOfTheMessage) {
   });
 }
 
-TEST(Explain, PicksTheAlternativeThatCameNearest) {
+TEST(Violations, PicksTheAlternativeThatCameNearest) {
   constexpr const char* kShapes =
       R"({"oneOf":[{"properties":{"kind":{"const":"circle"},"radius":{"minimum":0}},
                     "required":["kind","radius"]},
@@ -129,21 +129,20 @@ TEST(Explain, PicksTheAlternativeThatCameNearest) {
   });
 }
 
-TEST(Explain, KeepsHostileValuesShortAndHarmless) {
+TEST(Violations, KeepsHostileValuesShortAndHarmless) {
   const std::string shown =
-      Violations(R"({"enum":["a"]})", fmt::format("\"\\u001b[2J{}\"", std::string(50'000, 'x')))
-          .at(0);
+      Collect(R"({"enum":["a"]})", fmt::format("\"\\u001b[2J{}\"", std::string(50'000, 'x'))).at(0);
   EXPECT_EQ(shown.find('\x1b'), std::string::npos);
   EXPECT_LT(shown.size(), 200U);
   EXPECT_NE(shown.find("(50004 characters)"), std::string::npos) << shown;
-  EXPECT_EQ(Violations(R"({"additionalProperties":{"type":"string"}})", R"({"\u001b":1})").at(0),
+  EXPECT_EQ(Collect(R"({"additionalProperties":{"type":"string"}})", R"({"\u001b":1})").at(0),
             "/\x1b must be a string, not a number");  // a pointer is exact
 }
 
-TEST(Explain, StopsListingAtTheLimit) {
+TEST(Violations, StopsListingAtTheLimit) {
   std::string message = "[0";
   for (int i = 0; i < 5000; ++i) message += ",0";
-  const auto found = Violations(R"({"items":{"type":"string"}})", message + "]");
+  const auto found = Collect(R"({"items":{"type":"string"}})", message + "]");
   ASSERT_EQ(found.size(), Schema::kMostViolations + 1);
   EXPECT_EQ(found.back(), " has more than 1000 violations; the rest is not listed");
 }
