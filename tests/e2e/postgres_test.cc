@@ -184,6 +184,15 @@ TEST_F(LedgerPlace, WithAPasswordIsRefusedWhereverItStands) {
   EXPECT_THAT(shown.output, AllOf(HasSubstr("op:********@127.0.0.1"), Not(HasSubstr("hush"))));
 }
 
+#ifdef FLEETPUB_WITHOUT_POSTGRES
+TEST_F(LedgerPlace, InADatabaseIsRefusedByABuildWithoutIt) {
+  const auto refused = Fleetpub({"pause", "KIT/0001", "--ledger", "postgresql://db.example/fleet"});
+  EXPECT_EQ(refused.exit_code, 8);
+  EXPECT_THAT(refused.errors, HasSubstr("FLEETPUB_POSTGRES"));
+  EXPECT_THAT(Fleetpub({"--version"}).output, HasSubstr("without PostgreSQL"));
+}
+#endif
+
 TEST_F(LedgerPlace, MayBeAUrlInTheConfiguration) {
   const auto config = operator_.home().Write(
       "config.toml", "ledger = \"postgresql://op@db.example/fleet?sslmode=verify-full\"\n");
