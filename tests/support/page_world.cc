@@ -4,7 +4,7 @@ namespace fleetpub::testing {
 namespace {
 
 constexpr const char* kPrelude = R"sh(
-trap 'kill $(jobs -p) 2>/dev/null; wait' EXIT
+trap 'kill $(jobs -p) 2>/dev/null; kill -CONT $(jobs -p) 2>/dev/null; wait' EXIT
 shopt -s expand_aliases
 background() { local log; log=$(mktemp -p .); "$@" >"$log" 2>&1 & until grep -q online "$log"; do sleep .02; done; cat "$log"; }
 until_killed() { background "$@"; kill $!; wait $!; }
@@ -90,8 +90,7 @@ const std::map<std::string, World>& Troubles() {
   static const std::string kTls =
       "listens $PORT_8883 'allow_anonymous true' 'certfile broker.pem' 'keyfile broker.key'";
   static const std::string kNoWriter =
-      "echo 'topic read #' > acl; listens $PORT_1884 'allow_anonymous true' 'acl_file acl'\n"
-      "export FLEETPUB_BROKER=mqtt://localhost:$PORT_1884";
+      "echo 'topic read #' > acl; listens $PORT_1884 'allow_anonymous true' 'acl_file acl'";
   static const std::string kNorth =
       "mkdir -p ~/.config/fleetpub; printf '[profile.north]\nbroker = \"mqtt://north.example\"\n' "
       "> ~/.config/fleetpub/config.toml";
@@ -114,7 +113,8 @@ const std::map<std::string, World>& Troubles() {
       {"The connection is lost while waiting (exit 6)",
        {.setup = "listens $PORT_1884 'allow_anonymous true'\n"
                  "online KIT/0001 -b mqtt://localhost:$PORT_1884 --silent\n"
-                 "at_a_command $PORT_1884 kill $broker"}},
+                 "disown $broker; trap 'kill $broker $(jobs -p) 2>/dev/null; wait' EXIT\n"
+                 "at_a_command $PORT_1884 kill -9 $broker"}},
       {"The robot is unknown (exit 7)", {.setup = "online KIT/0001"}},
       {"The robot is offline (exit 7)", {.setup = "gone KIT/0002"}},
       {"A pause for a robot that looks offline (exit 6)", {.setup = "gone KIT/0002"}},
