@@ -15,7 +15,7 @@ using ::testing::IsEmpty;
 using ::testing::SizeIs;
 using ::testing::StartsWith;
 
-class Batching : public EndToEnd {
+class Batch : public EndToEnd {
  protected:
   Finished Batch(std::string input, std::vector<std::string> options = {}) const {
     options.insert(options.begin(), "batch");
@@ -40,7 +40,7 @@ class Batching : public EndToEnd {
   }
 };
 
-TEST_F(Batching, AnswersEachLineWithItsNumberAndId) {
+TEST_F(Batch, AnswersEachLineWithItsNumberAndId) {
   const Subscriber subscriber(broker_);
   const Finished run =
       Batch(Pause("KIT/0001", R"(,"id":"a")") + "\n" + Pause("KIT/0002", R"(,"id":7,"vda":"2.1")"));
@@ -56,7 +56,7 @@ TEST_F(Batching, AnswersEachLineWithItsNumberAndId) {
   EXPECT_THAT(subscriber.Await(2), SizeIs(2));
 }
 
-TEST_F(Batching, KeepsTheOrderOfATopicOverManyBrackets) {
+TEST_F(Batch, KeepsTheOrderOfATopicOverManyBrackets) {
   std::string input;
   for (int i = 0; i < 1'200; ++i) input += Pause("KIT/0001");
   const Subscriber subscriber(broker_);
@@ -70,7 +70,7 @@ TEST_F(Batching, KeepsTheOrderOfATopicOverManyBrackets) {
   }
 }
 
-TEST_F(Batching, ReportsABadLineAndGoesOn) {
+TEST_F(Batch, ReportsABadLineAndGoesOn) {
   const Subscriber subscriber(broker_);
   const std::string hostile = "nonsense\n{\"a\":\"\xff\"}\n" + std::string(1, '\0') + "\n" +
                               std::string(200, '[') + "\n" + std::string(17'000'000, 'x') + "\n";
@@ -91,13 +91,13 @@ TEST_F(Batching, ReportsABadLineAndGoesOn) {
   EXPECT_THAT(subscriber.Await(2), SizeIs(2));
 }
 
-TEST_F(Batching, HasNothingToDoWithoutLines) {
+TEST_F(Batch, HasNothingToDoWithoutLines) {
   const Finished run = Batch("");
   EXPECT_EQ(run.exit_code, 0) << run.errors;
   EXPECT_THAT(run.output, IsEmpty());
 }
 
-TEST_F(Batching, WaitsForRobotsAndTellsTheWorst) {
+TEST_F(Batch, WaitsForRobotsAndTellsTheWorst) {
   const auto robots = Simulate({"KIT/0001", "--count", "3", "--fail", "logReport"});
   const Finished run =
       Batch(Pause("KIT/0001") + Pause("KIT/0002", R"(,"wait":"accepted")") +
@@ -107,13 +107,13 @@ TEST_F(Batching, WaitsForRobotsAndTellsTheWorst) {
   EXPECT_THAT(run.output, AllOf(HasSubstr("FINISHED"), HasSubstr("ACCEPTED"), HasSubstr("FAILED")));
 }
 
-TEST_F(Batching, EndsWhatIsNotConfirmedInTime) {
+TEST_F(Batch, EndsWhatIsNotConfirmedInTime) {
   const Finished run = Batch(Pause("KIT/0001", R"(,"wait":true)"), {"-W", "200ms"});
   EXPECT_EQ(run.exit_code, 6) << run.errors;
   EXPECT_THAT(run.output, HasSubstr("TIMEOUT"));
 }
 
-TEST_F(Batching, AnswersALoneLineAtOnceAsACoProcess) {
+TEST_F(Batch, AnswersALoneLineAtOnceAsACoProcess) {
   const auto robots = Simulate({"KIT/0001"});
   const auto batch = Start({"batch", "--wait"});
   for (int i = 1; i <= 3; ++i) {
@@ -125,7 +125,7 @@ TEST_F(Batching, AnswersALoneLineAtOnceAsACoProcess) {
   EXPECT_EQ(batch->Wait(), 0) << batch->Errors();
 }
 
-TEST_F(Batching, BringsToAnEndWhatIsInFlightWhenInterrupted) {
+TEST_F(Batch, BringsToAnEndWhatIsInFlightWhenInterrupted) {
   const auto robots = Simulate({"KIT/0001", "--delay", "1s"});
   const auto batch = Start({"batch", "--wait"});
   batch->Write(Pause("KIT/0001"));
@@ -139,7 +139,7 @@ TEST_F(Batching, BringsToAnEndWhatIsInFlightWhenInterrupted) {
                                          "line 2 on"));
 }
 
-TEST_F(Batching, EndsAtOnceWhenInterruptedTwice) {
+TEST_F(Batch, EndsAtOnceWhenInterruptedTwice) {
   const auto batch = Start({"batch", "--wait"});
   batch->Write(Pause("KIT/0001"));
   ASSERT_TRUE(broker_.AwaitLog("'vda5050/v3/KIT/0001/instantActions'"));
@@ -150,7 +150,7 @@ TEST_F(Batching, EndsAtOnceWhenInterruptedTwice) {
   EXPECT_THAT(batch->Errors(), HasSubstr("ended at once"));
 }
 
-TEST_F(Batching, StopsAtTheFirstError) {
+TEST_F(Batch, StopsAtTheFirstError) {
   const Subscriber subscriber(broker_);
   const Finished run = Batch(Pause("KIT/0001") + "bad\n" + Pause("KIT/0002"), {"--stop-on-error"});
   EXPECT_EQ(run.exit_code, 3);
@@ -160,7 +160,7 @@ TEST_F(Batching, StopsAtTheFirstError) {
   EXPECT_THAT(subscriber.Await(1), SizeIs(1));
 }
 
-TEST_F(Batching, KeepsToARate) {
+TEST_F(Batch, KeepsToARate) {
   std::string input;
   for (int i = 0; i < 6; ++i) input += Pause("KIT/0001");
   const auto start = std::chrono::steady_clock::now();
@@ -169,7 +169,7 @@ TEST_F(Batching, KeepsToARate) {
   EXPECT_EQ(Batch(input, {"--rate", "fast"}).exit_code, 2);
 }
 
-TEST_F(Batching, OutlivesARestartOfTheBroker) {
+TEST_F(Batch, OutlivesARestartOfTheBroker) {
   const auto batch = Start({"batch"});
   batch->Write(Pause("KIT/0001"));
   ASSERT_TRUE(batch->AwaitOutput("SENT"));
@@ -187,7 +187,7 @@ TEST_F(Batching, OutlivesARestartOfTheBroker) {
   EXPECT_EQ(Json(messages[0].payload)["headerId"].GetInt(), 1);
 }
 
-TEST_F(Batching, GivesUpWhenTheBrokerStaysAway) {
+TEST_F(Batch, GivesUpWhenTheBrokerStaysAway) {
   const auto batch = Start({"batch", "--wait", "--reconnect", "500ms"});
   batch->Write(Pause("KIT/0001"));
   ASSERT_TRUE(broker_.AwaitLog("'vda5050/v3/KIT/0001/instantActions'"));
@@ -198,7 +198,7 @@ TEST_F(Batching, GivesUpWhenTheBrokerStaysAway) {
   EXPECT_THAT(batch->Errors(), HasSubstr("nothing was sent from line 2 on"));
 }
 
-TEST_F(Batching, ShowsInADryRunWhatWouldBeNext) {
+TEST_F(Batch, ShowsInADryRunWhatWouldBeNext) {
   const Finished run = Batch(Pause("KIT/0001") + Pause("KIT/0001"), {"--dry-run"});
   EXPECT_EQ(run.exit_code, 0) << run.errors;
   const auto lines = Lines(run.output);

@@ -14,7 +14,7 @@ using ::testing::HasSubstr;
 
 constexpr const char* kStateTopic = "vda5050/v3/KIT/0001/state";
 
-class Contradictions : public EndToEnd {
+class ContradictoryStates : public EndToEnd {
  protected:
   void Say(const std::string& topic, const std::string& payload, bool retained = false) const {
     const std::string file = (operator_.home().path() / "payload.json").string();
@@ -37,28 +37,28 @@ class Contradictions : public EndToEnd {
   }
 };
 
-TEST_F(Contradictions, FinishedAndFailedAreAFailure) {
+TEST_F(ContradictoryStates, FinishedAndFailedAreAFailure) {
   const Finished run = PauseAnd(R"({"actionStates":[{"actionId":"a1","actionStatus":"FINISHED"}],
       "instantActionStates":[{"actionId":"a1","actionStatus":"FAILED"}]})");
   EXPECT_EQ(run.exit_code, 5) << run.output;
   EXPECT_THAT(run.output, AllOf(HasSubstr("FAILED"), HasSubstr("FINISHED too")));
 }
 
-TEST_F(Contradictions, AnotherRobotsHeaderConfirmsNothing) {
+TEST_F(ContradictoryStates, AnotherRobotsHeaderConfirmsNothing) {
   const Finished run = PauseAnd(R"({"manufacturer":"KIT","serialNumber":"0002",
       "instantActionStates":[{"actionId":"a1","actionStatus":"FINISHED"}]})");
   EXPECT_EQ(run.exit_code, 6) << run.output;
   EXPECT_THAT(run.output, AllOf(HasSubstr("TIMEOUT"), HasSubstr("KIT/0002")));
 }
 
-TEST_F(Contradictions, AnotherActionsTypeConfirmsNothing) {
+TEST_F(ContradictoryStates, AnotherActionsTypeConfirmsNothing) {
   const Finished run = PauseAnd(R"({"instantActionStates":[
       {"actionId":"a1","actionType":"stopPause","actionStatus":"FINISHED"}]})");
   EXPECT_EQ(run.exit_code, 6) << run.output;
   EXPECT_THAT(run.output, AllOf(HasSubstr("TIMEOUT"), HasSubstr("stopPause")));
 }
 
-TEST_F(Contradictions, AStateThatIsTooDeepOrTooLargeIsTold) {
+TEST_F(ContradictoryStates, AStateThatIsTooDeepOrTooLargeIsTold) {
   const std::string finished =
       R"({"instantActionStates":[{"actionId":"a1","actionStatus":"FINISHED"}],"x":)";
   const Finished deep = PauseAnd(finished + std::string(80, '[') + std::string(80, ']') + "}");
@@ -70,7 +70,7 @@ TEST_F(Contradictions, AStateThatIsTooDeepOrTooLargeIsTold) {
   EXPECT_THAT(large.output, AllOf(HasSubstr("TIMEOUT"), HasSubstr("too large")));
 }
 
-TEST_F(Contradictions, AStateThatCannotBeReadIsSeenInTheFleetAndInConditions) {
+TEST_F(ContradictoryStates, AStateThatCannotBeReadIsSeenInTheFleetAndInConditions) {
   Say("vda5050/v3/KIT/0001/connection",
       R"({"version":"3.0.0","manufacturer":"KIT","serialNumber":"0001","connectionState":"ONLINE"})",
       true);

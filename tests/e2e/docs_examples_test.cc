@@ -163,7 +163,7 @@ World WorldOf(const std::string& page, const std::string& chapter) {
   return world == chapters->second.end() ? World{} : world->second;
 }
 
-class Examples : public ::testing::TestWithParam<std::pair<std::string, std::string>> {};
+class DocsExamples : public ::testing::TestWithParam<std::pair<std::string, std::string>> {};
 
 std::vector<std::pair<std::string, std::string>> AllChapters() {
   std::vector<std::pair<std::string, std::string>> all;
@@ -173,7 +173,7 @@ std::vector<std::pair<std::string, std::string>> AllChapters() {
   return all;
 }
 
-TEST_P(Examples, RunAndPrintWhatThePageShows) {
+TEST_P(DocsExamples, RunAndPrintWhatThePageShows) {
   const auto& [page, chapter] = GetParam();
   World world = WorldOf(page, chapter);
   for (const Block& block : IndentedBlocks(SourceText(page))) {
@@ -190,9 +190,9 @@ std::string NameOf(const ::testing::TestParamInfo<std::pair<std::string, std::st
   return name;
 }
 
-INSTANTIATE_TEST_SUITE_P(Of, Examples, ::testing::ValuesIn(AllChapters()), NameOf);
+INSTANTIATE_TEST_SUITE_P(Of, DocsExamples, ::testing::ValuesIn(AllChapters()), NameOf);
 
-TEST(TheExamples, AreAllTried) {
+TEST(DocsPages, AreAllTried) {
   for (const char* page : kPages) {
     for (const Block& block : IndentedBlocks(SourceText(page))) {
       EXPECT_TRUE(IsSomethingElse(block) || !block.examples.empty())
@@ -210,7 +210,7 @@ TEST(TheExamples, AreAllTried) {
 
 // ── configurations ──
 
-TEST(TheExamples, OfConfigurationsAreRead) {
+TEST(DocsPages, OfConfigurationsAreRead) {
   const Operator someone;
   std::size_t count = 0;
   for (const Block& block : IndentedBlocks(SourceText("docs/manual.md"))) {
@@ -234,7 +234,7 @@ TEST(TheExamples, OfConfigurationsAreRead) {
 // ── commands within a line ──
 
 // `fleetpub …` in running text and tables: there is such a command, and it has these options.
-TEST(TheExamples, WithinALineNameCommandsAndOptionsThatThereAre) {
+TEST(DocsPages, WithinALineNameCommandsAndOptionsThatThereAre) {
   const Operator someone;
   std::map<std::string, std::string> helps;
   const auto help = [&](const std::vector<std::string>& words) {
