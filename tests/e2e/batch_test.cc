@@ -15,7 +15,7 @@ using ::testing::IsEmpty;
 using ::testing::SizeIs;
 using ::testing::StartsWith;
 
-class Batch : public EndToEnd {
+class Batching : public EndToEnd {
  protected:
   Finished Batch(std::string input, std::vector<std::string> options = {}) const {
     options.insert(options.begin(), "batch");
@@ -40,7 +40,7 @@ class Batch : public EndToEnd {
   }
 };
 
-TEST_F(Batch, AnswersEachLineWithItsNumberAndId) {
+TEST_F(Batching, AnswersEachLineWithItsNumberAndId) {
   const Subscriber subscriber(broker_);
   const Finished run =
       Batch(Pause("KIT/0001", R"(,"id":"a")") + "\n" + Pause("KIT/0002", R"(,"id":7,"vda":"2.1")"));
@@ -56,7 +56,7 @@ TEST_F(Batch, AnswersEachLineWithItsNumberAndId) {
   EXPECT_THAT(subscriber.Await(2), SizeIs(2));
 }
 
-TEST_F(Batch, KeepsTheOrderOfATopicOverManyBrackets) {
+TEST_F(Batching, KeepsTheOrderOfATopicOverManyBatches) {
   std::string input;
   for (int i = 0; i < 1'200; ++i) input += Pause("KIT/0001");
   const Subscriber subscriber(broker_);
@@ -70,7 +70,7 @@ TEST_F(Batch, KeepsTheOrderOfATopicOverManyBrackets) {
   }
 }
 
-TEST_F(Batch, ReportsABadLineAndGoesOn) {
+TEST_F(Batching, ReportsABadLineAndGoesOn) {
   const Subscriber subscriber(broker_);
   const std::string hostile = "nonsense\n{\"a\":\"\xff\"}\n" + std::string(1, '\0') + "\n" +
                               std::string(200, '[') + "\n" + std::string(17'000'000, 'x') + "\n";
@@ -91,13 +91,13 @@ TEST_F(Batch, ReportsABadLineAndGoesOn) {
   EXPECT_THAT(subscriber.Await(2), SizeIs(2));
 }
 
-TEST_F(Batch, HasNothingToDoWithoutLines) {
+TEST_F(Batching, HasNothingToDoWithoutLines) {
   const Finished run = Batch("");
   EXPECT_EQ(run.exit_code, 0) << run.errors;
   EXPECT_THAT(run.output, IsEmpty());
 }
 
-TEST_F(Batch, WaitsForRobotsAndTellsTheWorst) {
+TEST_F(Batching, WaitsForRobotsAndTellsTheWorst) {
   const auto robots = Simulate({"KIT/0001", "--count", "3", "--fail", "logReport"});
   const Finished run =
       Batch(Pause("KIT/0001") + Pause("KIT/0002", R"(,"wait":"accepted")") +
@@ -107,13 +107,13 @@ TEST_F(Batch, WaitsForRobotsAndTellsTheWorst) {
   EXPECT_THAT(run.output, AllOf(HasSubstr("FINISHED"), HasSubstr("ACCEPTED"), HasSubstr("FAILED")));
 }
 
-TEST_F(Batch, EndsWhatIsNotConfirmedInTime) {
+TEST_F(Batching, EndsWhatIsNotConfirmedInTime) {
   const Finished run = Batch(Pause("KIT/0001", R"(,"wait":true)"), {"-W", "200ms"});
   EXPECT_EQ(run.exit_code, 6) << run.errors;
   EXPECT_THAT(run.output, HasSubstr("TIMEOUT"));
 }
 
-TEST_F(Batch, AnswersALoneLineAtOnceAsACoProcess) {
+TEST_F(Batching, AnswersALoneLineAtOnceAsACoProcess) {
   const auto robots = Simulate({"KIT/0001"});
   const auto batch = Start({"batch", "--wait"});
   for (int i = 1; i <= 3; ++i) {
@@ -125,7 +125,7 @@ TEST_F(Batch, AnswersALoneLineAtOnceAsACoProcess) {
   EXPECT_EQ(batch->Wait(), 0) << batch->Errors();
 }
 
-TEST_F(Batch, BringsToAnEndWhatIsInFlightWhenInterrupted) {
+TEST_F(Batching, BringsToAnEndWhatIsInFlightWhenInterrupted) {
   const auto robots = Simulate({"KIT/0001", "--delay", "1s"});
   const auto batch = Start({"batch", "--wait"});
   batch->Write(Pause("KIT/0001"));
@@ -139,7 +139,7 @@ TEST_F(Batch, BringsToAnEndWhatIsInFlightWhenInterrupted) {
                                          "line 2 on"));
 }
 
-TEST_F(Batch, EndsAtOnceWhenInterruptedTwice) {
+TEST_F(Batching, EndsAtOnceWhenInterruptedTwice) {
   const auto batch = Start({"batch", "--wait"});
   batch->Write(Pause("KIT/0001"));
   ASSERT_TRUE(broker_.AwaitLog("'vda5050/v3/KIT/0001/instantActions'"));
@@ -150,7 +150,7 @@ TEST_F(Batch, EndsAtOnceWhenInterruptedTwice) {
   EXPECT_THAT(batch->Errors(), HasSubstr("ended at once"));
 }
 
-TEST_F(Batch, StopsAtTheFirstError) {
+TEST_F(Batching, StopsAtTheFirstError) {
   const Subscriber subscriber(broker_);
   const Finished run = Batch(Pause("KIT/0001") + "bad\n" + Pause("KIT/0002"), {"--stop-on-error"});
   EXPECT_EQ(run.exit_code, 3);
@@ -160,7 +160,7 @@ TEST_F(Batch, StopsAtTheFirstError) {
   EXPECT_THAT(subscriber.Await(1), SizeIs(1));
 }
 
-TEST_F(Batch, KeepsToARate) {
+TEST_F(Batching, KeepsToARate) {
   std::string input;
   for (int i = 0; i < 6; ++i) input += Pause("KIT/0001");
   const auto start = std::chrono::steady_clock::now();
@@ -169,7 +169,7 @@ TEST_F(Batch, KeepsToARate) {
   EXPECT_EQ(Batch(input, {"--rate", "fast"}).exit_code, 2);
 }
 
-TEST_F(Batch, OutlivesARestartOfTheBroker) {
+TEST_F(Batching, OutlivesARestartOfTheBroker) {
   const auto batch = Start({"batch"});
   batch->Write(Pause("KIT/0001"));
   ASSERT_TRUE(batch->AwaitOutput("SENT"));
@@ -187,7 +187,7 @@ TEST_F(Batch, OutlivesARestartOfTheBroker) {
   EXPECT_EQ(Json(messages[0].payload)["headerId"].GetInt(), 1);
 }
 
-TEST_F(Batch, GivesUpWhenTheBrokerStaysAway) {
+TEST_F(Batching, GivesUpWhenTheBrokerStaysAway) {
   const auto batch = Start({"batch", "--wait", "--reconnect", "500ms"});
   batch->Write(Pause("KIT/0001"));
   ASSERT_TRUE(broker_.AwaitLog("'vda5050/v3/KIT/0001/instantActions'"));
@@ -198,7 +198,7 @@ TEST_F(Batch, GivesUpWhenTheBrokerStaysAway) {
   EXPECT_THAT(batch->Errors(), HasSubstr("nothing was sent from line 2 on"));
 }
 
-TEST_F(Batch, ShowsInADryRunWhatWouldBeNext) {
+TEST_F(Batching, ShowsInADryRunWhatWouldBeNext) {
   const Finished run = Batch(Pause("KIT/0001") + Pause("KIT/0001"), {"--dry-run"});
   EXPECT_EQ(run.exit_code, 0) << run.errors;
   const auto lines = Lines(run.output);

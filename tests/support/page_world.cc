@@ -105,11 +105,11 @@ const std::map<std::string, World>& Troubles() {
       {"The certificate is not trusted (exit 4)", {.setup = "certify localhost; " + kTls}},
       {"The certificate is for another name (exit 4)",
        {.setup = "certify broker.example; " + kTls}},
-      {"The broker asks for a certificate of ours (exit 4)",
+      {"The broker asks for a client certificate (exit 4)",
        {.setup =
             "certify localhost; " + kTls + " 'cafile plant-ca.pem' 'require_certificate true'"}},
       {"The broker refuses the message (exit 4)", {.setup = kNoWriter}},
-      {"Published, and yet no robot moves (exit 0)", {.setup = kNoWriter}},
+      {"Published, but no robot moves (exit 0)", {.setup = kNoWriter}},
       {"The connection is lost while waiting (exit 6)",
        {.setup = "listens $PORT_1884 'allow_anonymous true'\n"
                  "online KIT/0001 -b mqtt://localhost:$PORT_1884 --silent\n"
@@ -126,7 +126,7 @@ const std::map<std::string, World>& Troubles() {
       {"No robot satisfies `--where` (exit 7)", {.setup = "online KIT/0001"}},
       {"`--where` cannot be decided (exit 7)", {.setup = "online KIT/0001 --silent"}},
       {"`--except` spares nobody (exit 7)", {.setup = "online KIT/0001"}},
-      {"Several robots, and nobody was asked (exit 2)", {.setup = "online KIT/0001 --count 2"}},
+      {"Several robots need consent (exit 2)", {.setup = "online KIT/0001 --count 2"}},
       {"The robot rejects the action (exit 5)",
        {.setup = "online KIT/0001 --vda 2.1 --reject startPause"}},
       {"The action failed (exit 5)", {.setup = "online KIT/0001 --fail startCharging"}},
@@ -150,16 +150,16 @@ const std::map<std::string, World>& Troubles() {
                  "'{\"target\"' '{\"target\":\"KIT/0001\",\"action\":\"startPause\"}' "
                  "> commands.jsonl"}},
       {"A schema folder has no schemas (exit 2)", {.setup = "mkdir empty"}},
-      {"A schema of yours is broken (exit 3)",
+      {"A broken schema of your own (exit 3)",
        {.setup = "mkdir schemas; echo '{\"type\":\"object\",}' > schemas/order.schema\n"
                  "order > message.json"}},
-      {"A key that there is not (exit 2)",
+      {"An unknown key (exit 2)",
        {.setup = kNorth + "; sed -i 1i'borker = \"\"' ~/.config/fleetpub/config.toml"}},
-      {"A profile that there is not (exit 2)", {.setup = kNorth}},
+      {"An unknown profile (exit 2)", {.setup = kNorth}},
       {"The profile and the environment disagree (exit 2)", {.setup = kNorth}},
       {"The configuration is refused (exit 2)",
        {.setup = kNorth + "; chmod o+w ~/.config/fleetpub/config.toml"}},
-      {"A setting does nothing (exit 0)",
+      {"A setting has no effect (exit 0)",
        {.setup = kNorth + "; echo 'qos = 0' >> ~/.config/fleetpub/config.toml\n"
                           "export FLEETPUB_QOS=1; unset FLEETPUB_BROKER"}},
       {"The ledger is locked (exit 8)",
@@ -170,7 +170,7 @@ const std::map<std::string, World>& Troubles() {
       {"The ledger is damaged (exit 8)", {.setup = "echo nonsense > broken.db"}},
       {"The ledger belongs to another program (exit 8)",
        {.setup = "sqlite3 other.db 'CREATE TABLE accounts (name)'"}},
-      {"The ledger is a link in a folder of others (exit 8)",
+      {"The ledger is a link in a shared folder (exit 8)",
        {.setup = "fleetpub ledger migrate; mkdir shared; chmod 770 shared\n"
                  "ln -s $FLEETPUB_LEDGER shared/ledger.db"}}};
   return troubles;
