@@ -92,7 +92,7 @@ TEST_F(ConnectionLoss, IsWaitedForNoLongerThanTheTimeout) {
   EXPECT_THAT(waiting->Wait(milliseconds(8000)), AnyOf(Eq(4), Eq(6)));
 }
 
-TEST_F(ConnectionLoss, MayBeFarAway) {
+TEST_F(ConnectionLoss, IsNotADistantBroker) {
   const auto robot = Robot({"KIT/0001", "--state-interval", "500ms"});
   const Subscriber subscriber(broker_, "+/+/+/+/instantActions");
   const Relay far(broker_.port(), milliseconds(150));

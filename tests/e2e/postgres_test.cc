@@ -62,8 +62,7 @@ TEST_F(PostgresLedger, KeepsTheIdsOfTwoHostsApart) {
     std::mt19937 random(seed);
     for (int round = 0; round < kRounds; ++round) {
       const char* action = round % 2 == 0 ? "pause" : "resume";
-      if (round == 1 ||
-          round == 3) {  // killed at some moment, it must not needs_consent the other's ids
+      if (round == 1 || round == 3) {  // killed at some moment, it must not harm the other's ids
         Process killed(host.Prepare(With({action, "--no-check"}, robots)));
         std::this_thread::sleep_for(std::chrono::milliseconds(10 + random() % 40));
         killed.Signal(SIGKILL);
