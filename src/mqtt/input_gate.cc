@@ -59,7 +59,7 @@ ssize_t InputGate::Read(void* buffer, std::size_t size, const Source& source) {
     if (const ssize_t got = Fill(source); got <= 0) return got;
   }
   const std::size_t some = std::min(size, out_.size() - out_at_);
-  std::memcpy(buffer, out_.data() + out_at_, some);
+  std::copy_n(out_.data() + out_at_, some, static_cast<char*>(buffer));
   out_at_ += some;
   return static_cast<ssize_t>(some);
 }

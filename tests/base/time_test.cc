@@ -9,6 +9,9 @@
 namespace fleetpub::base {
 namespace {
 
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+
 using namespace std::chrono_literals;
 using std::chrono::milliseconds;
 using std::chrono::nanoseconds;
@@ -164,8 +167,8 @@ TEST(ParseDuration, RefusesTheRest) {
     ASSERT_FALSE(duration) << text;
     EXPECT_EQ(duration.error().kind, ErrorKind::kUsage);
   }
-  EXPECT_EQ(ParseDuration("\x1b[2J").error().message,
-            "'\\x1b[2J' is not a duration: use 250ms, 30s, 5m, 2h or 90d");
+  EXPECT_THAT(ParseDuration("\x1b[2J").error().message,
+              AllOf(HasSubstr(R"('\x1b[2J')"), HasSubstr("250ms")));
 }
 
 TEST(FormatElapsed, SuitsTheSize) {

@@ -263,9 +263,8 @@ TEST_F(SendAtQos1, NamesTheMessagesThatTheBrokerDidNotAcknowledge) {
                                     Is(message::CommandStatus::kError),
                                     Is(message::CommandStatus::kPublished)));
   EXPECT_EQ(reports_[1].error, ErrorKind::kBroker);
-  EXPECT_EQ(reports_[1].message,
-            "sent, but not acknowledged: mqtt://broker:1883 did not acknowledge within 1.5 s: it "
-            "may or may not have the message");
+  EXPECT_THAT(reports_[1].message, AllOf(HasSubstr("not acknowledged"),
+                                         HasSubstr("mqtt://broker:1883"), HasSubstr("1.5 s")));
   EXPECT_THAT(Statuses(), ElementsAre("PUBLISHED", "ERROR", "PUBLISHED"));
 }
 
@@ -279,8 +278,8 @@ TEST_F(SendAtQos1, NamesTheMessageThatTheBrokerRefused) {
   EXPECT_TRUE(SendAll(CommandsFor(2), mqtt::Qos::kAtLeastOnce));
   EXPECT_EQ(reports_[0].status, message::CommandStatus::kError);
   EXPECT_EQ(reports_[0].error, ErrorKind::kBroker);
-  EXPECT_EQ(reports_[0].message,
-            "mqtt://broker:1883 refused the message, nobody got it: not authorized (0x87)");
+  EXPECT_THAT(reports_[0].message,
+              AllOf(HasSubstr("mqtt://broker:1883"), HasSubstr("not authorized (0x87)")));
   EXPECT_EQ(reports_[1].status, message::CommandStatus::kPublished)
       << "nobody subscribed (0x10) is a success";
 }

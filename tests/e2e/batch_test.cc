@@ -56,7 +56,7 @@ TEST_F(Batching, AnswersEachLineWithItsNumberAndId) {
   EXPECT_THAT(subscriber.Await(2), SizeIs(2));
 }
 
-TEST_F(Batching, KeepsTheOrderOfATopicOverManyBrackets) {
+TEST_F(Batching, KeepsTheOrderOfATopicOverManyBatches) {
   std::string input;
   for (int i = 0; i < 1'200; ++i) input += Pause("KIT/0001");
   const Subscriber subscriber(broker_);

@@ -1,4 +1,4 @@
-// Brokers that mean needs_consent, over every transport: what they send ends the connection with a sentence,
+// Brokers that mean harm, over every transport: what they send ends the connection with a sentence,
 // never the process, and what is recorded stays true.
 #include <gmock/gmock.h>
 

@@ -62,8 +62,7 @@ TEST_F(PostgresLedger, KeepsTheIdsOfTwoHostsApart) {
     std::mt19937 random(seed);
     for (int round = 0; round < kRounds; ++round) {
       const char* action = round % 2 == 0 ? "pause" : "resume";
-      if (round == 1 ||
-          round == 3) {  // killed at some moment, it must not needs_consent the other's ids
+      if (round == 1 || round == 3) {  // killed at some moment, it must not harm the other's ids
         Process killed(host.Prepare(With({action, "--no-check"}, robots)));
         std::this_thread::sleep_for(std::chrono::milliseconds(10 + random() % 40));
         killed.Signal(SIGKILL);
@@ -183,6 +182,15 @@ TEST_F(LedgerPlace, WithAPasswordIsRefusedWhereverItStands) {
   const auto shown = with_variable.Fleetpub({"config", "show"});
   EXPECT_THAT(shown.output, AllOf(HasSubstr("op:********@127.0.0.1"), Not(HasSubstr("hush"))));
 }
+
+#ifdef FLEETPUB_WITHOUT_POSTGRES
+TEST_F(LedgerPlace, InADatabaseIsRefusedByABuildWithoutIt) {
+  const auto refused = Fleetpub({"pause", "KIT/0001", "--ledger", "postgresql://db.example/fleet"});
+  EXPECT_EQ(refused.exit_code, 8);
+  EXPECT_THAT(refused.errors, HasSubstr("FLEETPUB_POSTGRES"));
+  EXPECT_THAT(Fleetpub({"--version"}).output, HasSubstr("without PostgreSQL"));
+}
+#endif
 
 TEST_F(LedgerPlace, MayBeAUrlInTheConfiguration) {
   const auto config = operator_.home().Write(

@@ -89,7 +89,7 @@ TEST_F(Targets, AMisspeltExceptionCommandsNobody) {
     EXPECT_EQ(run.exit_code, 0) << run.errors;
     EXPECT_THAT(run.output, AllOf(HasSubstr("KIT/0001"), ::testing::Not(HasSubstr("KIT/0002"))));
   }
-  // To stop one too many is no needs_consent.
+  // To stop one too many is no harm.
   const Finished stop = Fleetpub({"pause", "KIT/*", "--except", "KIT/O002"});
   EXPECT_EQ(stop.exit_code, 0);
   EXPECT_THAT(stop.errors, HasSubstr("spares nobody"));

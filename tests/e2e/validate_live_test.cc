@@ -12,7 +12,7 @@ using ::testing::IsEmpty;
 using ::testing::Not;
 using ::testing::SizeIs;
 
-class Conformance : public EndToEnd {
+class ValidateLive : public EndToEnd {
  protected:
   std::unique_ptr<Process> Start(std::vector<std::string> arguments) const {
     return std::make_unique<Process>(operator_.Prepare(std::move(arguments)));
@@ -30,7 +30,7 @@ class Conformance : public EndToEnd {
   }
 };
 
-TEST_F(Conformance, FindsNoFaultInVirtualRobots) {
+TEST_F(ValidateLive, FindsNoFaultInVirtualRobots) {
   const auto robots = Start({"simulate", "KIT/0001", "--count", "3", "--state-interval", "100ms"});
   ASSERT_TRUE(robots->AwaitErrors("online at"));
   const Finished run = Fleetpub({"validate", "--live", "--count", "30", "--for", "15s"});
@@ -39,7 +39,7 @@ TEST_F(Conformance, FindsNoFaultInVirtualRobots) {
                                                                 "valid, 0 invalid\n")));
 }
 
-TEST_F(Conformance, TellsEachViolationAndEndsWithThree) {
+TEST_F(ValidateLive, TellsEachViolationAndEndsWithThree) {
   Publish("vda5050/v3/KIT/0001/connection", Connection("AWAY"), true);
   Publish("vda5050/v3/KIT/0002/connection", Connection("ONLINE"), true);
   Publish("vda5050/v3/ABC/0003/connection", "{", true);
@@ -53,7 +53,7 @@ TEST_F(Conformance, TellsEachViolationAndEndsWithThree) {
             HasSubstr("connection      2 messages, 0 valid, 2 invalid\n"), Not(HasSubstr("ABC"))));
 }
 
-TEST_F(Conformance, TellsAScriptInJson) {
+TEST_F(ValidateLive, TellsAScriptInJson) {
   const auto live = Start({"validate", "--live", "--count", "1", "-o", "json"});
   ASSERT_TRUE(broker_.AwaitLog("+/+/+/+/responses (QoS 0)"));
   Publish("vda5050/v3/KIT/0001/connection", Connection("AWAY"));
@@ -69,7 +69,7 @@ TEST_F(Conformance, TellsAScriptInJson) {
   EXPECT_EQ(Json(lines[1])["topics"]["connection"]["invalid"].GetInt(), 1);
 }
 
-TEST_F(Conformance, SumsUpWhenInterruptedAndOutlivesTheBroker) {
+TEST_F(ValidateLive, SumsUpWhenInterruptedAndOutlivesTheBroker) {
   const auto live = Start({"validate", "--live"});
   ASSERT_TRUE(broker_.AwaitLog("+/+/+/+/responses (QoS 0)"));
   broker_.Kill();
@@ -83,13 +83,13 @@ TEST_F(Conformance, SumsUpWhenInterruptedAndOutlivesTheBroker) {
   EXPECT_THAT(live->Output(), HasSubstr("1 message, 0 valid, 1 invalid"));
 }
 
-TEST_F(Conformance, SaysThatNothingCame) {
+TEST_F(ValidateLive, SaysThatNothingCame) {
   const Finished run = Fleetpub({"validate", "--live", "--for", "200ms"});
   EXPECT_EQ(run.exit_code, 6);
   EXPECT_THAT(run.errors, HasSubstr("no message came"));
 }
 
-TEST_F(Conformance, RefusesWhatDoesNotGoTogether) {
+TEST_F(ValidateLive, RefusesWhatDoesNotGoTogether) {
   EXPECT_EQ(Fleetpub({"validate", "--live", "--lines"}).exit_code, 2);
   EXPECT_EQ(Fleetpub({"validate", "--count", "3"}).exit_code, 2);
   EXPECT_EQ(Fleetpub({"validate", "--live", "--topic", "status"}).exit_code, 2);

@@ -1,4 +1,4 @@
-// A colleague who may write in the ledger's folder, and into the ledger, and means needs_consent: he can
+// A colleague who may write in the ledger's folder, and into the ledger, and means harm: he can
 // block it, but reaches no other file of ours and makes us run nothing.
 #include <gmock/gmock.h>
 #include <sqlite3.h>
@@ -200,7 +200,7 @@ TEST_F(HostileFolder, OtherTablesThanOursAreRefused) {
     std::ofstream(path_, std::ios::binary) << ledger;
   }
   RunSql("CREATE TABLE notes(text); CREATE VIEW v AS SELECT target FROM messages");
-  EXPECT_EQ(ErrorOfCommand(), "") << "what we do not use does no needs_consent";
+  EXPECT_EQ(ErrorOfCommand(), "") << "what we do not use does no harm";
 }
 
 TEST_F(HostileFolder, NoStatementWritesTheSchema) {

@@ -3,6 +3,7 @@
 #include <poll.h>
 #include <sys/socket.h>
 
+#include <future>
 #include <thread>
 
 #include "mqtt/connecting.h"
@@ -21,9 +22,9 @@ using ::testing::HasSubstr;
 using ::testing::Not;
 
 // Answers CONNECT and passes everything on to this port.
-BrokenBroker::Behaviour Tunnel(std::uint16_t port, std::string& request) {
+BrokenBroker::Behaviour Tunnel(std::uint16_t port, std::promise<std::string>& request) {
   return [port, &request](int client) {
-    request = ReadSome(client);
+    request.set_value(ReadSome(client));
     const auto broker = TcpConnect(Lookup("127.0.0.1", port, Soon()).value(), Soon());
     WriteTo(client, "HTTP/1.1 200 Connection established\r\nVia: test\r\n\r\n");
     std::thread back([&] {
@@ -62,15 +63,16 @@ TEST(HttpProxy, RefusesABadUrlWithoutRepeatingIt) {
 TEST(HttpProxy, LeadsToTheBroker) {
   FLEETPUB_NEEDS_FAST_CONNECT();
   const Mosquitto broker;
-  std::string request;
+  std::promise<std::string> request;
   const BrokenBroker proxy(Tunnel(broker.port(), request));
   ConnectOptions options = To("mqtt://broker.invalid:1883");
   options.proxy = "http://user:pass@127.0.0.1:" + std::to_string(proxy.port());
   const auto transport = Connected(options);
   ASSERT_TRUE(transport->Publish({"t", "x", Qos::kAtLeastOnce}, Soon()));
   EXPECT_TRUE(transport->AwaitAcknowledgements(Soon(), 0));
-  EXPECT_THAT(request, AllOf(HasSubstr("CONNECT broker.invalid:1883 HTTP/1.1\r\n"),
-                             HasSubstr("Proxy-Authorization: Basic dXNlcjpwYXNz\r\n")));
+  EXPECT_THAT(request.get_future().get(),
+              AllOf(HasSubstr("CONNECT broker.invalid:1883 HTTP/1.1\r\n"),
+                    HasSubstr("Proxy-Authorization: Basic dXNlcjpwYXNz\r\n")));
 }
 
 TEST(HttpProxy, SaysWhatTheProxySays) {

@@ -128,8 +128,7 @@ TEST(Tls, SaysWhichFileIsWrong) {
   const Mosquitto broker(Certificates::Get().Subscription());
   ConnectOptions options = Trusting(broker.Url("mqtts", "localhost"));
   options.tls.ca_file = "/nowhere/ca.crt";
-  EXPECT_EQ(Refusal(options).message,
-            "cannot read /nowhere/ca.crt (--cafile): no such file or directory");
+  EXPECT_THAT(Refusal(options).message, HasSubstr("/nowhere/ca.crt (--cafile)"));
   options.tls.ca_file = Certificates::Get() / "ca.key";
   EXPECT_THAT(Refusal(options).message, HasSubstr("holds no certificate in PEM form"));
   options = Trusting(broker.Url("mqtts", "localhost"));

@@ -1,5 +1,5 @@
 #include <fmt/format.h>
-#include <gtest/gtest.h>
+#include <gmock/gmock.h>
 
 #include <algorithm>
 #include <string>
@@ -11,6 +11,9 @@
 
 namespace fleetpub::schema {
 namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
 
 using testing::TemporaryFolder;
 
@@ -69,11 +72,9 @@ TEST(Registry, SuggestsTheNearestName) {
   const auto schema = registry.Find("vda5050/3.0.0/instantAction");
   ASSERT_FALSE(schema);
   EXPECT_EQ(schema.error().kind, ErrorKind::kUsage);
-  EXPECT_EQ(schema.error().message,
-            "no schema is called vda5050/3.0.0/instantAction; did you mean "
-            "vda5050/3.0.0/instantActions?");
-  EXPECT_EQ(registry.Text("zzz").error().message,
-            "no schema is called zzz; `fleetpub schema list` shows those there are");
+  EXPECT_THAT(schema.error().message, HasSubstr("did you mean vda5050/3.0.0/instantActions?"));
+  EXPECT_THAT(registry.Text("zzz").error().message,
+              AllOf(HasSubstr("zzz"), HasSubstr("fleetpub schema list")));
 }
 
 TEST(Registry, PutsAFolderBeforeTheBuiltInOnes) {

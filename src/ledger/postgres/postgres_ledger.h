@@ -26,7 +26,8 @@ struct PostgresOptions : Options {
 
 /// Connects. Errors: ErrorKind::kUsage for the URL; ErrorKind::kLedger, with the database, the
 /// cause and the remedy, when it cannot be reached, refuses the login, has tables of a newer
-/// version, or may not be written; when libpq is missing, and always in a static binary.
+/// version, or may not be written; when libpq is missing; and always in a static binary and in one
+/// that was built without PostgreSQL (without_postgres.cc).
 [[nodiscard]] Result<std::unique_ptr<Ledger>> OpenPostgres(PostgresOptions options, OpenMode mode);
 
 }  // namespace fleetpub::ledger

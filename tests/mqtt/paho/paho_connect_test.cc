@@ -32,9 +32,8 @@ TEST(ConnectPaho, SaysThatNobodyListens) {
   const std::string url = ClosedPort();
   const Error error = Refusal(To(url));
   EXPECT_EQ(error.kind, ErrorKind::kBroker);
-  EXPECT_EQ(error.message,
-            "cannot reach " + url +
-                ": connection refused: is a broker running there? (--broker, --host, --port)");
+  EXPECT_THAT(error.message,
+              AllOf(HasSubstr(url), HasSubstr("connection refused"), HasSubstr("--broker")));
 }
 
 TEST(ConnectPaho, SaysThatANameIsNotKnown) {

@@ -5,6 +5,9 @@
 namespace fleetpub::vda5050 {
 namespace {
 
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+
 TEST(ParseVersion, TakesFullAndShortForms) {
   constexpr std::pair<std::string_view, Version> kCases[] = {
       {"1", Version::k110},   {"1.1", Version::k110},   {"1.1.0", Version::k110},
@@ -21,9 +24,8 @@ TEST(ParseVersion, RefusesTheRestAndNamesWhatThereIs) {
     ASSERT_FALSE(version) << text;
     EXPECT_EQ(version.error().kind, ErrorKind::kUsage);
   }
-  EXPECT_EQ(ParseVersion("v3\x1b").error().message,
-            "'v3\\x1b' is not a VDA 5050 version that fleetpub speaks: use 1.1.0, 2.0.0, 2.1.0 or "
-            "3.0.0 (short: 1.1, 2.0, 2.1, 3)");
+  EXPECT_THAT(ParseVersion("v3\x1b").error().message,
+              AllOf(HasSubstr(R"('v3\x1b')"), HasSubstr("1.1.0, 2.0.0, 2.1.0 or 3.0.0")));
 }
 
 TEST(FactsOf, StandInTheOrderOfTheVersions) {

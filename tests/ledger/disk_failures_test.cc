@@ -28,9 +28,9 @@ void LimitFiles(rlim_t bytes) {
   if (setrlimit(RLIMIT_FSIZE, &limit) != 0) throw std::runtime_error("setrlimit");
 }
 
-class HardTimes : public ::testing::Test {
+class DiskFailures : public ::testing::Test {
  protected:
-  HardTimes() {
+  DiskFailures() {
     chmod(folder_.path().c_str(), 0755);
     const auto ledger = MustOpen(path_);
     for (int i = 0; i < 3; ++i) MustReserve(*ledger);
@@ -66,13 +66,13 @@ class HardTimes : public ::testing::Test {
     });
   }
 
-  ~HardTimes() override { chmod(folder_.path().c_str(), 0755); }
+  ~DiskFailures() override { chmod(folder_.path().c_str(), 0755); }
 
   testing::TemporaryFolder folder_;
   fs::path path_ = folder_ / "ledger.db";
 };
 
-TEST_F(HardTimes, AFullDiskReservesNothing) {
+TEST_F(DiskFailures, AFullDiskReservesNothing) {
   const std::string said = InProcess([&]() -> std::string {
     const auto ledger = MustOpen(path_);
     LimitFiles(fs::file_size(path_.string() + "-wal") + 100'000);
@@ -86,7 +86,7 @@ TEST_F(HardTimes, AFullDiskReservesNothing) {
   EXPECT_THAT(said, AllOf(HasSubstr("no room"), HasSubstr(path_.string()), HasSubstr("then 3")));
 }
 
-TEST_F(HardTimes, AFullDiskAtTheBeginningSaysSo) {
+TEST_F(DiskFailures, AFullDiskAtTheBeginningSaysSo) {
   EXPECT_THAT(InProcess([&]() -> std::string {
                 LimitFiles(0);
                 return ErrorOfOpening(folder_ / "new.db");
@@ -96,19 +96,19 @@ TEST_F(HardTimes, AFullDiskAtTheBeginningSaysSo) {
   EXPECT_EQ(MustReserve(*MustOpen(folder_ / "new.db")).header_id, 0U);
 }
 
-TEST_F(HardTimes, AFileWithoutWritePermissionIsRefused) {
+TEST_F(DiskFailures, AFileWithoutWritePermissionIsRefused) {
   Forbid();
   EXPECT_THAT(AsOrdinaryUser([&] { return ErrorOfOpening(path_); }),
               AllOf(HasSubstr("cannot be written"), HasSubstr("permission")));
 }
 
-TEST_F(HardTimes, AFolderWithoutWritePermissionIsRefused) {
+TEST_F(DiskFailures, AFolderWithoutWritePermissionIsRefused) {
   Forbid();
   EXPECT_THAT(AsOrdinaryUser([&] { return ErrorOfOpening(folder_ / "new.db"); }),
               AllOf(HasSubstr("new.db"), HasSubstr("Permission denied")));
 }
 
-TEST_F(HardTimes, AFileWithoutReadPermissionIsRefused) {
+TEST_F(DiskFailures, AFileWithoutReadPermissionIsRefused) {
   chmod(path_.c_str(), geteuid() == 0 ? 0600 : 0);
   for (const OpenMode mode : {OpenMode::kCreate, OpenMode::kReadOnly}) {
     EXPECT_THAT(AsOrdinaryUser([&] { return ErrorOfOpening(path_, mode); }),
@@ -116,24 +116,24 @@ TEST_F(HardTimes, AFileWithoutReadPermissionIsRefused) {
   }
 }
 
-TEST_F(HardTimes, AMediumThatNobodyCanWriteIsRead) {
+TEST_F(DiskFailures, AMediumThatNobodyCanWriteIsRead) {
   Forbid();
   EXPECT_EQ(NextAsOrdinaryUser(), "3 after 3 rows");
 }
 
-TEST_F(HardTimes, AMediumThatNobodyCanWriteIsReadWithoutALog) {
+TEST_F(DiskFailures, AMediumThatNobodyCanWriteIsReadWithoutALog) {
   RemoveLog();
   Forbid();
   EXPECT_EQ(NextAsOrdinaryUser(), "3 after 3 rows");
 }
 
-TEST_F(HardTimes, ALogThatCannotBeReadIsNotPassedOver) {
+TEST_F(DiskFailures, ALogThatCannotBeReadIsNotPassedOver) {
   fs::remove(path_.string() + "-shm");
   Forbid();
   EXPECT_THAT(NextAsOrdinaryUser(), AllOf(HasSubstr("-wal"), HasSubstr("writ")));
 }
 
-TEST_F(HardTimes, AnInterruptedRollbackNeedsSomebodyWhoMayWrite) {
+TEST_F(DiskFailures, AnInterruptedRollbackNeedsSomebodyWhoMayWrite) {
   RemoveLog();
   const char* many_rows =
       "WITH RECURSIVE n(i) AS (SELECT 1 UNION ALL SELECT i + 1 FROM n WHERE i < 2000) "

@@ -13,9 +13,9 @@ using ::testing::IsEmpty;
 using ::testing::Not;
 using ::testing::SizeIs;
 
-class Looking : public EndToEnd {};
+class ReadOnlyCommands : public EndToEnd {};
 
-TEST_F(Looking, ListsTheCatalogueOfAVersion) {
+TEST_F(ReadOnlyCommands, ListsTheCatalogueOfAVersion) {
   EXPECT_THAT(Lines(Fleetpub({"actions", "--quiet"}).output), SizeIs(29));
   EXPECT_THAT(Lines(Fleetpub({"actions", "--vda", "1.1", "--quiet"}).output), SizeIs(13));
   const auto lines = Lines(Fleetpub({"actions", "--vda", "2.1", "-o", "json"}).output);
@@ -26,7 +26,7 @@ TEST_F(Looking, ListsTheCatalogueOfAVersion) {
   EXPECT_TRUE(pause["instant"].GetBool());
 }
 
-TEST_F(Looking, ValidatesWhatItBuilt) {
+TEST_F(ReadOnlyCommands, ValidatesWhatItBuilt) {
   for (const char* version : {"1.1", "2.0", "2.1", "3"}) {
     Command command = operator_.Prepare({"validate"});
     command.input = Fleetpub({"pause", "KIT/0001", "--vda", version, "-n"}).output;
@@ -36,7 +36,7 @@ TEST_F(Looking, ValidatesWhatItBuilt) {
   }
 }
 
-TEST_F(Looking, TellsTheTopicFromTheMessage) {
+TEST_F(ReadOnlyCommands, TellsTheTopicFromTheMessage) {
   const std::pair<const char*, const char*> table[] = {
       {R"("version":"3.0.0","nodes":[])", "orderId, orderUpdateId, edges are required"},
       {R"("version":"2.1.0","agvPosition":{},"operatingMode":"MANUAL")", "lastNodeId"},
@@ -55,7 +55,7 @@ TEST_F(Looking, TellsTheTopicFromTheMessage) {
   }
 }
 
-TEST_F(Looking, PutsSchemasOfAFolderBeforeItsOwn) {
+TEST_F(ReadOnlyCommands, PutsSchemasOfAFolderBeforeItsOwn) {
   operator_.home().Write("published/3.0/order.schema", R"({"required":["mine"]})");
   operator_.home().Write("published/3.0/state.schema", "{\n  \"type\": \"object\",\n}");
   const auto folder = (operator_.home() / "published").string();
@@ -75,7 +75,7 @@ TEST_F(Looking, PutsSchemasOfAFolderBeforeItsOwn) {
   EXPECT_EQ(pause.exit_code, 0) << pause.errors;
 }
 
-TEST_F(Looking, ListsEveryViolationWithItsPlace) {
+TEST_F(ReadOnlyCommands, ListsEveryViolationWithItsPlace) {
   const auto file = operator_.home().Write(
       "message.json", R"({"headerId":-1,"timestamp":"2023-02-29T00:00:00Z","version":"3.0.0",)"
                       R"("manufacturer":"KIT","actions":[{"actionType":"a","actionId":1}]})");
@@ -90,7 +90,7 @@ TEST_F(Looking, ListsEveryViolationWithItsPlace) {
                                                      "/actions/0/actionId"));
 }
 
-TEST_F(Looking, WarnsOfTheTextsRulesAndFailsOnThemWhenStrict) {
+TEST_F(ReadOnlyCommands, WarnsOfTheTextsRulesAndFailsOnThemWhenStrict) {
   const auto file = operator_.home().Write(
       "message.json", R"({"headerId":1,"timestamp":"2026-01-02T03:04:05.678Z","version":"3.0.0",)"
                       R"("manufacturer":"KIT","serialNumber":"1","actions":[]})");
@@ -100,7 +100,7 @@ TEST_F(Looking, WarnsOfTheTextsRulesAndFailsOnThemWhenStrict) {
   EXPECT_EQ(Fleetpub({"validate", file.string(), "--strict"}).exit_code, 3);
 }
 
-TEST_F(Looking, ValidatesLinesWithTheirNumbers) {
+TEST_F(ReadOnlyCommands, ValidatesLinesWithTheirNumbers) {
   const std::string good = Fleetpub({"pause", "KIT/0001", "-n"}).output;
   const auto file = operator_.home().Write("messages.jsonl", good + "\n{\"a\":\n" + good);
   const Finished run = Fleetpub({"validate", "--lines", file.string(), "-o", "json"});
@@ -111,7 +111,7 @@ TEST_F(Looking, ValidatesLinesWithTheirNumbers) {
   EXPECT_FALSE(Json(lines[1])["valid"].GetBool());
 }
 
-TEST_F(Looking, SurvivesHostileMessagesAndSchemas) {
+TEST_F(ReadOnlyCommands, SurvivesHostileMessagesAndSchemas) {
   const std::vector<std::string> messages = {
       std::string(1'000'000, '['), "\xFF", "", std::string("{}\0{}", 5),
       R"({"a":1,"a":2})",          "1e999"};
@@ -131,7 +131,7 @@ TEST_F(Looking, SurvivesHostileMessagesAndSchemas) {
   }
 }
 
-TEST_F(Looking, ShowsAndListsSchemas) {
+TEST_F(ReadOnlyCommands, ShowsAndListsSchemas) {
   EXPECT_THAT(Fleetpub({"schema", "list"}).output, HasSubstr("vda5050/3.0.0/instantActions"));
   const Finished run = Fleetpub({"schema", "show", "vda5050/3.0.0/instantActions"});
   EXPECT_TRUE(Json(run.output).HasMember("$comment"));
@@ -140,7 +140,7 @@ TEST_F(Looking, ShowsAndListsSchemas) {
   EXPECT_THAT(wrong.errors, HasSubstr("did you mean vda5050/3.0.0/instantActions?"));
 }
 
-TEST_F(Looking, RemembersWhatWasSent) {
+TEST_F(ReadOnlyCommands, RemembersWhatWasSent) {
   EXPECT_EQ(Fleetpub({"pause", "KIT/0001"}).exit_code, 0);
   EXPECT_EQ(Fleetpub({"resume", "KIT/0002", "-q", "1"}).exit_code, 0);
   EXPECT_EQ(Fleetpub({"resume", "KIT/0003", "--no-history"}).exit_code, 0);
@@ -165,7 +165,7 @@ TEST_F(Looking, RemembersWhatWasSent) {
   EXPECT_THAT(Fleetpub({"pause", "KIT/0001"}).output, HasSubstr("headerId 1"));
 }
 
-TEST_F(Looking, PingsTheBroker) {
+TEST_F(ReadOnlyCommands, PingsTheBroker) {
   const auto robot = Robot({"KIT/0001"});  // what it has left is not the broker's
   const Finished text = Fleetpub({"ping"});
   EXPECT_EQ(text.exit_code, 0) << text.errors;
@@ -192,7 +192,7 @@ TEST(Ping, SaysWhichSubscriptionsTheBrokerRefuses) {
   EXPECT_FALSE(Json(run.output)["subscribe"]["state"].GetBool());
 }
 
-TEST_F(Looking, ExplainsItself) {
+TEST_F(ReadOnlyCommands, ExplainsItself) {
   const Finished general = Fleetpub({"--help"});
   EXPECT_EQ(general.exit_code, 0);
   EXPECT_THAT(general.output, AllOf(HasSubstr("startPause, pause"), HasSubstr("--broker"),

@@ -12,9 +12,9 @@ using ::testing::HasSubstr;
 using ::testing::MatchesRegex;
 using ::testing::Not;
 
-class ResponseTracker : public EndToEnd {};
+class Wait : public EndToEnd {};
 
-TEST_F(ResponseTracker, IsTheRobotsOwnWordInEveryVersion) {
+TEST_F(Wait, IsTheRobotsOwnWordInEveryVersion) {
   for (const char* version : {"1.1.0", "2.0.0", "2.1.0", "3.0.0"}) {
     const auto robot = Robot({"KIT/0001", "--vda", version});
     for (const char* action : {"pause", "resume", "charge", "uncharge", "stateRequest"}) {
@@ -25,7 +25,7 @@ TEST_F(ResponseTracker, IsTheRobotsOwnWordInEveryVersion) {
   }
 }
 
-TEST_F(ResponseTracker, LooksAsTheManualShowsIt) {
+TEST_F(Wait, LooksAsTheManualShowsIt) {
   const auto robot = Robot({"KIT/0001"});
   const Finished run = Fleetpub({"pause", "KIT/0001", "--wait"});
   EXPECT_THAT(run.output,
@@ -36,7 +36,7 @@ TEST_F(ResponseTracker, LooksAsTheManualShowsIt) {
   EXPECT_STREQ(Json(rows[0])["status"].GetString(), "FINISHED");
 }
 
-TEST_F(ResponseTracker, TellsWhetherThereWasAnOrderToCancel) {
+TEST_F(Wait, TellsWhetherThereWasAnOrderToCancel) {
   const auto idle = Robot({"KIT/0001"});
   const Finished none = Fleetpub({"cancel", "KIT/0001", "--wait"});
   EXPECT_EQ(none.exit_code, 5);
@@ -46,7 +46,7 @@ TEST_F(ResponseTracker, TellsWhetherThereWasAnOrderToCancel) {
   EXPECT_EQ(cancelled.exit_code, 0) << cancelled.output;
 }
 
-TEST_F(ResponseTracker, ReadsBothStylesOfRejection) {
+TEST_F(Wait, ReadsBothStylesOfRejection) {
   for (const char* style : {"state", "error"}) {
     const auto robot =
         Robot({"KIT/0001", "--vda", "2.1", "--reject", "startPause", "--reject-style", style});
@@ -56,7 +56,7 @@ TEST_F(ResponseTracker, ReadsBothStylesOfRejection) {
   }
 }
 
-TEST_F(ResponseTracker, RefusesWhatCannotBeObeyed) {
+TEST_F(Wait, RefusesWhatCannotBeObeyed) {
   const auto robot = Robot({"KIT/0001", "--mode", "MANUAL"});
   const Finished typo = Fleetpub({"resume", "KIT/0010", "--wait"});
   EXPECT_EQ(typo.exit_code, 7);
@@ -73,7 +73,7 @@ TEST_F(ResponseTracker, RefusesWhatCannotBeObeyed) {
   EXPECT_THAT(version.output, HasSubstr("speaks 3.0.0: use --vda auto"));
 }
 
-TEST_F(ResponseTracker, SpeaksToEachRobotInItsOwnVersion) {
+TEST_F(Wait, SpeaksToEachRobotInItsOwnVersion) {
   const auto old = Robot({"KIT/0001", "--vda", "1.1.0"});
   const auto young = Robot({"KIT/0002", "--vda", "3.0.0"});
   const Finished run =
@@ -90,7 +90,7 @@ TEST_F(ResponseTracker, SpeaksToEachRobotInItsOwnVersion) {
   EXPECT_EQ(Fleetpub({"pause", "KIT/0003", "--vda", "auto"}).exit_code, 7);
 }
 
-TEST_F(ResponseTracker, TellsThatARobotWasSwitchedOffHalfWay) {
+TEST_F(Wait, TellsThatARobotWasSwitchedOffHalfWay) {
   const auto robot = Robot({"KIT/0001", "--delay", "30s"});
   Process run(operator_.Prepare({"charge", "KIT/0001", "--wait", "--debug"}));
   ASSERT_TRUE(run.AwaitErrors("-> PUBLISH"));
@@ -102,7 +102,7 @@ TEST_F(ResponseTracker, TellsThatARobotWasSwitchedOffHalfWay) {
   EXPECT_THAT(run.Output(), HasSubstr("OFFLINE"));
 }
 
-TEST_F(ResponseTracker, TimesOutAndSaysWhatWasHeard) {
+TEST_F(Wait, TimesOutAndSaysWhatWasHeard) {
   const auto silent = Robot({"KIT/0001", "--silent"});
   const Finished unseen = Fleetpub({"pause", "KIT/0001", "--wait", "-W", "300ms"});
   EXPECT_EQ(unseen.exit_code, 6);
@@ -113,7 +113,7 @@ TEST_F(ResponseTracker, TimesOutAndSaysWhatWasHeard) {
   EXPECT_THAT(seen.output, AllOf(HasSubstr("TIMEOUT"), HasSubstr("RUNNING")));
 }
 
-TEST_F(ResponseTracker, RepeatsOnRequestWithTheSameActionId) {
+TEST_F(Wait, RepeatsOnRequestWithTheSameActionId) {
   const auto silent = Robot({"KIT/0001", "--silent"});
   const Subscriber subscriber(broker_, "+/+/+/+/instantActions");
   const Finished run = Fleetpub({"pause", "KIT/0001", "--wait", "-W", "600ms", "--resend", "2"});
@@ -128,7 +128,7 @@ TEST_F(ResponseTracker, RepeatsOnRequestWithTheSameActionId) {
   }
 }
 
-TEST_F(ResponseTracker, KnowsThePeculiarEndings) {
+TEST_F(Wait, KnowsThePeculiarEndings) {
   const auto robot = Robot({"KIT/0001"});
   for (const char* action : {"factsheetRequest", "clearInstantActions", "startHibernation",
                              "stopHibernation", "shutdown"}) {
@@ -140,7 +140,7 @@ TEST_F(ResponseTracker, KnowsThePeculiarEndings) {
   EXPECT_THAT(gone.output, HasSubstr("OFFLINE"));
 }
 
-TEST_F(ResponseTracker, StaysNeitherDoneNorFailedWhenRetriable) {
+TEST_F(Wait, StaysNeitherDoneNorFailedWhenRetriable) {
   const auto robot = Robot({"KIT/0001", "--retriable", "startCharging"});
   const Finished run = Fleetpub({"charge", "KIT/0001", "--wait", "--id", "c-1"});
   EXPECT_EQ(run.exit_code, 6);
@@ -148,7 +148,7 @@ TEST_F(ResponseTracker, StaysNeitherDoneNorFailedWhenRetriable) {
   EXPECT_EQ(Fleetpub({"retry", "KIT/0001", "--actionId", "c-1", "--wait"}).exit_code, 0);
 }
 
-TEST_F(ResponseTracker, CtrlCWhileWaitingSaysWhatWasSent) {
+TEST_F(Wait, CtrlCWhileWaitingSaysWhatWasSent) {
   const auto robot = Robot({"KIT/0001", "--delay", "30s"});
   Process run(operator_.Prepare({"charge", "KIT/0001", "--wait", "--debug"}));
   ASSERT_TRUE(run.AwaitErrors("-> PUBLISH"));
@@ -158,7 +158,7 @@ TEST_F(ResponseTracker, CtrlCWhileWaitingSaysWhatWasSent) {
   EXPECT_THAT(run.Errors(), HasSubstr("1 of 1 messages were sent"));
 }
 
-TEST_F(ResponseTracker, ReportsEveryOneOfAThousandRobots) {
+TEST_F(Wait, ReportsEveryOneOfAThousandRobots) {
   const auto robots = Robot({"KIT/0001", "--count", "1000"});
   std::vector<std::string> arguments = {"pause", "--wait", "-o", "json", "--no-check"};
   for (int i = 1; i <= 1000; ++i) arguments.push_back(fmt::format("KIT/{:04}", i));
@@ -171,7 +171,7 @@ TEST_F(ResponseTracker, ReportsEveryOneOfAThousandRobots) {
   EXPECT_EQ(finished, 1000U);
 }
 
-TEST_F(ResponseTracker, UsageOfWaiting) {
+TEST_F(Wait, UsageOfWaiting) {
   EXPECT_EQ(Fleetpub({"pause", "KIT/0001", "-W", "3s"}).exit_code, 2);
   EXPECT_EQ(Fleetpub({"pause", "KIT/0001", "--wait-for", "done"}).exit_code, 2);
   EXPECT_EQ(Fleetpub({"pause", "KIT/0001", "--check", "--no-check"}).exit_code, 2);

@@ -15,7 +15,7 @@ using ::testing::Not;
 using ::testing::SizeIs;
 using ::testing::StartsWith;
 
-class Watching : public EndToEnd {
+class FleetWatchAwait : public EndToEnd {
  protected:
   // Robots that are online when this returns.
   std::unique_ptr<Process> Simulate(std::vector<std::string> arguments) {
@@ -31,7 +31,7 @@ class Watching : public EndToEnd {
 
 // ── await ──
 
-TEST_F(Watching, AwaitsWhatAnotherProcessBringsAbout) {
+TEST_F(FleetWatchAwait, AwaitsWhatAnotherProcessBringsAbout) {
   const auto robot = Simulate({"KIT/0001", "--state-interval", "200ms"});
   const auto waiting =
       Start({"await", "KIT/0001", "state", "paused=true", "battery>50", "-W", "15s", "-o", "json"});
@@ -44,7 +44,7 @@ TEST_F(Watching, AwaitsWhatAnotherProcessBringsAbout) {
   EXPECT_STREQ(message["serialNumber"].GetString(), "0001");
 }
 
-TEST_F(Watching, AwaitsWithARetainedMessageOfAnyVersion) {
+TEST_F(FleetWatchAwait, AwaitsWithARetainedMessageOfAnyVersion) {
   const auto robot = Simulate({"KIT/0001", "--vda", "2.0"});
   const Finished run =
       Fleetpub({"await", "KIT/0001", "connection", "connectionState=ONLINE", "-W", "5s"});
@@ -60,18 +60,17 @@ TEST_F(Watching, AwaitsWithARetainedMessageOfAnyVersion) {
   EXPECT_THAT(other.errors, HasSubstr("KIT/0001: no connection message came within 300 ms"));
 }
 
-TEST_F(Watching, TellsWhatTheLastMessageSaidWhenTimeIsUp) {
+TEST_F(FleetWatchAwait, TellsWhatTheLastMessageSaidWhenTimeIsUp) {
   const auto robot = Simulate({"KIT/0001", "--state-interval", "100ms"});
   const Finished run = Fleetpub({"await", "KIT/0001", "state", "paused=true", "driving=false",
                                  "operatingMode=MANUAL", "/a/b=1", "-W", "500ms"});
   EXPECT_EQ(run.exit_code, 6);
   EXPECT_THAT(run.output, IsEmpty());
-  EXPECT_EQ(run.errors,
-            "fleetpub: error: KIT/0001: not so within 500 ms: in its last state message paused is "
-            "false, operatingMode is \"AUTOMATIC\", there is no /a/b\n");
+  EXPECT_THAT(run.errors, AllOf(HasSubstr("500 ms"), HasSubstr("paused is false"),
+                                HasSubstr(R"(operatingMode is "AUTOMATIC")"), HasSubstr("/a/b")));
 }
 
-TEST_F(Watching, RefusesConditionsThatCannotBeMeant) {
+TEST_F(FleetWatchAwait, RefusesConditionsThatCannotBeMeant) {
   const std::pair<const char*, const char*> cases[] = {
       {"paused", "quotation marks"}, {"=1", "names no member"}, {"/a~2=1", "JSON Pointer"}};
   for (const auto& [condition, reason] : cases) {
@@ -86,7 +85,7 @@ TEST_F(Watching, RefusesConditionsThatCannotBeMeant) {
               HasSubstr("did you mean state?"));
 }
 
-TEST_F(Watching, AwaitsThroughARestartOfTheBroker) {
+TEST_F(FleetWatchAwait, AwaitsThroughARestartOfTheBroker) {
   const auto waiting = Start({"await", "KIT/0001", "state", "paused=true", "-W", "20s"});
   ASSERT_TRUE(broker_.AwaitLog("KIT/0001/state"));
   broker_.Kill();
@@ -98,7 +97,7 @@ TEST_F(Watching, AwaitsThroughARestartOfTheBroker) {
   EXPECT_EQ(waiting->Wait(), 0) << waiting->Errors();
 }
 
-TEST_F(Watching, SaysThatTheBrokerIsNotThere) {
+TEST_F(FleetWatchAwait, SaysThatTheBrokerIsNotThere) {
   operator_.UseBroker("mqtt://127.0.0.1:1");
   for (const auto& arguments : std::vector<std::vector<std::string>>{
            {"await", "KIT/0001", "state", "a=1"}, {"fleet"}, {"watch"}}) {
@@ -108,7 +107,7 @@ TEST_F(Watching, SaysThatTheBrokerIsNotThere) {
 
 // ── fleet ──
 
-TEST_F(Watching, ShowsTheFleet) {
+TEST_F(FleetWatchAwait, ShowsTheFleet) {
   const auto old =
       Simulate({"ACME/7", "--vda", "1.1", "--mode", "MANUAL", "--state-interval", "100ms"});
   const auto robots = Simulate({"KIT/0001", "--count", "2", "--state-interval", "100ms"});
@@ -122,7 +121,7 @@ TEST_F(Watching, ShowsTheFleet) {
   EXPECT_THAT(run.errors, IsEmpty());
 }
 
-TEST_F(Watching, ShowsTheRobotsOfAPatternAsJson) {
+TEST_F(FleetWatchAwait, ShowsTheRobotsOfAPatternAsJson) {
   auto robots = Simulate({"KIT/0001", "--count", "3", "--vda", "2.1"});
   robots->Signal();
   EXPECT_EQ(robots->Wait(), 0);
@@ -142,7 +141,7 @@ TEST_F(Watching, ShowsTheRobotsOfAPatternAsJson) {
   EXPECT_TRUE(gone["paused"].IsNull());
 }
 
-TEST_F(Watching, WarnsOfRobotsThatKeepTheirStateToThemselves) {
+TEST_F(FleetWatchAwait, WarnsOfRobotsThatKeepTheirStateToThemselves) {
   const auto robot = Simulate({"KIT/0001", "--silent"});
   const Finished run = Fleetpub({"fleet", "--state-wait", "400ms"});
   EXPECT_EQ(run.exit_code, 0);
@@ -150,7 +149,7 @@ TEST_F(Watching, WarnsOfRobotsThatKeepTheirStateToThemselves) {
   EXPECT_THAT(Fleetpub({"fleet", "--state-wait", "0", "--discover", "100"}).errors, IsEmpty());
 }
 
-TEST_F(Watching, SaysThatThereIsNobody) {
+TEST_F(FleetWatchAwait, SaysThatThereIsNobody) {
   const Finished all = Fleetpub({"fleet"});
   EXPECT_EQ(all.exit_code, 7);
   EXPECT_THAT(all.errors, HasSubstr("knows no robot: "));
@@ -163,7 +162,7 @@ TEST_F(Watching, SaysThatThereIsNobody) {
 
 // ── watch ──
 
-TEST_F(Watching, WritesALineForEachChange) {
+TEST_F(FleetWatchAwait, WritesALineForEachChange) {
   const auto robot = Simulate({"KIT/0001", "--state-interval", "50ms"});
   const auto watch = Start({"watch", "KIT/*", "--for", "20s"});
   ASSERT_TRUE(watch->AwaitOutput("paused no"));
@@ -176,7 +175,7 @@ TEST_F(Watching, WritesALineForEachChange) {
   EXPECT_THAT(watch->Output(), Not(HasSubstr("\x1b")));
 }
 
-TEST_F(Watching, WritesChangesAsJsonUntilTimeIsUp) {
+TEST_F(FleetWatchAwait, WritesChangesAsJsonUntilTimeIsUp) {
   const auto robot = Simulate({"KIT/0001", "--state-interval", "50ms"});
   const Finished run = Fleetpub({"watch", "-o", "json", "--for", "500ms"});
   EXPECT_EQ(run.exit_code, 0) << run.errors;
@@ -189,7 +188,7 @@ TEST_F(Watching, WritesChangesAsJsonUntilTimeIsUp) {
   EXPECT_TRUE(last["time"].IsString());
 }
 
-TEST_F(Watching, ComesBackAfterARestartOfTheBroker) {
+TEST_F(FleetWatchAwait, ComesBackAfterARestartOfTheBroker) {
   const auto watch = Start({"watch"});
   ASSERT_TRUE(broker_.AwaitLog("+/+/+/+/connection"));
   broker_.Kill();

@@ -49,7 +49,7 @@ Finished RunPage(const std::string& commands) {
              std::chrono::seconds(60));
 }
 
-TEST(Pages, SetUpASite) {
+TEST(DocsWalkthroughs, SetUpASite) {
   std::string commands = CommandsOf("site.md");
   ASSERT_THAT(commands, HasSubstr("fleetpub pause agv1 --profile north --wait"));
   Replace(commands, "8883", std::to_string(FreePort()));
@@ -99,7 +99,7 @@ fleetpub ping --profile north --cert false-ann.pem --key false-ann.key --key-pas
   || echo "false ann exit $?"
 )sh";
 
-TEST(Pages, SetUpASiteWhereNobodyBecomesMoreThanTheAuthoritySaid) {
+TEST(DocsWalkthroughs, SetUpASiteWhereNobodyBecomesMoreThanTheAuthoritySaid) {
   std::string commands = CommandsOf("site.md");
   commands.resize(commands.find("fleetpub simulate"));
   Replace(commands, "8883", std::to_string(FreePort()));
@@ -114,7 +114,7 @@ TEST(Pages, SetUpASiteWhereNobodyBecomesMoreThanTheAuthoritySaid) {
   }
 }
 
-TEST(Pages, TellRecipesThatWork) {
+TEST(DocsWalkthroughs, TellRecipesThatWork) {
   const std::string commands = CommandsOf("recipes.md");
   ASSERT_THAT(commands, HasSubstr("fleetpub fleet\n"));
   const Mosquitto broker;

@@ -12,9 +12,9 @@ using ::testing::MatchesRegex;
 using ::testing::SizeIs;
 using ::testing::StartsWith;
 
-class Publishing : public EndToEnd {};
+class InstantActions : public EndToEnd {};
 
-TEST_F(Publishing, PausesARobot) {
+TEST_F(InstantActions, PausesARobot) {
   const Subscriber subscriber(broker_);
   const Finished run = Fleetpub({"pause", "KIT/0001"});
   EXPECT_EQ(run.exit_code, 0) << run.errors;
@@ -31,7 +31,7 @@ TEST_F(Publishing, PausesARobot) {
   EXPECT_TRUE(base::ParseDateTime(message["timestamp"].GetString()).has_value());
 }
 
-TEST_F(Publishing, NeverRetains) {
+TEST_F(InstantActions, NeverRetains) {
   EXPECT_EQ(Fleetpub({"pause", "KIT/0001", "-q", "1"}).exit_code, 0);
   const Subscriber late(broker_);
   EXPECT_EQ(Fleetpub({"resume", "KIT/0001", "-q", "1"}).exit_code, 0);
@@ -41,7 +41,7 @@ TEST_F(Publishing, NeverRetains) {
   EXPECT_THAT(messages[0].payload, HasSubstr("stopPause"));
 }
 
-TEST_F(Publishing, SendsNumbersAsNumbersAndNegativeOnes) {
+TEST_F(InstantActions, SendsNumbersAsNumbersAndNegativeOnes) {
   const Subscriber subscriber(broker_);
   const Finished run =
       Fleetpub({"initPosition", "KIT/0001", "--x", "1.5", "--y", "-2", "--theta", "0.5", "--mapId",
@@ -57,7 +57,7 @@ TEST_F(Publishing, SendsNumbersAsNumbersAndNegativeOnes) {
                         R"({"key":"lastNodeId","value":"n1"}])"));
 }
 
-TEST_F(Publishing, SendsAManufacturersOwnActionToSeveralRobots) {
+TEST_F(InstantActions, SendsAManufacturersOwnActionToSeveralRobots) {
   const Subscriber subscriber(broker_);
   const Finished run =
       Fleetpub({"action", "beep", "-P", "duration:=3", "KIT/0001", "-P", "mode=loud", "KIT/0002"});
@@ -75,7 +75,7 @@ TEST_F(Publishing, SendsAManufacturersOwnActionToSeveralRobots) {
             Json(messages[1].payload)["actions"][0]["actionId"].GetString());
 }
 
-TEST_F(Publishing, CountsHeaderIdsPerTopic) {
+TEST_F(InstantActions, CountsHeaderIdsPerTopic) {
   const Subscriber subscriber(broker_);
   for (const char* robot : {"KIT/0001", "KIT/0001", "KIT/0002", "KIT/0001"}) {
     EXPECT_EQ(Fleetpub({"pause", robot}).exit_code, 0);
@@ -88,7 +88,7 @@ TEST_F(Publishing, CountsHeaderIdsPerTopic) {
   }
 }
 
-TEST_F(Publishing, IsAcknowledgedAtQos1And2OverBothVersionsOfMqtt) {
+TEST_F(InstantActions, IsAcknowledgedAtQos1And2OverBothVersionsOfMqtt) {
   const Subscriber subscriber(broker_, "#", 2);
   for (const char* version : {"3.1.1", "5"}) {
     for (const char* qos : {"1", "2"}) {
@@ -103,7 +103,7 @@ TEST_F(Publishing, IsAcknowledgedAtQos1And2OverBothVersionsOfMqtt) {
   EXPECT_EQ(messages[3].qos, 2);
 }
 
-TEST_F(Publishing, SendsMqtt5PropertiesAlongWithEachMessage) {
+TEST_F(InstantActions, SendsMqtt5PropertiesAlongWithEachMessage) {
   Process subscriber(
       {.arguments = {"stdbuf", "-oL", "mosquitto_sub", "-h", "127.0.0.1", "-p",
                      std::to_string(broker_.port()), "-V", "5", "-t", "#", "-F", "%E [%P]", "-d"}});
@@ -115,7 +115,7 @@ TEST_F(Publishing, SendsMqtt5PropertiesAlongWithEachMessage) {
   ASSERT_TRUE(subscriber.AwaitOutput("90 [desk:night shift ticket:a=b]\n"));
 }
 
-TEST_F(Publishing, TellsAScriptEverythingInJson) {
+TEST_F(InstantActions, TellsAScriptEverythingInJson) {
   const Finished run = Fleetpub({"pause", "KIT/0001", "-o", "json", "--id", "a-1", "--vda", "2"});
   EXPECT_EQ(run.exit_code, 0) << run.errors;
   const auto result = Json(run.output);
@@ -131,13 +131,13 @@ TEST_F(Publishing, TellsAScriptEverythingInJson) {
   EXPECT_FALSE(result.HasMember("versionAssumed"));
 }
 
-TEST_F(Publishing, IsQuietWhenAsked) {
+TEST_F(InstantActions, IsQuietWhenAsked) {
   const Finished run = Fleetpub({"pause", "KIT/0001", "--quiet"});
   EXPECT_EQ(run.exit_code, 0);
   EXPECT_EQ(run.output + run.errors, "");
 }
 
-TEST_F(Publishing, ADryRunSendsNothingAndUsesNoHeaderId) {
+TEST_F(InstantActions, ADryRunSendsNothingAndUsesNoHeaderId) {
   const Subscriber subscriber(broker_);
   const Finished text = Fleetpub({"cancelOrder", "KIT/0001", "--vda", "2.1", "--dry-run"});
   EXPECT_EQ(text.exit_code, 0) << text.errors;
@@ -155,12 +155,12 @@ TEST_F(Publishing, ADryRunSendsNothingAndUsesNoHeaderId) {
   EXPECT_EQ(Json(messages[0].payload)["headerId"].GetInt(), 0);
 }
 
-TEST_F(Publishing, ADryRunNeedsNoBroker) {
+TEST_F(InstantActions, ADryRunNeedsNoBroker) {
   operator_.UseBroker("mqtt://127.0.0.1:1");
   EXPECT_EQ(Fleetpub({"pause", "KIT/0001", "-n"}).exit_code, 0);
 }
 
-TEST_F(Publishing, HeedsARobotsQuirks) {
+TEST_F(InstantActions, HeedsARobotsQuirks) {
   const Subscriber subscriber(broker_);
   const Finished run = Fleetpub(
       {"pause", "KIT/0001", "--vda", "2.0", "--actions-key", "instantActions", "--header-version",
@@ -176,7 +176,7 @@ TEST_F(Publishing, HeedsARobotsQuirks) {
   EXPECT_STREQ(message["serialNumber"].GetString(), "9");
 }
 
-TEST_F(Publishing, TakesAHeaderIdAboveTheLastOneOnly) {
+TEST_F(InstantActions, TakesAHeaderIdAboveTheLastOneOnly) {
   EXPECT_EQ(Fleetpub({"pause", "KIT/0001", "--header-id", "17"}).exit_code, 0);
   const Finished again = Fleetpub({"pause", "KIT/0001", "--header-id", "17"});
   EXPECT_EQ(again.exit_code, 2);
@@ -184,14 +184,14 @@ TEST_F(Publishing, TakesAHeaderIdAboveTheLastOneOnly) {
   EXPECT_THAT(Fleetpub({"pause", "KIT/0001"}).output, HasSubstr("headerId 18"));
 }
 
-TEST_F(Publishing, ReadsTheBrokerFromHostAndPort) {
+TEST_F(InstantActions, ReadsTheBrokerFromHostAndPort) {
   operator_.UseBroker("");
   const Finished run =
       Fleetpub({"pause", "KIT/0001", "--host", "127.0.0.1", "-p", std::to_string(broker_.port())});
   EXPECT_EQ(run.exit_code, 0) << run.errors;
 }
 
-TEST_F(Publishing, IgnoresProxyVariables) {
+TEST_F(InstantActions, IgnoresProxyVariables) {
   Command command = operator_.Prepare({"pause", "KIT/0001"});
   for (const char* name : {"http_proxy", "https_proxy", "HTTP_PROXY", "ALL_PROXY"}) {
     command.environment.emplace_back(name, "http://127.0.0.1:1");

@@ -20,7 +20,7 @@ using ::testing::IsEmpty;
 using ::testing::Not;
 using ::testing::SizeIs;
 
-class Network : public EndToEnd {
+class ConnectionLoss : public EndToEnd {
  protected:
   // What the broker got for the robot since it was started.
   [[nodiscard]] std::ptrdiff_t Commands() const {
@@ -43,7 +43,7 @@ class Network : public EndToEnd {
   }
 };
 
-TEST_F(Network, WaitsOnWhenTheBrokerIsStartedAgain) {
+TEST_F(ConnectionLoss, WaitsOnWhenTheBrokerIsStartedAgain) {
   const auto robot = Robot({"KIT/0001", "--delay", "1s", "--state-interval", "300ms", "-v"});
   const auto run = Charge(*robot, broker_.Url(), {"-W", "15s"});
   EXPECT_EQ(Commands(), 1);
@@ -57,7 +57,7 @@ TEST_F(Network, WaitsOnWhenTheBrokerIsStartedAgain) {
   EXPECT_THAT(History(), SizeIs(1));
 }
 
-TEST_F(Network, SaysThatTheBrokerNeverCameBack) {
+TEST_F(ConnectionLoss, SaysThatTheBrokerNeverCameBack) {
   const auto robot = Robot({"KIT/0001", "--delay", "30s", "-v"});
   const auto run = Charge(*robot, broker_.Url(), {"-W", "2s"});
   broker_.Kill();
@@ -68,7 +68,7 @@ TEST_F(Network, SaysThatTheBrokerNeverCameBack) {
 }
 
 // Nobody hangs up: only the keep-alive can tell.
-TEST_F(Network, NoticesThatTheNetworkIsDead) {
+TEST_F(ConnectionLoss, NoticesThatTheNetworkIsDead) {
   const auto robot = Robot({"KIT/0001", "--delay", "1s", "--state-interval", "300ms", "-v"});
   Relay relay(broker_.port());
   const auto run = Charge(*robot, relay.Url(), {"-W", "15s", "-k", "1", "--connect-timeout", "2s"});
@@ -80,7 +80,7 @@ TEST_F(Network, NoticesThatTheNetworkIsDead) {
   EXPECT_THAT(History(), SizeIs(1));
 }
 
-TEST_F(Network, IsWaitedForNoLongerThanTheTimeout) {
+TEST_F(ConnectionLoss, IsWaitedForNoLongerThanTheTimeout) {
   const auto robot = Robot({"KIT/0001", "--delay", "30s", "-v"});
   Relay relay(broker_.port());
   const auto run = Charge(*robot, relay.Url(), {"-W", "1s"});
@@ -92,7 +92,7 @@ TEST_F(Network, IsWaitedForNoLongerThanTheTimeout) {
   EXPECT_THAT(waiting->Wait(milliseconds(8000)), AnyOf(Eq(4), Eq(6)));
 }
 
-TEST_F(Network, MayBeFarAway) {
+TEST_F(ConnectionLoss, IsNotADistantBroker) {
   const auto robot = Robot({"KIT/0001", "--state-interval", "500ms"});
   const Subscriber subscriber(broker_, "+/+/+/+/instantActions");
   const Relay far(broker_.port(), milliseconds(150));
@@ -112,7 +112,7 @@ TEST_F(Network, MayBeFarAway) {
   EXPECT_EQ(Commands(), 4);
 }
 
-TEST_F(Network, SurvivesThatSomebodyElseTakesTheClientId) {
+TEST_F(ConnectionLoss, SurvivesThatSomebodyElseTakesTheClientId) {
   const auto robot = Robot({"KIT/0001", "--delay", "1s", "--state-interval", "300ms", "-v"});
   const auto run = Charge(*robot, broker_.Url(), {"-W", "15s", "-i", "hall-1"});
   EXPECT_EQ(Fleetpub({"pause", "KIT/0001", "-i", "hall-1"}).exit_code, 0);
@@ -123,7 +123,7 @@ TEST_F(Network, SurvivesThatSomebodyElseTakesTheClientId) {
 }
 
 // Each throws the other out whenever it connects.
-TEST_F(Network, CalmsDownWhenTwoWaitWithOneClientId) {
+TEST_F(ConnectionLoss, CalmsDownWhenTwoWaitWithOneClientId) {
   const auto robot = Robot({"KIT/0001", "--silent", "-v"});
   const auto first = Charge(*robot, broker_.Url(), {"-W", "4s", "-i", "hall-1"});
   Process second(

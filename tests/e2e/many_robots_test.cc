@@ -16,7 +16,7 @@ using ::testing::MatchesRegex;
 using ::testing::Not;
 using ::testing::SizeIs;
 
-class FanOut : public EndToEnd {
+class ManyRobots : public EndToEnd {
  protected:
   // Robots that were there and are not any more, as their last will says it.
   void LeaveOffline(int count) const {
@@ -51,7 +51,7 @@ std::set<std::string> Names(const char* manufacturer, int count) {
   return names;
 }
 
-TEST_F(FanOut, TheReportOnAThousandNamesExactlyThoseThatAreNotPaused) {
+TEST_F(ManyRobots, TheReportOnAThousandNamesExactlyThoseThatAreNotPaused) {
   const auto first = Robot({"A/0001", "--count", "250", "--vda", "1.1.0"});
   const auto second = Robot({"B/0001", "--count", "250", "--vda", "2.0.0"});
   const auto third = Robot({"C/0001", "--count", "250", "--vda", "2.1.0"});
@@ -74,7 +74,7 @@ TEST_F(FanOut, TheReportOnAThousandNamesExactlyThoseThatAreNotPaused) {
                         R"("offline":20,"refused":0,"errors":0)"));
 }
 
-TEST_F(FanOut, APersonReadsASummary) {
+TEST_F(ManyRobots, APersonReadsASummary) {
   const auto robots = Robot({"KIT/0001", "--count", "3"});
   const auto refusing = Robot({"NO/0001", "--reject", "pause"});
   LeaveOffline(1);
@@ -90,7 +90,7 @@ TEST_F(FanOut, APersonReadsASummary) {
   EXPECT_THAT(rows, SizeIs(1));
 }
 
-TEST_F(FanOut, WhatIsNotSentToARobotThatIsOfflineIsListedToo) {
+TEST_F(ManyRobots, WhatIsNotSentToARobotThatIsOfflineIsListedToo) {
   const auto robots = Robot({"KIT/0001", "--count", "2"});
   LeaveOffline(2);
   const Subscriber subscriber(broker_, "+/+/OFF/+/instantActions");
@@ -102,7 +102,7 @@ TEST_F(FanOut, WhatIsNotSentToARobotThatIsOfflineIsListedToo) {
   EXPECT_THAT(subscriber.SoFar(), ::testing::IsEmpty());
 }
 
-TEST_F(FanOut, TheSlowOnesAreNamed) {
+TEST_F(ManyRobots, TheSlowOnesAreNamed) {
   const auto quick = Robot({"KIT/0001", "--count", "3"});
   const auto slow = Robot({"SLOW/0001", "--delay", "1200ms"});
   const Finished run = Fleetpub({"charge", "--all", "--wait", "--yes"});
@@ -111,7 +111,7 @@ TEST_F(FanOut, TheSlowOnesAreNamed) {
   EXPECT_THAT(Lines(run.output).back(), HasSubstr("slow     SLOW/0001 1."));
 }
 
-TEST_F(FanOut, AtQosZeroAndOneNoneIsLost) {
+TEST_F(ManyRobots, AtQosZeroAndOneNoneIsLost) {
   const auto robots = Robot({"KIT/0001", "--count", "1500"});
   for (const char* qos : {"0", "1"}) {
     const Finished run = Fleetpub({"pause", "KIT/*", "--wait", "-q", qos, "-o", "json"});
@@ -120,7 +120,7 @@ TEST_F(FanOut, AtQosZeroAndOneNoneIsLost) {
   }
 }
 
-TEST_F(FanOut, ABulkJobKeepsNobodyWaiting) {
+TEST_F(ManyRobots, ABulkJobKeepsNobodyWaiting) {
   const auto robots = Robot({"KIT/0001", "--count", "40"});
   Process bulk(operator_.Prepare({"resume", "KIT/*", "--yes", "--rate", "4", "-q", "1"}));
   ASSERT_TRUE(bulk.AwaitOutput("PUBLISHED"));
@@ -132,7 +132,7 @@ TEST_F(FanOut, ABulkJobKeepsNobodyWaiting) {
   EXPECT_THAT(bulk.Errors(), HasSubstr("of 40 messages were sent"));
 }
 
-TEST_F(FanOut, ATerminalShowsHowFarItHasCome) {
+TEST_F(ManyRobots, ATerminalShowsHowFarItHasCome) {
   const auto robots = Robot({"KIT/0001", "--count", "3", "--delay", "1s"});
   Command command = operator_.Prepare({"charge", "KIT/*", "--wait", "--yes"});
   command.arguments = {"script", "-qec", command.arguments[0] + " charge 'KIT/*' --wait --yes",

@@ -9,8 +9,10 @@
 #include <set>
 
 #include "support/document.h"
+#include "support/free_port.h"
 #include "support/mosquitto.h"
 #include "support/operator.h"
+#include "support/page_world.h"
 
 namespace fleetpub::testing {
 namespace {
@@ -24,38 +26,9 @@ void Replace(std::string& text, const std::string& what, const std::string& with
   }
 }
 
-/// What a chapter's commands take for granted.
-struct World {
-  std::string setup;  ///< shell, before the first
-  /// Shell before the first command that begins so.
-  std::vector<std::pair<std::string, std::string>> before = {};
-  /// Other exit codes than 0, by the command's beginning.
-  std::vector<std::pair<std::string, int>> codes = {};
-  /// What is put in the place of something that stands in the commands.
-  std::vector<std::pair<std::string, std::string>> changes = {};
-};
-
-// Shell functions for the worlds: `online TARGET…` returns when the robots are online.
-constexpr const char* kPrelude = R"(
-trap 'kill $(jobs -p) 2>/dev/null; wait' EXIT
-shopt -s expand_aliases
-background() { local log; log=$(mktemp -p .); "$@" >"$log" 2>&1 & until grep -q online "$log"; do sleep .02; done; cat "$log"; }
-until_killed() { background "$@"; kill $!; wait $!; }
-online() { background fleetpub simulate --state-interval 50ms "$@" >/dev/null; }
-gone() { online "$@"; kill $!; wait $!; }
-everybody_goes() { kill $(jobs -p); wait; }
-order() { echo '{"orderId":"o-1","orderUpdateId":0,"nodes":[{"nodeId":"n1","sequenceId":0,"released":true,"actions":[],
-  "nodePosition":{"x":-5,"y":5,"mapId":"map-1"}},{"nodeId":"n2","sequenceId":2,"released":true,"actions":[],
-  "nodePosition":{"x":5,"y":5,"mapId":"map-1"}}],"edges":[{"edgeId":"e1","sequenceId":1,"released":true,
-  "startNodeId":"n1","endNodeId":"n2","actions":[]}]}'; }
-zones() { echo '{"zoneSet":{"mapId":"map-1","zoneSetId":"hall-1","zones":[{"zoneId":"gate","zoneType":"RELEASE",
-  "releaseLossBehavior":"STOP","vertices":[{"x":0,"y":0},{"x":10,"y":0},{"x":10,"y":10},{"x":0,"y":10}]}]}}'; }
-publish() { mosquitto_pub -p "$PORT" "$@"; }
-)";
-
 // The commands, each followed by its exit code, with what they print between marks.
 std::string ScriptOf(const std::vector<Example>& examples, const World& world) {
-  std::string script = std::string(kPrelude) + "exec 2>&1\n" + world.setup + "\n";
+  std::string script = std::string(WorldFunctions()) + "exec 2>&1\n" + world.setup + "\n";
   auto before = world.before;
   for (const Example& example : examples) {
     const auto first = std::find_if(before.begin(), before.end(), [&](const auto& one) {
@@ -69,6 +42,8 @@ std::string ScriptOf(const std::vector<Example>& examples, const World& world) {
     for (const auto& [what, with] : world.changes) Replace(command, what, with);
     Replace(command, "127.0.0.1:1883", "127.0.0.1:$PORT");
     Replace(command, "localhost:1883", "127.0.0.1:$PORT");
+    Replace(command, "localhost:1884", "localhost:$PORT_1884");
+    Replace(command, "localhost:8883", "localhost:$PORT_8883");
     // What would run on is killed once it is up, and what runs in the background is waited for
     // until it is.
     const bool is_simulate = command.starts_with("fleetpub simulate");
@@ -84,11 +59,16 @@ std::string ScriptOf(const std::vector<Example>& examples, const World& world) {
 
 std::string RunInAHome(const std::string& script, const Mosquitto& broker) {
   const TemporaryFolder home;
+  const std::string port = std::to_string(broker.port());
+  const std::string port_1884 = std::to_string(FreePort());
+  const std::string port_8883 = std::to_string(FreePort());
   const std::string folder = std::filesystem::path(Binary()).parent_path().string();
   std::string output = Run({.arguments = {"bash", "-uc", script},
                             .environment = {{"HOME", home.path().string()},
                                             {"PATH", folder + ":/usr/sbin:" + std::getenv("PATH")},
-                                            {"PORT", std::to_string(broker.port())},
+                                            {"PORT", port},
+                                            {"PORT_1884", port_1884},
+                                            {"PORT_8883", port_8883},
                                             {"XDG_CONFIG_HOME", std::nullopt},
                                             {"XDG_STATE_HOME", std::nullopt},
                                             {"FLEETPUB_CONFIG", std::nullopt},
@@ -97,7 +77,10 @@ std::string RunInAHome(const std::string& script, const Mosquitto& broker) {
                             .folder = home.path().string()},
                            std::chrono::seconds(90))
                            .output;
-  Replace(output, broker.Url(), "mqtt://localhost:1883");
+  Replace(output, "127.0.0.1:" + port, "localhost:1883");
+  Replace(output, "localhost:" + port_1884, "localhost:1884");
+  Replace(output, "localhost:" + port_8883, "localhost:8883");
+  Replace(output, home.path().string(), "/home/ann");
   return output;
 }
 
@@ -117,7 +100,14 @@ void ExpectShown(const Example& example, const std::vector<std::string>& lines) 
   }
 }
 
-void RunExamples(const std::vector<Example>& examples, const World& world) {
+// "The robot is offline (exit 7)"
+int ExitCodeOf(const std::string& heading) {
+  static const std::regex code(R"(.*\(exit ([0-9]+)\))");
+  std::smatch match;
+  return std::regex_match(heading, match, code) ? std::stoi(match[1]) : 0;
+}
+
+void RunExamples(const std::vector<Example>& examples, const World& world, int exit_code) {
   const Mosquitto broker;
   const auto lines = Lines(RunInAHome(ScriptOf(examples, world), broker));
   auto line = lines.begin();
@@ -133,96 +123,11 @@ void RunExamples(const std::vector<Example>& examples, const World& world) {
       return example.command.starts_with(one.first);
     });
     EXPECT_EQ(end->substr(end->find("@@exit ") + 7),
-              std::to_string(code == world.codes.end() ? 0 : code->second))
+              std::to_string(code == world.codes.end() ? exit_code : code->second))
         << example.command << ::testing::PrintToString(output);
     ExpectShown(example, output);
     line = end;
   }
-}
-
-const World kTargets = {
-    .setup =
-        "online KIT/0001 --count 2; printf 'KIT/0001,hall 1\\nKIT/0002,hall 2\\n' > robots.csv",
-    .before = {{"fleetpub pause --all --wait --timeout 3s",
-                "everybody_goes; gone KIT/0005; online KIT/0001; online KIT/0002 --delay 2s\n"
-                "online KIT/0003 --fail startPause; online KIT/0004 --silent"}},
-    .codes = {{"fleetpub charge --all --where 'battery<20'", 7},  // none is that low
-              {"fleetpub pause --all --wait --timeout 3s", 5}}};
-
-const World kOrders = {
-    .setup =
-        "online KIT/0001 --count 2 --order-time 1s; order > order.json; zones > hall-1.json\n"
-        "fleetpub publish zoneSet KIT/0001 -f hall-1.json --wait\n"
-        "fleetpub enableZoneSet KIT/0001 --zoneSetId hall-1 --wait\n"
-        "echo '{\"actions\":[{\"actionType\":\"stateRequest\",\"actionId\":\"a1\","
-        "\"blockingType\":\"NONE\"}]}' > actions.json"};
-
-const World kLooking = {
-    .setup =
-        "online KIT/0001; gone KIT/0002 --vda 2.1; fleetpub pause KIT/0001 --wait\n"
-        "fleetpub charge KIT/0001 --wait",
-    // The one that has gone would be waited for.
-    .before = {
-        {"fleetpub await KIT/0001 state paused=true",
-         "fleetpub uncharge KIT/0001 --wait; publish -r -n -t uagv/v2/KIT/0002/connection"}}};
-
-const World kSoar = {
-    .setup =
-        "background fleetpub simulate --protocol soar soar.planet-ocean.ecosub.eco1\n"
-        "printf 'lat,lon,depth\\n50.37,-4.19,15\\n50.36,-4.20,15\\n' > waypoints.csv\n"
-        "echo '{\"planning_config_ID\":3,\"squads\":[],\"exclusion_zones\":[]}' > squads.json\n",
-    .changes = {{" ID ", " 00000000-0000-4000-8000-000000000000 "}}};
-
-const World kLive = {
-    .setup =
-        "online KIT/0001; online KIT/0002\n"
-        "publish -r -t vda5050/v3/KIT/0002/connection -m '{\"headerId\":3,\"timestamp\":"
-        "\"2026-01-02T03:04:05.000Z\",\"version\":\"3.0.0\",\"manufacturer\":\"KIT\","
-        "\"serialNumber\":\"0001\",\"connectionState\":\"ONLINE\"}'\n"
-        "state=$(mosquitto_sub -p $PORT -C 1 -t vda5050/v3/KIT/0001/state)\n"
-        "state=$(sed 's/\"charging\":[a-z]*/\"charging\":\"yes\"/; "
-        "s/\"headerId\":[0-9]*/\"headerId\":17/' <<<\"$state\")\n"
-        "{ sleep 1; publish -t vda5050/v3/KIT/0001/state -m \"$state\"; } &",
-    .codes = {{"fleetpub validate --live", 3}},
-    .changes = {{"--for 60s", "--for 3s"}}};
-
-// By page and heading.
-const std::map<std::string, std::map<std::string, World>>& Worlds() {
-  static const std::map<std::string, std::map<std::string, World>> worlds = {
-      {"docs/manual.md",
-       {{"Commands", {}},
-        {"Targets", kTargets},
-        {"Waiting", {.setup = "online KIT/0001"}},
-        {"Files", {}},
-        {"Completion",
-         {.setup =
-              "mkdir -p ~/.local/share/bash-completion/completions ~/.config/fish/completions\n"
-              "fpath=(\"\" \"$HOME\")"}},
-        {"Output", {}},
-        {"Orders and other messages", kOrders},
-        {"Batch",
-         {.setup = "online KIT/0001\n"
-                   "echo '{\"target\":\"KIT/0001\",\"action\":\"startPause\"}' > commands.jsonl"}},
-        {"Fleet, watch, await", kLooking},
-        {"SoAR", kSoar},
-        {"To try it", {}},
-        {"Live", kLive},
-        {"Simulate", {}},
-        {"Platforms", {}}}},
-      {"README.md",
-       {{"Five minutes", {}},
-        {"Five recipes",
-         {.setup =
-              "online KIT/0001; background fleetpub simulate --protocol soar soar.noc.autosub.ah1\n"
-              "echo '{\"type\":\"LineString\",\"coordinates\":[[-4.18,50.37],[-4.19,50.37]]}' "
-              "> route.geojson"}}}},
-      {"docs/scale.md",
-       {{"A hundred thousand robots: by site",
-         {.setup =
-              "mkdir -p ~/.config/fleetpub; printf '[profile.%s]\\nqos = 0\\n' north south west > "
-              "~/.config/fleetpub/config.toml\n"
-              "online KIT/0001 --for 20s; disown -a"}}}}};
-  return worlds;
 }
 
 // Blocks of commands that are not for a test, and what is no command at all: by their beginning.
@@ -234,31 +139,48 @@ bool IsSomethingElse(const Block& block) {
   return false;
 }
 
-class Examples : public ::testing::TestWithParam<std::pair<std::string, std::string>> {};
+constexpr const char* kPages[] = {
+    "README.md",           "docs/manual.md",   "docs/recipes.md",
+    "docs/robot-words.md", "docs/security.md", "docs/brokers.md",
+    "docs/scale.md",       "docs/site.md",     "docs/troubleshooting.md"};
+
+/// By chapter.
+std::map<std::string, std::vector<Example>> ExamplesOf(const std::string& page) {
+  std::map<std::string, std::vector<Example>> examples;
+  for (const Block& block : IndentedBlocks(SourceText(page))) {
+    if (IsSomethingElse(block)) continue;
+    for (const Example& example : block.examples) {
+      if (!example.command.starts_with("scripts/")) examples[block.chapter].push_back(example);
+    }
+  }
+  return examples;
+}
+
+World WorldOf(const std::string& page, const std::string& chapter) {
+  const auto chapters = Worlds().find(page);
+  if (chapters == Worlds().end()) return {};
+  const auto world = chapters->second.find(chapter);
+  return world == chapters->second.end() ? World{} : world->second;
+}
+
+class DocsExamples : public ::testing::TestWithParam<std::pair<std::string, std::string>> {};
 
 std::vector<std::pair<std::string, std::string>> AllChapters() {
   std::vector<std::pair<std::string, std::string>> all;
-  for (const auto& [page, chapters] : Worlds()) {
-    for (const auto& [chapter, world] : chapters) all.emplace_back(page, chapter);
+  for (const char* page : kPages) {
+    for (const auto& [chapter, examples] : ExamplesOf(page)) all.emplace_back(page, chapter);
   }
   return all;
 }
 
-TEST_P(Examples, RunAndPrintWhatThePageShows) {
+TEST_P(DocsExamples, RunAndPrintWhatThePageShows) {
   const auto& [page, chapter] = GetParam();
-  World world = Worlds().at(page).at(chapter);
-  std::vector<Example> examples;
+  World world = WorldOf(page, chapter);
   for (const Block& block : IndentedBlocks(SourceText(page))) {
-    if (block.text.starts_with("planning_config_ID")) {
-      world.setup += "\ncat > squads.toml <<'END'\n" + block.text + "END\n";
-    }
-    if (block.chapter != chapter || IsSomethingElse(block)) continue;
-    for (const Example& example : block.examples) {
-      if (!example.command.starts_with("scripts/")) examples.push_back(example);
-    }
+    if (!block.text.starts_with("planning_config_ID")) continue;
+    world.setup += "\ncat > squads.toml <<'END'\n" + block.text + "END\n";
   }
-  ASSERT_FALSE(examples.empty());
-  RunExamples(examples, world);
+  RunExamples(ExamplesOf(page).at(chapter), world, ExitCodeOf(chapter));
 }
 
 std::string NameOf(const ::testing::TestParamInfo<std::pair<std::string, std::string>>& info) {
@@ -268,28 +190,27 @@ std::string NameOf(const ::testing::TestParamInfo<std::pair<std::string, std::st
   return name;
 }
 
-INSTANTIATE_TEST_SUITE_P(Of, Examples, ::testing::ValuesIn(AllChapters()), NameOf);
+INSTANTIATE_TEST_SUITE_P(Of, DocsExamples, ::testing::ValuesIn(AllChapters()), NameOf);
 
-TEST(TheExamples, AreAllTried) {
-  for (const char* page :
-       {"README.md", "docs/manual.md", "docs/recipes.md", "docs/robot-words.md", "docs/security.md",
-        "docs/brokers.md", "docs/scale.md", "docs/site.md", "docs/messages.md"}) {
-    const auto blocks = IndentedBlocks(SourceText(page));
-    for (const Block& block : blocks) {
-      if (IsSomethingElse(block)) continue;
-      EXPECT_FALSE(block.examples.empty()) << page << ": neither command nor known:\n"
-                                           << block.text;
-      const auto chapters = Worlds().find(page);
-      EXPECT_TRUE(chapters != Worlds().end() && chapters->second.contains(block.chapter))
-          << page << ": " << block.chapter << "\n"
+TEST(DocsPages, AreAllTried) {
+  for (const char* page : kPages) {
+    for (const Block& block : IndentedBlocks(SourceText(page))) {
+      EXPECT_TRUE(IsSomethingElse(block) || !block.examples.empty())
+          << page << ": neither command nor known:\n"
           << block.text;
+    }
+  }
+  for (const auto& [page, chapters] : Worlds()) {
+    const auto examples = ExamplesOf(page);
+    for (const auto& [chapter, world] : chapters) {
+      EXPECT_TRUE(examples.contains(chapter)) << page << " has no examples in " << chapter;
     }
   }
 }
 
 // ── configurations ──
 
-TEST(TheExamples, OfConfigurationsAreRead) {
+TEST(DocsPages, OfConfigurationsAreRead) {
   const Operator someone;
   std::size_t count = 0;
   for (const Block& block : IndentedBlocks(SourceText("docs/manual.md"))) {
@@ -313,7 +234,7 @@ TEST(TheExamples, OfConfigurationsAreRead) {
 // ── commands within a line ──
 
 // `fleetpub …` in running text and tables: there is such a command, and it has these options.
-TEST(TheExamples, WithinALineNameCommandsAndOptionsThatThereAre) {
+TEST(DocsPages, WithinALineNameCommandsAndOptionsThatThereAre) {
   const Operator someone;
   std::map<std::string, std::string> helps;
   const auto help = [&](const std::vector<std::string>& words) {

@@ -9,7 +9,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-class Faults : public EndToEnd {
+class FileSizeLimit : public EndToEnd {
  protected:
   /// `fleetpub pause KIT/0001` behind another program.
   [[nodiscard]] Finished PauseBehind(std::vector<std::string> program) const {
@@ -19,7 +19,7 @@ class Faults : public EndToEnd {
   }
 };
 
-TEST_F(Faults, AFileThatMayNotGrowIsLedgerTrouble) {
+TEST_F(FileSizeLimit, AFileThatMayNotGrowIsLedgerTrouble) {
   const auto limited = PauseBehind({"prlimit", "--fsize=2000"});
   EXPECT_EQ(limited.exit_code, 8) << limited.errors;
   EXPECT_THAT(limited.errors, HasSubstr("nothing was sent: no room for the ledger"));
