@@ -29,9 +29,9 @@ std::int32_t FourDigits(std::string_view text) {
 
 // Writes ECMA 262 escapes as RE2 has them: `\u00e9` as `\x{e9}`, `\s` by its characters, `(?<n>` as
 // `(?P<n>`.
-class Translator {
+class PatternTranslator {
  public:
-  explicit Translator(std::string_view expression) : rest_(expression) {}
+  explicit PatternTranslator(std::string_view expression) : rest_(expression) {}
 
   std::string Translate() {
     while (!rest_.empty()) {
@@ -125,7 +125,7 @@ Pattern::~Pattern() = default;
 
 Result<Pattern> Pattern::Compile(std::string_view expression) {
   re2::RE2::Options options(re2::RE2::Quiet);
-  auto compiled = std::make_unique<re2::RE2>(Translator(expression).Translate(), options);
+  auto compiled = std::make_unique<re2::RE2>(PatternTranslator(expression).Translate(), options);
   if (!compiled->ok()) return Fail(ErrorKind::kInvalid, Reason(*compiled));
   return Pattern(std::move(compiled));
 }

@@ -49,7 +49,7 @@ constexpr auto kSent =
     std::to_array<std::string_view>({"order", "instantActions", "zoneSet", "responses"});
 constexpr auto kHeard =
     std::to_array<std::string_view>({"state", "connection", "factsheet", "visualization"});
-constexpr auto kTopics =
+constexpr auto kTopicNames =
     std::to_array<std::string_view>({"connection", "factsheet", "instantActions", "order",
                                      "responses", "state", "visualization", "zoneSet"});
 constexpr auto kAnswers =
@@ -100,7 +100,7 @@ void Robots(const Typed& typed, Candidates& found) {
   }
 }
 
-void Targets(const Typed& typed, Candidates& found) {
+void TargetNames(const Typed& typed, Candidates& found) {
   Robots(typed, found);
   for (const auto& [group, robots] : typed.call.config.group_robots) {
     found.words.push_back({"@" + group, fmt::format("group of {}", robots.size())});
@@ -146,10 +146,10 @@ constexpr auto kOptionValues = std::to_array<Slot>({
     {"", "wait-for", Fixed<kEnds>},
     {"", "blocking-type", Fixed<kBlocking>},
     {"", "protocol", Fixed<kProtocols>},
-    {"", "topic", Fixed<kTopics>},
+    {"", "topic", Fixed<kTopicNames>},
     {"", "profile", Profiles},
     {"", "target", Robots},
-    {"", "except", Targets},
+    {"", "except", TargetNames},
     {"", "action", ActionTypes},
     {"", "parameter", Parameters},
 });
@@ -161,7 +161,7 @@ constexpr auto kPositions = std::to_array<Slot>({
     {"respond", "grant", Fixed<kAnswers>},
     {"schema show", "name", SchemaNames},
     {"action", "type", ActionTypes},
-    {"", "targets", Targets},
+    {"", "targets", TargetNames},
     {"", "target", Robots},
     {"", "destination", Destinations},
     {"", "file", Files},

@@ -62,7 +62,7 @@ class PahoTransport final : public RobotTransport {
 
   [[nodiscard]] Status Admits(const std::string& topic, std::size_t payload_size,
                               Qos qos) const override {
-    if (!IsMqttString(topic) || topic.find_first_of("+#") != std::string::npos) {
+    if (topic.empty() || !IsMqttString(topic) || topic.find_first_of("+#") != std::string::npos) {
       return Fail(ErrorKind::kUsage,
                   fmt::format("\"{}\" is no topic to publish to: UTF-8, without +, # and NUL",
                               base::Printable(topic)));
