@@ -102,6 +102,7 @@ void PendingCommands::End(Entry& entry, message::CommandStatus status,
   report.status = status;
   report.error = error;
   report.message = std::move(message);
+  if (error && report.unacknowledged) report.message += "; the broker did not acknowledge it";
   report.elapsed = Clock::now() - entry.second.published;
   const Key key = entry.first;
   Forget(key);

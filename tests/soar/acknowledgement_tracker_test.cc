@@ -140,5 +140,23 @@ TEST_F(AcknowledgementTracker, TellsSourcesApartWhereTheTopicNamesNoPlatform) {
   EXPECT_TRUE(Now().ended);
 }
 
+TEST_F(AcknowledgementTracker, ReadsLenientlyAndTellsWhatItCannotRead) {
+  Follow(Level::kExecuted);
+  Hear(R"({"note":"of somebody else",)");
+  EXPECT_FALSE(Now().unreadable);
+  std::string cut = Said("id-1", "executed");
+  cut.pop_back();
+  Hear(cut);
+  Hear(cut);
+  EXPECT_TRUE(Now().unreadable);
+  EXPECT_FALSE(Now().ended);
+  EXPECT_THAT(Now().message, ::testing::HasSubstr("2 messages"));
+  Hear(Said("id-1", "executed",
+            "k\xFC"
+            "ste") +
+       '\0');
+  EXPECT_EQ(Now().status, CommandStatus::kFinished);
+}
+
 }  // namespace
 }  // namespace fleetpub::soar

@@ -65,8 +65,7 @@ void CheckStopHibernation(Check& check, const ConnectionMessage& connection) {
     check.Warn(check.name + " is ONLINE: there is no hibernation to stop");
   } else {
     check.findings.unreachable = true;
-    check.Refuse(
-        fmt::format("{} is {}, not HIBERNATING", check.name, ConnectionText(connection)));
+    check.Refuse(fmt::format("{} is {}, not HIBERNATING", check.name, ConnectionText(connection)));
   }
 }
 
@@ -187,10 +186,22 @@ void CheckBlockingType(Check& check, const InstantAction& action, const Factshee
                      "use --blocking-type " + Shown(base::Join(listed.blocking_types, " or ")));
 }
 
+// Which every robot shall support (3.0 §6.2.3), or which stands in no factsheet as it asks for it:
+// a factsheet that leaves them out must not stand in the way of stopping.
+bool IsRequiredOfAll(std::string_view type) {
+  constexpr std::array<std::string_view, 4> kTypes = {"startPause", "stopPause", "cancelOrder",
+                                                      "factsheetRequest"};
+  return std::find(kTypes.begin(), kTypes.end(), type) != kTypes.end();
+}
+
 void CheckListing(Check& check, const Factsheet& factsheet, const InstantAction& action) {
   if (factsheet.actions.empty()) return;
   const auto type = NameIn(check.dialect.version, action.type);
   const FactsheetAction* listed = FindAction(factsheet, type);
+  if (listed == nullptr && IsRequiredOfAll(action.type)) {
+    return check.Warn(fmt::format("{}'s factsheet does not list {}, which every robot shall know",
+                                  check.name, Shown(type)));
+  }
   if (listed == nullptr) {
     return check.Refuse(fmt::format("{}'s factsheet does not list {}", check.name, Shown(type)));
   }
@@ -253,8 +264,9 @@ PreflightFindings CheckRobot(const RobotAddress& robot, const Dialect& dialect,
   const bool is_exempt = !dialect.header_version.empty();
   if (is_exempt || CheckVersion(check, known.connection->header.version)) CheckTopics(check);
   if (!known.other_topic.empty()) {
-    check.Warn(fmt::format("{} is ONLINE at {} and at {}: the first one is taken for the living one",
-                           check.name, Shown(known.connection_topic), Shown(known.other_topic)));
+    check.Warn(
+        fmt::format("{} is ONLINE at {} and at {}: the first one is taken for the living one",
+                    check.name, Shown(known.connection_topic), Shown(known.other_topic)));
   }
   CheckMode(check, known.operating_mode);
   if (!known.factsheet_fault.empty()) {

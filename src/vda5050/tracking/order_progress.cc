@@ -96,8 +96,8 @@ std::optional<Progress> OrderProgress::Look(const RobotState& state) {
   }
   is_taken_ = true;
   if (wait_for_ == WaitFor::kAccepted) {
-    return Done(CommandStatus::kAccepted, had_it_before_ ? "the robot had this order before"
-                                                         : "the robot has the order");
+    return Done(CommandStatus::kAccepted,
+                had_it_before_ ? "the robot had this order before" : "the robot has the order");
   }
   Note(state);
   return Conclude(state, true);
@@ -129,11 +129,11 @@ bool OrderProgress::IsAtLastNode(const RobotState& state) const {
 
 // Whether this is more than what an order of the same id, done before, would look like.
 bool OrderProgress::IsNew(const RobotState& state) const {
-  if (was_under_way_ || is_one_place_) return true;
+  if (was_open_ || is_one_place_) return true;
   return place_without_ && (*place_without_ != PlaceOf(state) || !actions_.empty());
 }
 
-Progress OrderProgress::Conclude(const RobotState& state, bool is_shown) const {
+Progress OrderProgress::Conclude(const RobotState& state, bool is_shown) {
   const bool is_ours = is_shown && state.order_update_id.value_or(0) == update_id_;
   const bool has_legs = state.nodes_left.value_or(1) + state.edges_left.value_or(1) > 0;
   const auto all_are = [&](const auto& test) {
@@ -147,8 +147,12 @@ Progress OrderProgress::Conclude(const RobotState& state, bool is_shown) const {
   const bool is_cleared = !is_shown && state.order_id.empty();
   const bool is_reached = is_reached_ || (is_cleared && IsAtLastNode(state));
   const bool is_over = is_reached && all_ended && !(is_ours && has_legs);
-  if (is_over && IsNew(state) && (is_shown || is_cleared)) {
-    return Done(none_failed ? CommandStatus::kFinished : CommandStatus::kFailed, ActionText());
+  const bool is_new_failure = !none_failed && !had_it_before_;
+  if (is_over && (is_shown || is_cleared) && (IsNew(state) || is_new_failure)) {
+    return Done(none_failed ? CommandStatus::kFinished : CommandStatus::kFailed,
+                is_cleared
+                    ? Joined({"the robot has cleared its orderId", PlaceText(state), ActionText()})
+                    : ActionText());
   }
   if (!is_shown) {
     const std::string now =
@@ -157,10 +161,10 @@ Progress OrderProgress::Conclude(const RobotState& state, bool is_shown) const {
                 Joined({fmt::format("the robot no longer shows order {}{}", Shown(id_), now),
                         PlaceText(state), ActionText()}));
   }
+  was_open_ = was_open_ || !is_over;
   if (is_ours && was_under_way_ && !has_legs && none_runs && !is_reached) {
     return Done(CommandStatus::kFailed,
-                Joined({fmt::format("the order ended before its last node {}", Shown(last_node_)),
-                        PlaceText(state), ActionText()}));
+                Joined({"the order ended before its last node", PlaceText(state), ActionText()}));
   }
   const std::string how =
       is_over ? "the robot shows the order as done, but not that it was done since: it may have "
@@ -171,9 +175,10 @@ Progress OrderProgress::Conclude(const RobotState& state, bool is_shown) const {
   return {.seen = true, .message = Joined({how, PlaceText(state), ActionText()})};
 }
 
+// A sequence id that the robot does not keep is 0.
 std::string OrderProgress::PlaceText(const RobotState& state) const {
-  return fmt::format("its last node is {} ({})", Shown(state.last_node_id),
-                     state.last_node_id == last_node_ ? "the order's last" : "not the order's last");
+  return fmt::format("its last node is {} ({}), the order's is {} ({})", Shown(state.last_node_id),
+                     state.last_node_sequence_id.value_or(0), Shown(last_node_), last_sequence_id_);
 }
 
 // Of those that did not go well, or have not ended.

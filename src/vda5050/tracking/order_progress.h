@@ -2,7 +2,7 @@
 //
 // An order is done when its last node was reached and each of its actions was seen to its end. That
 // an order of this id is shown as done proves neither: the robot may have had it before. So it must
-// have been seen under way, or have appeared after a state that did not show it.
+// have been shown as not done, or have appeared after a state that did not show it.
 #pragma once
 
 #include <cstdint>
@@ -46,7 +46,7 @@ class OrderProgress {
   void Note(const RobotState& state);
   [[nodiscard]] bool IsAtLastNode(const RobotState& state) const;
   [[nodiscard]] bool IsNew(const RobotState& state) const;
-  [[nodiscard]] message::Progress Conclude(const RobotState& state, bool is_shown) const;
+  [[nodiscard]] message::Progress Conclude(const RobotState& state, bool is_shown);
   [[nodiscard]] std::string ActionText() const;
   [[nodiscard]] std::string PlaceText(const RobotState& state) const;
 
@@ -64,7 +64,8 @@ class OrderProgress {
   /// Where the robot stood when a state last did not show the order, and that one did not.
   std::optional<std::string> place_without_;
   bool is_taken_ = false;
-  bool was_under_way_ = false;
+  bool was_open_ = false;       ///< since then a state showed it as not done
+  bool was_under_way_ = false;  ///< with nodes, edges or actions to go
   bool keeps_sequence_ids_ = false;
   bool is_reached_ = false;
 };

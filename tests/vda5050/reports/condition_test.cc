@@ -121,5 +121,18 @@ TEST(Condition, IsRefusedWithTheRightForm) {
   }
 }
 
+TEST(Unmet, TakesTheSpellingsThatRobotsUse) {
+  const auto is_met = [](std::string_view condition, std::string_view message) {
+    return !Unmet(*ParseCondition(condition), *base::ParseJson(message));
+  };
+  EXPECT_TRUE(is_met("connectionState=ONLINE", R"({"connectionState":"online"})"));
+  EXPECT_TRUE(
+      is_met("connectionState=CONNECTION_BROKEN", R"({"connectionState":"ConnectionBroken"})"));
+  EXPECT_TRUE(is_met("/connectionState=offline", R"({"connectionState":"DISCONNECTED"})"));
+  EXPECT_FALSE(is_met("connectionState!=OFFLINE", R"({"connectionState":"DISCONNECTED"})"));
+  EXPECT_TRUE(is_met("operatingMode=TEACH_IN", R"({"operatingMode":"TEACHIN"})"));
+  EXPECT_FALSE(is_met("orderId=o", R"({"orderId":"O"})")) << "an id is what it is";
+}
+
 }  // namespace
 }  // namespace fleetpub::vda5050
