@@ -51,8 +51,7 @@ class Guard {
  public:
   using Ch = char;
 
-  Guard(JsonDocument& document, int limit, bool is_lenient)
-      : document_(document), limit_(limit), is_lenient_(is_lenient) {}
+  Guard(JsonDocument& document, int limit) : document_(document), limit_(limit) {}
 
   bool Null() { return document_.Null(); }
   bool Bool(bool value) { return document_.Bool(value); }
@@ -68,7 +67,6 @@ class Guard {
       if (uint64_t value = 0; ReadWhole(number, value)) return document_.Uint64(value);
     }
     const auto value = ReadDouble(number);
-    if (!value && is_lenient_) return document_.Null();
     too_large_ = !value;
     return value && document_.Double(*value);
   }
@@ -99,7 +97,6 @@ class Guard {
 
   JsonDocument& document_;
   int limit_;
-  bool is_lenient_;
   int depth_ = 0;
   bool too_large_ = false;
 };
@@ -109,14 +106,13 @@ class Guard {
 struct Generator {
   rapidjson::MemoryStream stream;
   int depth;
-  bool is_lenient = false;
   rapidjson::ParseResult result = {};
   bool too_deep = false;
   bool too_large = false;
 
   bool operator()(JsonDocument& document) {
     JsonReader reader;
-    Guard guard(document, depth, is_lenient);
+    Guard guard(document, depth);
     result = reader.Parse<kParseFlags>(stream, guard);
     too_deep = guard.too_deep();
     too_large = guard.too_large();
@@ -334,8 +330,7 @@ Result<JsonDocument> ParseJsonLeniently(std::string_view text, JsonLimits limits
   const std::string repaired = Repaired(text);
   JsonDocument document;
   Generator generator{.stream = rapidjson::MemoryStream(repaired.data(), repaired.size()),
-                      .depth = limits.depth,
-                      .is_lenient = true};
+                      .depth = limits.depth};
   document.Populate(generator);
   if (generator.result.IsError()) return Fail(ParseError(repaired, generator));
   KeepLastOfEachName(document, document.GetAllocator());

@@ -115,6 +115,21 @@ class OfOneRobot final : public message::ResponseTracker {
   message::Progress progress_;
 };
 
+TEST_F(Streaming, GoesOnWaitingWhenAnAcknowledgementIsLost) {
+  const auto stream = Open({.qos = mqtt::Qos::kAtLeastOnce});
+  std::vector<message::Command> commands = Commands(1);
+  commands.front().tracker = std::make_shared<OfOneRobot>(0, false);
+  fake_->await_error = Error{ErrorKind::kBroker, "broker: connection lost"};
+  EXPECT_FALSE(stream->Send(commands));
+  EXPECT_THAT(reports_, IsEmpty()) << "the robot may have it, and say so";
+  EXPECT_EQ(stream->waiting(), 1U);
+  stream->Listen(std::chrono::steady_clock::now() + std::chrono::seconds(5));
+  EXPECT_TRUE(fake_->subscribed().contains("state/0"));
+  EXPECT_THAT(fake_->published(), IsEmpty()) << "nothing is sent twice";
+  stream->EndAll({ErrorKind::kBroker, "enough"});
+  EXPECT_THAT(reports_, ElementsAre(HasSubstr("did not acknowledge")));
+}
+
 TEST_F(Streaming, EndsSubscriptionsThatNobodyAwaits) {
   const auto stream = Open();
   const auto send = [&](int robot, bool ends) {

@@ -98,7 +98,7 @@ TEST_F(AcknowledgementTracker, IsNotConfusedByWhatIsNotMeant) {
   Hear(Said("id-1", "executed"), kTopic, true);
   EXPECT_FALSE(Now().seen) << "the last one was retained";
   EXPECT_THAT(levels_, IsEmpty());
-  EXPECT_EQ(Now().message, "nobody acknowledged it");
+  EXPECT_THAT(Now().message, ::testing::StartsWith("nobody acknowledged it"));
   Hear(R"({"payload":{"message_type":"acknowledgement","acknowledged_message_ID":"id-1",
            "status":"c2_received"}})");
   EXPECT_TRUE(Now().ended) << "without a header it still counts";

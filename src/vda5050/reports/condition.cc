@@ -106,12 +106,12 @@ std::string (*NormalForm(std::string_view path))(std::string_view) {
 
 bool Equals(const Condition& condition, const Value& member) {
   if (!member.IsString()) return condition.value && member == *condition.value;
-  if (auto* const normal_form = NormalForm(condition.path)) {
-    return normal_form(base::ViewOf(member)) == normal_form(condition.wanted);
-  }
   const bool quoted = condition.value && condition.value->IsString();
-  return base::ViewOf(member) ==
-         (quoted ? base::ViewOf(*condition.value) : std::string_view(condition.wanted));
+  const std::string_view wanted = quoted ? base::ViewOf(*condition.value) : condition.wanted;
+  if (auto* const normal_form = NormalForm(condition.path)) {
+    return normal_form(base::ViewOf(member)) == normal_form(wanted);
+  }
+  return base::ViewOf(member) == wanted;
 }
 
 bool Compares(const Condition& condition, const Value& member) {

@@ -109,6 +109,7 @@ void OrderProgress::Note(const RobotState& state) {
     const ActionState* other = listed == nullptr ? FindActionState(state, action.id) : nullptr;
     if (other != nullptr) action.other_type = other->type;
     if (listed == nullptr || IsTerminal(action.status)) continue;
+    if (action.type.empty()) action.type = listed->type;
     action.status = listed->status;
     action.result = listed->result;
     if (!IsTerminal(action.status)) was_under_way_ = true;

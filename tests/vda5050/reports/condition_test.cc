@@ -65,7 +65,7 @@ TEST(Condition, TellsWhatTheMessageSaysInstead) {
       {"paused=TRUE", "paused is true"},
       {"paused=1", "paused is true"},
       {"paused>0", "paused is true"},
-      {"operatingMode=automatic", "operatingMode is \"AUTOMATIC\""},
+      {"operatingMode=manual", "operatingMode is \"AUTOMATIC\""},
       {"orderId=\"43\"", "orderId is \"42\""},
       {"orderId>41", "orderId is \"42\""},
       {"orderUpdateId=\"7\"", "orderUpdateId is 7"},

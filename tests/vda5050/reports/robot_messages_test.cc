@@ -260,7 +260,8 @@ TEST(ReadConnection, NormalisesTheConnectionState) {
       {"connectionBroken", "CONNECTION_BROKEN"},
       {"CONNECTION_BROKEN", "CONNECTION_BROKEN"},
       {"Hibernating", "HIBERNATING"},
-      {"DISCONNECTED", "DISCONNECTED"},
+      {"DISCONNECTED", "OFFLINE"},
+      {"SLEEPING", "SLEEPING"},
   };
   for (const auto& [text, normal] : cases) {
     const auto message = ReadConnection("{\"connectionState\":\"" + std::string(text) + "\"}");
