@@ -145,7 +145,7 @@ TEST_F(RobotsAsBuilt, ThatAreFoundTwiceAreNamedTwice) {
                                         R"({"version":"3.0.0","connectionState":"ONLINE"})"}})
                 .exit_code,
             0);
-  const Finished run = Fleetpub({"pause", "RIG/7", "--vda", "auto", "--check"});
+  const Finished run = Fleetpub({"pause", "RIG/*", "--yes"});
   EXPECT_THAT(run.errors, AllOf(HasSubstr("uagv/v2/RIG/7"), HasSubstr("vda5050/v3/RIG/7")));
   const Finished fleet = Fleetpub({"fleet", "--state-wait", "100ms"});
   EXPECT_THAT(fleet.errors, AllOf(HasSubstr("uagv/v2"), HasSubstr("vda5050/v3")));

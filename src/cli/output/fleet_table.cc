@@ -82,9 +82,9 @@ Cell Errors(const RobotView& robot) {
   return {fmt::format("{} {}", count, TextOr(worst->level, kUnknown)), Tone::kBad};
 }
 
-// `,"name":"text"`; nothing for an empty text.
+// The name, such as `,"alsoAt":`, with the text; nothing for an empty one.
 std::string TextMember(std::string_view name, std::string_view text) {
-  return text.empty() ? "" : fmt::format(R"(,"{}":{})", name, JsonString(text));
+  return text.empty() ? "" : std::string(name) + JsonString(text);
 }
 
 std::string TextOrNull(std::string_view text) { return text.empty() ? "null" : JsonString(text); }
@@ -162,9 +162,9 @@ std::string FleetJson(const RobotView& robot) {
          (robot.errors_left_out == 0
               ? ""
               : fmt::format(R"(,"errorsLeftOut":{})", robot.errors_left_out)) +
-         TextMember("stateFault", robot.state_fault) +
-         TextMember("connectionFault", robot.connection_fault) +
-         TextMember("alsoAt", robot.also_at);
+         TextMember(R"(,"stateFault":)", robot.state_fault) +
+         TextMember(R"(,"connectionFault":)", robot.connection_fault) +
+         TextMember(R"(,"alsoAt":)", robot.also_at);
 }
 
 std::string AgeText(std::chrono::nanoseconds age) {
