@@ -150,7 +150,9 @@ class Caller {
         transport_, filters.Take(), call_.discover, [&](const mqtt::Message& message) {
           const auto* entry =
               directory_.Deliver(message.topic, message.payload, vda5050::Origin::kRetained);
-          if (entry != nullptr) wanted.erase(entry);
+          const bool is_told =
+              entry != nullptr && (entry->factsheet || !entry->factsheet_fault.empty());
+          if (is_told) wanted.erase(entry);
           return wanted.empty();
         });
   }
