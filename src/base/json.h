@@ -22,6 +22,13 @@ struct JsonLimits {
 /// ErrorKind::kInvalid with line and column, or with the JSON Pointer of a repeated key.
 [[nodiscard]] Result<JsonDocument> ParseJson(std::string_view text, JsonLimits limits = {});
 
+/// Parses what somebody else's program wrote, as far as it can only mean one thing. NULs at its end
+/// are dropped; `NaN` and infinities are null; bytes that are no UTF-8 and halves of surrogate
+/// pairs become U+FFFD; control characters may stand in texts; of a member that stands there twice
+/// the last one counts. Errors: as ParseJson, for all else.
+[[nodiscard]] Result<JsonDocument> ParseJsonLeniently(std::string_view text,
+                                                      JsonLimits limits = {});
+
 /// The value as compact JSON.
 [[nodiscard]] std::string ToJson(const JsonValue& value);
 

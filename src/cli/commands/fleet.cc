@@ -1,6 +1,9 @@
 // `fleetpub fleet [PATTERN]`: the robots known to the broker, and how they are.
+#include <fmt/format.h>
+
 #include <memory>
 
+#include "base/text.h"
 #include "base/time.h"
 #include "cli/gathering.h"
 #include "cli/output/fleet_table.h"
@@ -29,6 +32,13 @@ void Show(const FleetView& view, Output& output) {
 Result<ExitCode> RunFleet(const GatheringOptions& options, const Context& context) {
   const auto view = GatherFleet(options, context);
   if (!view) return Fail(view.error());
+  for (const RobotView* robot : view->robots()) {
+    if (robot->also_at.empty()) continue;
+    context.output.Warn(fmt::format("{} is found twice: at {}, which is shown, and at {}",
+                                    base::Printable(robot->robot.ToString()),
+                                    base::Printable(robot->place),
+                                    base::Printable(robot->also_at)));
+  }
   Show(*view, context.output);
   return ExitCode::kDone;
 }

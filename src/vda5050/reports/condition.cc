@@ -97,11 +97,21 @@ const Value* Find(const std::string& path, const Value& message) {
   return nullptr;
 }
 
+// What robots spell in several ways is compared as it is shown.
+std::string (*NormalForm(std::string_view path))(std::string_view) {
+  if (path.starts_with('/')) path.remove_prefix(1);
+  if (path == "connectionState") return NormalisedConnectionState;
+  return path == "operatingMode" ? NormalisedMode : nullptr;
+}
+
 bool Equals(const Condition& condition, const Value& member) {
   if (!member.IsString()) return condition.value && member == *condition.value;
   const bool quoted = condition.value && condition.value->IsString();
-  return base::ViewOf(member) ==
-         (quoted ? base::ViewOf(*condition.value) : std::string_view(condition.wanted));
+  const std::string_view wanted = quoted ? base::ViewOf(*condition.value) : condition.wanted;
+  if (auto* const normal_form = NormalForm(condition.path)) {
+    return normal_form(base::ViewOf(member)) == normal_form(wanted);
+  }
+  return base::ViewOf(member) == wanted;
 }
 
 bool Compares(const Condition& condition, const Value& member) {

@@ -33,7 +33,9 @@ struct Condition {
 [[nodiscard]] std::string ToString(const Condition& condition);
 
 /// What the message says instead (`paused is false`, `there is no /batteryState`); nothing when it
-/// satisfies the condition. A member that is not there satisfies none, not even `!=`.
+/// satisfies the condition. A member that is not there satisfies none, not even `!=`. A
+/// `connectionState` and an `operatingMode` are compared as NormalisedConnectionState and
+/// NormalisedMode spell them.
 [[nodiscard]] std::optional<std::string> Unmet(const Condition& condition,
                                                const base::JsonValue& message);
 

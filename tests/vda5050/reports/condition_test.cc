@@ -65,7 +65,7 @@ TEST(Condition, TellsWhatTheMessageSaysInstead) {
       {"paused=TRUE", "paused is true"},
       {"paused=1", "paused is true"},
       {"paused>0", "paused is true"},
-      {"operatingMode=automatic", "operatingMode is \"AUTOMATIC\""},
+      {"operatingMode=manual", "operatingMode is \"AUTOMATIC\""},
       {"orderId=\"43\"", "orderId is \"42\""},
       {"orderId>41", "orderId is \"42\""},
       {"orderUpdateId=\"7\"", "orderUpdateId is 7"},
@@ -119,6 +119,19 @@ TEST(Condition, IsRefusedWithTheRightForm) {
     EXPECT_EQ(condition.error().kind, ErrorKind::kUsage);
     EXPECT_THAT(condition.error().message, HasSubstr(reason));
   }
+}
+
+TEST(Unmet, TakesTheSpellingsThatRobotsUse) {
+  const auto is_met = [](std::string_view condition, std::string_view message) {
+    return !Unmet(*ParseCondition(condition), *base::ParseJson(message));
+  };
+  EXPECT_TRUE(is_met("connectionState=ONLINE", R"({"connectionState":"online"})"));
+  EXPECT_TRUE(
+      is_met("connectionState=CONNECTION_BROKEN", R"({"connectionState":"ConnectionBroken"})"));
+  EXPECT_TRUE(is_met("/connectionState=offline", R"({"connectionState":"DISCONNECTED"})"));
+  EXPECT_FALSE(is_met("connectionState!=OFFLINE", R"({"connectionState":"DISCONNECTED"})"));
+  EXPECT_TRUE(is_met("operatingMode=TEACH_IN", R"({"operatingMode":"TEACHIN"})"));
+  EXPECT_FALSE(is_met("orderId=o", R"({"orderId":"O"})")) << "an id is what it is";
 }
 
 }  // namespace
