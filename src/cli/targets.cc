@@ -189,7 +189,8 @@ class WordReader {
   std::set<RobotAddress> known_;
 };
 
-Result<std::vector<vda5050::Condition>> ConditionsOf(const std::vector<std::string>& texts) {
+Result<std::vector<vda5050::Condition>> ConditionsOf(const std::vector<std::string>& texts,
+                                                     const Context& context) {
   std::vector<vda5050::Condition> conditions;
   for (const std::string& text : texts) {
     auto condition = vda5050::ParseCondition(text);
@@ -197,6 +198,9 @@ Result<std::vector<vda5050::Condition>> ConditionsOf(const std::vector<std::stri
       condition.error().message = "--where: " + condition.error().message;
       return Fail(std::move(condition.error()));
     }
+    const auto doubt = vda5050::CheckCondition(*condition, vda5050::TopicOf(*condition));
+    if (!doubt) return Fail(doubt.error());
+    if (!doubt->empty()) context.output.Warn("--where: " + *doubt);
     conditions.push_back(*std::move(condition));
   }
   return conditions;
@@ -340,7 +344,7 @@ Result<Targets> TargetsOf(const TargetOptions& options, const Context& context) 
     return Fail(ErrorKind::kUsage, "--all means every robot: name none beside it");
   }
   Targets targets;
-  auto where = ConditionsOf(options.where);
+  auto where = ConditionsOf(options.where, context);
   if (!where) return Fail(std::move(where.error()));
   targets.where = *std::move(where);
   const auto state_wait = base::ParseDuration(options.state_wait);

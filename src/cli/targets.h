@@ -16,6 +16,7 @@
 #include "vda5050/messages/instant_actions.h"
 #include "vda5050/model/robot_pattern.h"
 #include "vda5050/reports/condition.h"
+#include "vda5050/reports/roster.h"
 
 namespace fleetpub::cli {
 

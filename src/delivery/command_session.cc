@@ -42,6 +42,7 @@ CommandSession::CommandSession(std::unique_ptr<mqtt::Transport>& transport, ledg
                  again_.erase(key);
                  if (lost_ && ended.status == message::CommandStatus::kTimeout) {
                    ended.message += "; the broker was out of reach at the end";
+                   if (!is_told_) ended.message += ": " + lost_->message;
                  }
                  ended_.push_back(std::move(ended));
                }),

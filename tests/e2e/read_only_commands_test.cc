@@ -15,6 +15,40 @@ using ::testing::SizeIs;
 
 class ReadOnlyCommands : public EndToEnd {};
 
+TEST_F(ReadOnlyCommands, EndWithAnObjectWhenJsonIsAsked) {
+  const std::pair<std::vector<std::string>, int> cases[] = {
+      {{"fleet", "-o", "json", "-b", "mqtt://127.0.0.1:1"}, 4},
+      {{"history", "--output=json", "--since", "soon"}, 2},
+      {{"history", "--no-such-option", "-o", "json"}, 2},
+      {{"show-me", "-ojson"}, 2},
+      {{"history", "show", "7", "-o", "json"}, 2},
+      {{"await", "KIT/0001", "state", "pausd=true", "-o", "json"}, 2},
+  };
+  for (const auto& [words, exit_code] : cases) {
+    const Finished run = Fleetpub(words);
+    EXPECT_EQ(run.exit_code, exit_code) << run.errors;
+    const auto lines = Lines(run.output);
+    ASSERT_THAT(lines, SizeIs(1)) << words.front();
+    const auto error = Json(lines[0]);
+    EXPECT_EQ(error["error"]["exitCode"].GetInt(), exit_code);
+    EXPECT_THAT(run.errors, HasSubstr(error["error"]["message"].GetString()));
+  }
+}
+
+TEST_F(ReadOnlyCommands, ShowTheWholeHistoryToAScript) {
+  std::string lines;
+  for (int i = 0; i < 60; ++i)
+    lines += R"({"target":"KIT/0001","action":"startPause"})"
+             "\n";
+  Command batch = operator_.Prepare({"batch", "--vda", "3.0"});
+  batch.input = lines;
+  EXPECT_EQ(::fleetpub::testing::Run(std::move(batch)).exit_code, 0);
+  EXPECT_THAT(Lines(Fleetpub({"history", "-o", "json"}).output), SizeIs(60));
+  const auto some = Lines(Fleetpub({"history", "--limit", "2", "-o", "json"}).output);
+  ASSERT_THAT(some, SizeIs(2));
+  EXPECT_TRUE(Json(some[1])["payload"]["actions"].IsArray());
+}
+
 TEST_F(ReadOnlyCommands, ListsTheCatalogueOfAVersion) {
   EXPECT_THAT(Lines(Fleetpub({"actions", "--quiet"}).output), SizeIs(29));
   EXPECT_THAT(Lines(Fleetpub({"actions", "--vda", "1.1", "--quiet"}).output), SizeIs(13));

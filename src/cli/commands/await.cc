@@ -117,6 +117,9 @@ Result<Wish> WishOf(const Options& o, const Context& context) {
   for (const std::string& text : o.conditions) {
     auto condition = vda5050::ParseCondition(text);
     if (!condition) return Fail(std::move(condition.error()));
+    const auto doubt = vda5050::CheckCondition(*condition, o.topic);
+    if (!doubt) return Fail(doubt.error());
+    if (!doubt->empty()) context.output.Warn(*doubt);
     wish.conditions.push_back(*std::move(condition));
   }
   const auto timeout = base::ParseDuration(o.timeout);
