@@ -51,7 +51,8 @@ class Guard {
  public:
   using Ch = char;
 
-  Guard(JsonDocument& document, int limit) : document_(document), limit_(limit) {}
+  Guard(JsonDocument& document, int limit, bool exact)
+      : document_(document), limit_(limit), exact_(exact) {}
 
   bool Null() { return document_.Null(); }
   bool Bool(bool value) { return document_.Bool(value); }
@@ -65,6 +66,7 @@ class Guard {
     if (number.find_first_of(".eE") == std::string_view::npos) {
       if (int64_t value = 0; ReadWhole(number, value)) return document_.Int64(value);
       if (uint64_t value = 0; ReadWhole(number, value)) return document_.Uint64(value);
+      if (exact_) return !(inexact_ = true);
     }
     const auto value = ReadDouble(number);
     too_large_ = !value;
@@ -83,6 +85,7 @@ class Guard {
 
   [[nodiscard]] bool too_deep() const { return depth_ > limit_; }
   [[nodiscard]] bool too_large() const { return too_large_; }
+  [[nodiscard]] bool inexact() const { return inexact_; }
 
  private:
   template <typename Whole>
@@ -97,8 +100,10 @@ class Guard {
 
   JsonDocument& document_;
   int limit_;
+  bool exact_;
   int depth_ = 0;
   bool too_large_ = false;
+  bool inexact_ = false;
 };
 
 // Feeds a Document from a text: JsonDocument::Populate calls it with the document as
@@ -106,16 +111,19 @@ class Guard {
 struct Generator {
   rapidjson::MemoryStream stream;
   int depth;
+  bool exact = false;
   rapidjson::ParseResult result = {};
   bool too_deep = false;
   bool too_large = false;
+  bool inexact = false;
 
   bool operator()(JsonDocument& document) {
     JsonReader reader;
-    Guard guard(document, depth);
+    Guard guard(document, depth, exact);
     result = reader.Parse<kParseFlags>(stream, guard);
     too_deep = guard.too_deep();
     too_large = guard.too_large();
+    inexact = guard.inexact();
     return !result.IsError();
   }
 };
@@ -172,6 +180,12 @@ Error ParseError(std::string_view text, const Generator& generator) {
   if (generator.too_deep) {
     return {ErrorKind::kInvalid, fmt::format("not accepted at {}: nested more than {} levels deep",
                                              place, generator.depth)};
+  }
+  if (generator.inexact) {
+    return {ErrorKind::kInvalid,
+            fmt::format("not accepted at {}: a whole number of more than 64 bits would be sent as "
+                        "another one. try: a text, or an exponent (1.5e22)",
+                        place)};
   }
   const bool by_guard = generator.result.Code() == rapidjson::kParseErrorTermination;
   const auto refused = generator.too_large ? rapidjson::kParseErrorNumberTooBig
@@ -330,7 +344,8 @@ Result<JsonDocument> ParseJsonLeniently(std::string_view text, JsonLimits limits
   const std::string repaired = Repaired(text);
   JsonDocument document;
   Generator generator{.stream = rapidjson::MemoryStream(repaired.data(), repaired.size()),
-                      .depth = limits.depth};
+                      .depth = limits.depth,
+                      .exact = limits.exact};
   document.Populate(generator);
   if (generator.result.IsError()) return Fail(ParseError(repaired, generator));
   KeepLastOfEachName(document, document.GetAllocator());
@@ -349,7 +364,8 @@ Result<JsonDocument> ParseJson(std::string_view text, JsonLimits limits) {
   }
   JsonDocument document;
   Generator generator{.stream = rapidjson::MemoryStream(text.data(), text.size()),
-                      .depth = limits.depth};
+                      .depth = limits.depth,
+                      .exact = limits.exact};
   document.Populate(generator);
   if (generator.result.IsError()) return Fail(ParseError(text, generator));
   if (const std::string name = FindRepeatedName(document); !name.empty()) {

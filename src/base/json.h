@@ -15,6 +15,9 @@ struct JsonLimits {
   /// Arrays and objects inside each other. Far above any message; RapidJSON's copies and
   /// comparisons and the validator recurse, and a hostile text would exhaust the stack.
   int depth = 64;
+  /// Refuses whole numbers of more than 64 bits, which a double would make another number: for texts
+  /// that are sent on.
+  bool exact = false;
 };
 
 /// Parses one JSON text (RFC 8259) strictly: valid UTF-8 (a byte order mark is passed over), no

@@ -45,6 +45,20 @@ TEST(ParseJson, PassesOverAByteOrderMark) { EXPECT_EQ(RoundTrip("\xEF\xBB\xBF{}"
 
 TEST(ParseJson, PassesOverWhiteSpaceAroundTheValue) { EXPECT_EQ(RoundTrip(" \t\r\n{} \n"), "{}"); }
 
+TEST(ParseJson, RefusesWhatADoubleWouldMakeAnotherNumberWhereItIsSentOn) {
+  for (const char* text : {"[18446744073709551616]", "[-9223372036854775809]",
+                           R"({"a":{"b":99999999999999999999999}})"}) {
+    EXPECT_TRUE(ParseJson(text)) << text;
+    const auto refused = ParseJson(text, {.exact = true});
+    ASSERT_FALSE(refused) << text;
+    EXPECT_THAT(refused.error().message, HasSubstr("more than 64 bits"));
+  }
+  for (const char* text : {"[18446744073709551615]", "[-9223372036854775808]", "[1.5e22]",
+                           R"(["99999999999999999999999"])"}) {
+    EXPECT_TRUE(ParseJson(text, {.exact = true})) << text;
+  }
+}
+
 TEST(ParseJson, KeepsDigitsOfADouble) {
   EXPECT_EQ(ParseJson("3.141592653589793")->GetDouble(), 3.141592653589793);
   EXPECT_EQ(ParseJson("5e-324")->GetDouble(), 5e-324);

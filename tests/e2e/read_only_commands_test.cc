@@ -1,6 +1,8 @@
 // The commands that send nothing: catalogue, schemas, validation, history, ping, help.
 #include <gmock/gmock.h>
 
+#include <fstream>
+
 #include "support/broken_broker.h"
 #include "support/operator.h"
 
@@ -47,6 +49,24 @@ TEST_F(ReadOnlyCommands, ShowTheWholeHistoryToAScript) {
   const auto some = Lines(Fleetpub({"history", "--limit", "2", "-o", "json"}).output);
   ASSERT_THAT(some, SizeIs(2));
   EXPECT_TRUE(Json(some[1])["payload"]["actions"].IsArray());
+}
+
+TEST_F(ReadOnlyCommands, WhatFollowsTwoDashesIsNoOption) {
+  const Finished pause = Fleetpub({"pause", "--dry-run", "--vda", "2.1", "--", "-x/1", "--all/2"});
+  EXPECT_EQ(pause.exit_code, 0) << pause.errors;
+  ASSERT_THAT(Lines(pause.output), SizeIs(2));
+  EXPECT_STREQ(Json(Lines(pause.output)[0])["manufacturer"].GetString(), "-x");
+  EXPECT_STREQ(Json(Lines(pause.output)[1])["manufacturer"].GetString(), "--all");
+  EXPECT_EQ(Fleetpub({"pause", "--dry-run", "--", "KIT/0001", "--wait"}).exit_code, 2);
+}
+
+TEST_F(ReadOnlyCommands, IsStrictAboutRecommendationsToo) {
+  const std::string file = operator_.home() / "m.json";
+  std::ofstream(file) << R"({"headerId":0,"timestamp":"2026-01-02T03:04:05.678Z","version":"2.1.0",
+      "manufacturer":"KIT","serialNumber":"0001",
+      "actions":[{"actionType":"stateRequest","actionId":"{id}","blockingType":"NONE"}]})";
+  EXPECT_EQ(Fleetpub({"validate", file}).exit_code, 0);
+  EXPECT_EQ(Fleetpub({"validate", "--strict", file}).exit_code, 3);
 }
 
 TEST_F(ReadOnlyCommands, ListsTheCatalogueOfAVersion) {

@@ -175,7 +175,14 @@ bool Equals(const Condition& condition, const Value& member) {
   return base::ViewOf(member) == wanted;
 }
 
+// A whole number of more than 64 bits: neither equal nor unequal to anything but a text.
+bool IsInexact(const Condition& condition) {
+  return !condition.value && !condition.wanted.empty() &&
+         condition.wanted.find_first_not_of("-0123456789") == std::string::npos;
+}
+
 bool Compares(const Condition& condition, const Value& member) {
+  if (IsInexact(condition) && !member.IsString()) return false;
   if (!IsOrder(condition.comparison)) {
     return Equals(condition, member) == (condition.comparison == Comparison::kEqual);
   }
@@ -212,7 +219,8 @@ Result<Condition> ParseCondition(std::string_view text) {
                       .value = std::nullopt};
   if (!base::IsUtf8(text)) return refuse("it is not valid UTF-8");
   if (const std::string fault = FaultOfPath(condition.path); !fault.empty()) return refuse(fault);
-  if (auto value = base::ParseJson(condition.wanted)) condition.value = *std::move(value);
+  if (auto value = base::ParseJson(condition.wanted, {.exact = true}))
+    condition.value = *std::move(value);
   const bool is_number = condition.value && condition.value->IsNumber();
   if (condition.wanted.find_first_of("<>=!") == 0) {
     return refuse("its operator is the wrong way round: write " +
@@ -245,9 +253,9 @@ Result<std::string> CheckCondition(const Condition& condition, std::string_view 
   if (!names.contains(path)) {
     for (const std::string_view other : {"connection", "state", "factsheet"}) {
       if (!MembersOf(other).contains(path)) continue;
-      return Fail(ErrorKind::kUsage, fmt::format("condition '{}': {} has no such member, {} has",
-                                                 base::Printable(ToString(condition)), topic_name,
-                                                 other));
+      return Fail(ErrorKind::kUsage,
+                  fmt::format("condition '{}': {} has no such member, {} has",
+                              base::Printable(ToString(condition)), topic_name, other));
     }
     const auto nearest = NearestIn(path, names);
     if (nearest) return refuse("has no such member", *nearest, condition.wanted);

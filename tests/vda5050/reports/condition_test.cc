@@ -125,6 +125,14 @@ TEST(Condition, IsRefusedWithTheRightForm) {
   }
 }
 
+TEST(Unmet, DoesNotCompareWholeNumbersThatADoubleConfuses) {
+  const auto message =
+      *base::ParseJson(R"({"code":12345678901234567890124,"text":"123456789012345678901234"})");
+  EXPECT_TRUE(Unmet(*ParseCondition("code=12345678901234567890123"), message));
+  EXPECT_TRUE(Unmet(*ParseCondition("code!=12345678901234567890123"), message));
+  EXPECT_FALSE(Unmet(*ParseCondition("text=123456789012345678901234"), message));
+}
+
 TEST(CheckCondition, RefusesSlipsOfThePen) {
   const std::tuple<const char*, const char*, const char*> cases[] = {
       {"pausd=true", "state", "paused=true"},
