@@ -20,7 +20,8 @@ FUZZ(text) {
         soar::TrackAcknowledgements({.message_id = acknowledgement->message_id, .topics = {"#"}});
     tracker->Published(0);
     tracker->Receive({topic, payload});
-    fuzz::Require(tracker->progress().seen);
+    // An id of ours has no bytes that a lenient reader replaces.
+    fuzz::Require(tracker->progress().seen || !base::ParseJson(payload));
   }
   static_cast<void>((*schema)->Validate(*document));
 }
