@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "base/text.h"
-#include "delivery/send.h"
 
 namespace fleetpub::cli {
 namespace {

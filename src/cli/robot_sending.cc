@@ -14,8 +14,7 @@
 #include "cli/output/interrupt.h"
 #include "cli/output/reporter.h"
 #include "cli/roll_call.h"
-#include "delivery/command_session.h"
-#include "mqtt/paho/paho_transport.h"
+#include "delivery/send_all.h"
 
 namespace fleetpub::cli {
 namespace {
@@ -25,12 +24,6 @@ using message::Report;
 using std::chrono::milliseconds;
 using std::chrono::steady_clock;
 using vda5050::RobotAddress;
-
-// So many wait for their robots at once: no further one is commanded before some have answered.
-constexpr std::size_t kMostWaiting = 10'000;
-
-// Between two drawings of the progress bar.
-constexpr milliseconds kGlance{100};
 
 // A thousand robots may all be warned of in the same words.
 class Warnings {
@@ -65,11 +58,11 @@ std::string WhyUnheard(const vda5050::RobotEntry& robot, milliseconds state_wait
   return "no message of it is at the broker";
 }
 
-class RobotSender {
+class RobotSender final : private delivery::CommandSource {
  public:
   RobotSender(const RobotSending& sending, const Context& context,
               vda5050::RobotDirectory directory, const Excluded& excluded, mqtt::Qos qos,
-              delivery::RateLimiter pace)
+              delivery::RateLimiter rate)
       : sending_(sending),
         context_(context),
         directory_(std::move(directory)),
@@ -77,7 +70,7 @@ class RobotSender {
         maker_(sending, context),
         reporter_(context.output),
         warnings_(context.output),
-        rate_limiter_(pace) {
+        rate_limiter_(rate) {
     options_.qos = qos;
   }
 
@@ -91,7 +84,7 @@ class RobotSender {
                                        WhyUnheard(robot->second, sending_.targets.state_wait))));
     }
     const auto start = steady_clock::now();
-    auto ran = sending_.options.dry_run ? ShowOnly() : Send();
+    auto ran = sending_.options.dry_run ? ShowDryRun(*this, context_) : Send();
     if (!ran) return Fail(std::move(ran.error()));
     warnings_.TellRest();
     if (sending_.targets.IsSet() && !sending_.options.dry_run)
@@ -212,125 +205,59 @@ class RobotSender {
     auto connect = ConnectOptionsOf(context_);
     if (!connect) return Fail(std::move(connect.error()));
     connect_ = *std::move(connect);
-    auto transport = mqtt::ConnectPaho(connect_);
+    auto transport = cli::Connect(connect_, context_.output);
     if (!transport) return Fail(std::move(transport.error()));
     transport_ = *std::move(transport);
-    context_.output.Debug(fmt::format("connected to {}", transport_->server().broker.ToString()));
     return {};
   }
 
-  // The next ones; what cannot be sent is shown at once.
-  Result<std::vector<message::Command>> Next(std::size_t most) {
-    CommandMaker::Made made;
-    const std::size_t end = std::min(robots_.size(), next_ + most);
-    made.commands.reserve(end - next_);
+  [[nodiscard]] std::size_t left() const override { return robots_.size() - next_; }
+
+  // What cannot be sent is shown at once.
+  Result<std::span<const message::Command>> Next(std::size_t most) override {
+    made_ = {};
+    const std::size_t end = next_ + std::min(left(), most);
+    made_.commands.reserve(end - next_);
     for (; next_ < end; ++next_) {
-      if (auto ok = maker_.Make(*robots_[next_], made); !ok) return Fail(std::move(ok.error()));
+      made_whole_ = maker_.Make(*robots_[next_], made_);
+      if (!made_whole_) return Fail(made_whole_.error());
     }
-    for (const std::string& warning : made.warnings) warnings_.Tell(warning);
-    for (const Report& refused : made.refused) Show(refused);
-    return std::move(made.commands);
+    for (const std::string& warning : made_.warnings) warnings_.Tell(warning);
+    for (const Report& refused : made_.refused) Show(refused);
+    return made_.commands;
   }
 
-  Status ShowOnly() {
-    auto dry_run = DryRun::Open(context_);
-    if (!dry_run) return Fail(std::move(dry_run.error()));
-    while (next_ < robots_.size()) {
-      const auto commands = Next(options_.batch);
-      if (!commands) return Fail(commands.error());
-      for (const message::Command& command : *commands) {
-        const auto report = dry_run->Report(command);
-        if (!report) return Fail(report.error());
-        context_.output.Debug(
-            fmt::format("would be published to {}", base::Printable(command.topic)));
-        context_.output.JsonLine(context_.output.json() ? ReportJson(*report) : report->payload);
-      }
+  void GiveUp(const Error& reason) override {
+    for (; next_ < robots_.size(); ++next_) {
+      Show(maker_.ReportOn(*robots_[next_], CommandStatus::kError, reason.kind,
+                           "not sent: " + reason.message));
     }
-    return {};
   }
 
-  // Errors: nothing was sent.
+  // Errors: nothing was sent, or a message could not be made.
   Status Send() {
     auto ledger = OpenLedger(context_, ledger::OpenMode::kCreate);
     if (!ledger) return Fail(NothingSentToAny(CommandStatus::kError, ledger.error()));
     if (auto ok = Connect(); !ok) return Fail(NothingSentToAny(CommandStatus::kError, ok.error()));
     options_.acknowledge_timeout = connect_.connect_timeout;
-    if (!sending_.waiting.wait_for)
-      WarnOfSilentRefusals(connect_.version, options_.qos, context_.output);
-    InterruptGuard::Begin(robots_.size());
     ProgressBar bar(sending_.targets.IsSet() ? robots_.size() : 0, context_.output);
-    bar_ = sending_.targets.IsSet() && bar.IsPossible() ? &bar : nullptr;
-    delivery::CommandSession session(transport_, **ledger, options_, sending_.waiting.wait,
-                                     HooksFor());
-    auto sent = SendAll(session);
-    bar_ = nullptr;
-    if (transport_ != nullptr) transport_->Disconnect();
-    if (!sent) return sent;
-    if (!session.trouble()) {
-      context_.output.Warn(fmt::format("sent, but the outcome is not in the ledger: {}",
-                                       session.trouble().error().message));
+    Delivery delivery{.connect = connect_,
+                      .send = options_,
+                      .wait = {},
+                      .rate = rate_limiter_,
+                      .report =
+                          [this](const Report& report) {
+                            Show(report);
+                            Output::FlushNow();
+                          },
+                      .tick = {}};
+    if (sending_.waiting.wait_for) delivery.wait = sending_.waiting.wait;
+    if (sending_.targets.IsSet() && bar.IsPossible()) {
+      delivery.tick = [&] { bar.Draw(summary_); };
     }
-    return {};
-  }
-
-  delivery::SessionHooks HooksFor() {
-    return {.report =
-                [this](const Report& report) {
-                  Show(report);
-                  Output::FlushNow();
-                },
-            .sent =
-                [this] {
-                  InterruptGuard::CountSent();
-                  context_.output.SomethingWasSent();
-                },
-            .connect = ConnectHookOf(connect_),
-            .lost =
-                [this](const Error& error) {
-                  context_.output.Warn(error.message + ": connecting again");
-                },
-            .again = [this] { context_.output.Warn("connected again"); }};
-  }
-
-  Status SendAll(delivery::CommandSession& session) {
-    while (next_ < robots_.size() || session.waiting() > 0) {
-      if (bar_ != nullptr) bar_->Draw(summary_);
-      const auto now = steady_clock::now();
-      const std::size_t room = kMostWaiting - std::min(kMostWaiting, session.waiting());
-      const std::size_t most = std::min({options_.batch, rate_limiter_.Available(now), room});
-      if (next_ == robots_.size() || most == 0) {
-        const bool is_paced = next_ < robots_.size() && room > 0;
-        auto deadline = is_paced ? rate_limiter_.Next() : mqtt::Deadline::max();
-        if (bar_ != nullptr) deadline = std::min(deadline, now + kGlance);
-        session.Listen(deadline);
-        continue;
-      }
-      const bool is_first = next_ == 0;
-      const auto commands = Next(most);
-      if (!commands) {
-        static_cast<void>(session.Send({}));  // what has left is told of
-        return Fail(commands.error());
-      }
-      rate_limiter_.Consume(commands->size(), now);
-      if (is_first && next_ == robots_.size()) {  // else one robot's topics may be forbidden
-        if (auto ok = session.Subscribe(*commands); !ok) {
-          return Fail(NothingSentToAny(CommandStatus::kError, ok.error()));
-        }
-      }
-      using More = delivery::CommandSession::More;
-      const bool follow = next_ < robots_.size() && rate_limiter_.Available(now) > 0;
-      const auto sent = session.Send(*commands, follow ? More::kFollow : More::kNone);
-      if (!sent && session.lost()) GiveUpRest(sent.error());
-    }
-    return {};
-  }
-
-  // The connection is lost: the rest is not sent.
-  void GiveUpRest(const Error& error) {
-    for (; next_ < robots_.size(); ++next_) {
-      Show(maker_.ReportOn(*robots_[next_], CommandStatus::kError, error.kind,
-                           "not sent: " + error.message));
-    }
+    auto sent = Deliver(*this, transport_, **ledger, delivery, context_.output);
+    if (sent || !made_whole_) return sent;
+    return Fail(NothingSentToAny(CommandStatus::kError, std::move(sent.error())));
   }
 
   // When nothing at all was sent, a person reads one sentence, a script an object per robot.
@@ -373,7 +300,8 @@ class RobotSender {
   std::vector<const ListedRobot*> robots_;   // of the directory
   std::vector<const ListedRobot*> unheard_;  // whether --where is true is not known
   std::size_t next_ = 0;
-  ProgressBar* bar_ = nullptr;  // while something is sent
+  CommandMaker::Made made_;
+  Status made_whole_;  // why a message could not be made
 };
 
 }  // namespace

@@ -11,8 +11,6 @@
 #include "cli/output/output.h"
 #include "cli/output/reporter.h"
 #include "cli/parser/option_set.h"
-#include "delivery/converse.h"
-#include "delivery/send.h"
 #include "delivery/validate.h"
 #include "mqtt/paho/paho_transport.h"
 
@@ -22,18 +20,6 @@ namespace {
 using message::Command;
 using message::CommandStatus;
 using message::Report;
-
-Result<ExitCode> ShowOnly(const std::vector<Command>& commands, const Context& context) {
-  auto dry_run = DryRun::Open(context);
-  if (!dry_run) return Fail(std::move(dry_run.error()));
-  for (const Command& command : commands) {
-    const auto report = dry_run->Report(command);
-    if (!report) return Fail(report.error());
-    context.output.Debug(fmt::format("would be published to {}", base::Printable(command.topic)));
-    context.output.JsonLine(context.output.json() ? ReportJson(*report) : report->payload);
-  }
-  return ExitCode::kDone;
-}
 
 }  // namespace
 
@@ -60,82 +46,46 @@ Result<delivery::RateLimiter> ParseRate(const std::string& text) {
                                              base::Printable(text)));
 }
 
-namespace {
-
-// Over the open connection; with `wait`, until every robot's word.
-class Sender {
- public:
-  Sender(Outgoing& outgoing, const mqtt::ConnectOptions& connect, mqtt::Qos qos,
-         const Context& context)
-      : outgoing_(outgoing), connect_(connect), context_(context), reporter_(context.output) {
-    for (const Command& command : outgoing.commands) reporter_.Fit(command.target);
-    options_.qos = qos;
-    options_.acknowledge_timeout = connect.connect_timeout;
+Result<std::unique_ptr<mqtt::Transport>> Connect(const mqtt::ConnectOptions& options,
+                                                 Output& output) {
+  auto transport = mqtt::ConnectPaho(options);
+  if (transport) {
+    output.Debug(fmt::format("connected to {}", (*transport)->server().broker.ToString()));
   }
+  return transport;
+}
 
-  // Errors: nothing was sent.
-  Result<ExitCode> Run() {
-    auto ledger = OpenLedger(context_, ledger::OpenMode::kCreate);
-    if (!ledger) return Fail(ledger.error());
-    if (auto ok = Connect(); !ok) return Fail(ok.error());
-    if (!outgoing_.wait) WarnOfSilentRefusals(connect_.version, options_.qos, context_.output);
-    InterruptGuard::Begin(outgoing_.commands.size());
-    Status trouble;
-    const auto ran = outgoing_.wait ? Converse(**ledger, trouble) : Send(**ledger, trouble);
-    if (transport_ != nullptr) transport_->Disconnect();
-    if (!ran) return Fail(ran.error());
-    if (!trouble) {
-      context_.output.Warn(
-          fmt::format("sent, but the outcome is not in the ledger: {}", trouble.error().message));
-    }
-    return reporter_.worst();
+Status Deliver(delivery::CommandSource& source, std::unique_ptr<mqtt::Transport>& transport,
+               ledger::Ledger& ledger, const Delivery& delivery, Output& output) {
+  if (!delivery.wait) {
+    WarnOfSilentRefusals(delivery.connect.version, delivery.send.qos, output);
   }
-
- private:
-  Status Connect() {
-    auto transport = mqtt::ConnectPaho(connect_);
-    if (!transport) return Fail(transport.error());
-    transport_ = std::move(*transport);
-    context_.output.Debug(fmt::format("connected to {}", transport_->server().broker.ToString()));
-    return {};
+  InterruptGuard::Begin(source.left());
+  std::function<void(const Error&)> lost;
+  if (delivery.wait) {
+    lost = [&output](const Error& error) { output.Warn(error.message + ": connecting again"); };
   }
-
-  Status Send(ledger::Ledger& ledger, Status& trouble) {
-    trouble = delivery::Send(outgoing_.commands, *transport_, ledger, options_, sink_, sent_);
-    return {};
+  delivery::CommandSession session(transport, ledger, delivery.send,
+                                   delivery.wait.value_or(delivery::WaitOptions()),
+                                   {.report = delivery.report,
+                                    .sent =
+                                        [&output] {
+                                          InterruptGuard::CountSent();
+                                          output.SomethingWasSent();
+                                        },
+                                    .connect = ConnectHookOf(delivery.connect),
+                                    .lost = lost,
+                                    .again = [&output] { output.Warn("connected again"); }});
+  auto sent = delivery::SendAll(
+      source, session,
+      {.batch = delivery.send.batch, .rate = delivery.rate, .tick = delivery.tick});
+  if (transport != nullptr) transport->Disconnect();
+  if (sent && !session.trouble()) {
+    output.Warn(fmt::format("sent, but the outcome is not in the ledger: {}",
+                            session.trouble().error().message));
   }
-
-  Status Converse(ledger::Ledger& ledger, Status& trouble) {
-    Output& output = context_.output;
-    const delivery::SessionHooks hooks{
-        .report = sink_,
-        .sent = sent_,
-        .connect = ConnectHookOf(connect_),
-        .lost =
-            [&output](const Error& error) { output.Warn(error.message + ": connecting again"); },
-        .again = [&output] { output.Warn("connected again"); }};
-    return delivery::Converse(outgoing_.commands, transport_, ledger, options_, *outgoing_.wait,
-                              hooks, trouble);
-  }
-
-  Outgoing& outgoing_;
-  std::unique_ptr<mqtt::Transport> transport_;
-  const mqtt::ConnectOptions& connect_;
-  const Context& context_;
-  Reporter reporter_;
-  InterruptGuard interrupt_;
-  delivery::SendOptions options_;
-  delivery::ReportSink sink_ = [this](const Report& report) {
-    reporter_.Show(report);
-    context_.output.FlushNow();
-  };
-  delivery::SentHook sent_ = [this] {
-    InterruptGuard::CountSent();
-    context_.output.SomethingWasSent();
-  };
-};
-
-}  // namespace
+  return sent;
+}
 
 // When nothing at all was sent, a person reads one sentence, a script an object per target.
 Error NothingSent(const std::vector<Command>& commands, CommandStatus status, Error error,
@@ -208,7 +158,38 @@ void DeclareQos(OptionSet& set, std::string& qos) {
                       &qos);
 }
 
-Result<ExitCode> SendCommands(Outgoing outgoing, const SendingOptions& options,
+namespace {
+
+// Errors: nothing was sent.
+Result<ExitCode> SendValid(const Outgoing& outgoing, mqtt::Qos qos, const Context& context) {
+  const auto connect = ConnectOptionsOf(context);
+  if (!connect) return Fail(connect.error());
+  const InterruptGuard interrupt;
+  Reporter reporter(context.output);
+  for (const Command& command : outgoing.commands) reporter.Fit(command.target);
+  auto ledger = OpenLedger(context, ledger::OpenMode::kCreate);
+  if (!ledger) return Fail(ledger.error());
+  auto transport = Connect(*connect, context.output);
+  if (!transport) return Fail(transport.error());
+  const Delivery delivery{.connect = *connect,
+                          .send = {.qos = qos, .acknowledge_timeout = connect->connect_timeout},
+                          .wait = outgoing.wait,
+                          .rate = {},
+                          .report =
+                              [&](const Report& report) {
+                                reporter.Show(report);
+                                Output::FlushNow();
+                              },
+                          .tick = {}};
+  delivery::CommandList list(outgoing.commands, delivery.report);
+  auto sent = Deliver(list, *transport, **ledger, delivery, context.output);
+  if (!sent) return Fail(std::move(sent.error()));
+  return reporter.worst();
+}
+
+}  // namespace
+
+Result<ExitCode> SendCommands(const Outgoing& outgoing, const SendingOptions& options,
                               const Context& context) {
   const auto qos = QosOf(options.qos);
   if (!qos) return Fail(qos.error());
@@ -221,10 +202,12 @@ Result<ExitCode> SendCommands(Outgoing outgoing, const SendingOptions& options,
     }
     for (const std::string& warning : *warnings) context.output.Warn(warning);
   }
-  if (options.dry_run) return ShowOnly(commands, context);
-  const auto connect = ConnectOptionsOf(context);
-  if (!connect) return Fail(connect.error());
-  auto code = Sender(outgoing, *connect, *qos, context).Run();
+  if (options.dry_run) {
+    delivery::CommandList list(commands);
+    if (auto ok = ShowDryRun(list, context); !ok) return Fail(std::move(ok.error()));
+    return ExitCode::kDone;
+  }
+  auto code = SendValid(outgoing, *qos, context);
   if (!code) return Fail(NothingSent(commands, CommandStatus::kError, code.error(), context));
   return code;
 }

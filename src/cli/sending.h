@@ -2,6 +2,7 @@
 // report it.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -11,7 +12,7 @@
 #include "cli/options/global_options.h"
 #include "cli/output/exit_code.h"
 #include "delivery/pending_commands.h"
-#include "delivery/rate_limiter.h"
+#include "delivery/send_all.h"
 #include "message/command.h"
 #include "message/report.h"
 #include "mqtt/transport.h"
@@ -47,6 +48,25 @@ struct Outgoing {
   std::optional<delivery::WaitOptions> wait;  ///< for the commands' trackers
 };
 
+/// How commands are sent over a connection.
+struct Delivery {
+  mqtt::ConnectOptions connect;  ///< for a connection that is lost
+  delivery::SendOptions send;
+  std::optional<delivery::WaitOptions> wait;  ///< for the commands' trackers
+  delivery::RateLimiter rate;
+  delivery::ReportSink report;
+  std::function<void()> tick;  ///< see delivery::SendAllOptions
+};
+
+/// Sends what the source makes over the open connection, and disconnects. Errors: as
+/// delivery::SendAll's.
+[[nodiscard]] Status Deliver(delivery::CommandSource& source,
+                             std::unique_ptr<mqtt::Transport>& transport, ledger::Ledger& ledger,
+                             const Delivery& delivery, Output& output);
+
+[[nodiscard]] Result<std::unique_ptr<mqtt::Transport>> Connect(const mqtt::ConnectOptions& options,
+                                                               Output& output);
+
 /// Says what an acknowledgement is worth when nobody waits for the robots: over MQTT 3.1.1 a broker
 /// has no word for no (§3.3.5.2).
 void WarnOfSilentRefusals(mqtt::ProtocolVersion version, mqtt::Qos qos, Output& output);
@@ -57,7 +77,7 @@ void WarnOfSilentRefusals(mqtt::ProtocolVersion version, mqtt::Qos qos, Output& 
                                                                schema::Registry& registry);
 
 /// Sends all of the commands, or none when one of them is invalid. Prints a result for each.
-[[nodiscard]] Result<ExitCode> SendCommands(Outgoing outgoing, const SendingOptions& options,
+[[nodiscard]] Result<ExitCode> SendCommands(const Outgoing& outgoing, const SendingOptions& options,
                                             const Context& context);
 
 /// When nothing at all was sent, a person reads one sentence, a script an object per target.

@@ -64,7 +64,7 @@ Result<ExitCode> SendSoarMessage(const SoarSendingOptions& options, soar::Messag
          .on_level = LevelTeller(destination->name, context.output)});
   }
   outgoing.commands.push_back(std::move(command));
-  return SendCommands(std::move(outgoing), options.sending, context);
+  return SendCommands(outgoing, options.sending, context);
 }
 
 }  // namespace fleetpub::cli

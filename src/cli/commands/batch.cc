@@ -20,8 +20,7 @@
 #include "cli/parser/subcommand.h"
 #include "cli/sending.h"
 #include "cli/targets.h"
-#include "delivery/command_session.h"
-#include "delivery/rate_limiter.h"
+#include "delivery/send_all.h"
 #include "mqtt/paho/paho_transport.h"
 
 namespace fleetpub::cli {
@@ -31,8 +30,6 @@ using message::Command;
 using message::Report;
 using std::chrono::steady_clock;
 
-// So many wait for their robots at once: more are not read.
-constexpr std::size_t kMostWaiting = 10'000;
 constexpr std::size_t kLargestBatch = 1'000;
 
 struct Options {
@@ -127,7 +124,7 @@ class Batch {
   // What arrives behind a signal is not sent.
   [[nodiscard]] bool MayRead(const delivery::CommandSession& session) const {
     return !input_.ended() && stopped_.empty() && !StopSignal::Noted() && !session.lost() &&
-           session.waiting() < kMostWaiting;
+           session.waiting() < delivery::kMostWaiting;
   }
 
   void SendWhatIsThere(delivery::CommandSession& session) {

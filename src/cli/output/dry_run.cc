@@ -4,7 +4,7 @@
 
 #include <utility>
 
-#include "delivery/send.h"
+#include "base/text.h"
 
 namespace fleetpub::cli {
 
@@ -44,6 +44,22 @@ Result<std::uint32_t> DryRun::NextId(const message::Command& command) {
   }
   found->second = *command.header_id + 1;
   return *command.header_id;
+}
+
+Status ShowDryRun(delivery::CommandSource& source, const Context& context) {
+  auto dry_run = DryRun::Open(context);
+  if (!dry_run) return Fail(std::move(dry_run.error()));
+  while (source.left() > 0) {
+    const auto commands = source.Next(delivery::SendOptions{}.batch);
+    if (!commands) return Fail(commands.error());
+    for (const message::Command& command : *commands) {
+      const auto report = dry_run->Report(command);
+      if (!report) return Fail(report.error());
+      context.output.Debug(fmt::format("would be published to {}", base::Printable(command.topic)));
+      context.output.JsonLine(context.output.json() ? ReportJson(*report) : report->payload);
+    }
+  }
+  return {};
 }
 
 }  // namespace fleetpub::cli

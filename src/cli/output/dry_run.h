@@ -8,6 +8,7 @@
 
 #include "base/result.h"
 #include "cli/options/global_options.h"
+#include "delivery/send_all.h"
 #include "message/command.h"
 #include "message/report.h"
 
@@ -29,5 +30,8 @@ class DryRun {
   std::unique_ptr<ledger::Ledger> ledger_;
   std::map<std::string, std::uint32_t> next_ids_;  // by topic
 };
+
+/// Prints what would be sent of all that the source makes. Errors: as DryRun's, and the source's.
+[[nodiscard]] Status ShowDryRun(delivery::CommandSource& source, const Context& context);
 
 }  // namespace fleetpub::cli

@@ -1,4 +1,4 @@
-#include "delivery/send.h"
+#include "delivery/send_all.h"
 
 #include <gmock/gmock.h>
 
@@ -51,12 +51,21 @@ class Sending : public ::testing::Test {
     options_.now = [] { return base::WallTime(1767323045678ms); };
   }
 
-  Status SendAll(const std::vector<message::Command>& commands,
-                 mqtt::Qos qos = mqtt::Qos::kAtMostOnce) {
+  // Returns what changes no status.
+  Status Send(const std::vector<message::Command>& commands,
+              mqtt::Qos qos = mqtt::Qos::kAtMostOnce) {
     options_.qos = qos;
-    return Send(
-        commands, transport_, ledger_, options_,
-        [&](const message::Report& report) { reports_.push_back(report); }, [&] { ++left_; });
+    const ReportSink report = [&](const message::Report& done) { reports_.push_back(done); };
+    CommandSession session(
+        connection_, ledger_, options_, WaitOptions{.resend = 0},
+        {.report = report,
+         .sent = [&] { ++left_; },
+         .connect = [](mqtt::Deadline) { return Fail(ErrorKind::kBroker, "broker: gone"); },
+         .lost = {},
+         .again = {}});
+    CommandList list(commands, report);
+    EXPECT_TRUE(SendAll(list, session, {.batch = options_.batch, .rate = rate_, .tick = {}}));
+    return session.trouble();
   }
 
   [[nodiscard]] std::vector<std::string> Statuses() const {
@@ -67,8 +76,10 @@ class Sending : public ::testing::Test {
 
   testing::Journal journal_;
   testing::FakeLedger ledger_{journal_};
-  testing::FakeTransport transport_{journal_};
+  std::unique_ptr<mqtt::Transport> connection_ = std::make_unique<testing::FakeTransport>(journal_);
+  testing::FakeTransport& transport_ = dynamic_cast<testing::FakeTransport&>(*connection_);
   SendOptions options_;
+  RateLimiter rate_;
   std::vector<message::Report> reports_;
   int left_ = 0;
 };
@@ -78,13 +89,13 @@ using SendAtQos1 = Sending;
 using SendInBatches = Sending;
 
 TEST_F(SendAtQos0, ReservesUnderTheLockAndPublishesAfterwards) {
-  EXPECT_TRUE(SendAll({CommandFor("a"), CommandFor("b")}));
+  EXPECT_TRUE(Send({CommandFor("a"), CommandFor("b")}));
   EXPECT_THAT(journal_.entries(), ElementsAre("lock t/a t/b", "reserve 2", "publish t/a",
                                               "publish t/b", "unlock", "record SENT SENT"));
 }
 
 TEST_F(SendAtQos0, ReportsWhatWasSent) {
-  EXPECT_TRUE(SendAll({CommandFor("a")}));
+  EXPECT_TRUE(Send({CommandFor("a")}));
   ASSERT_THAT(reports_, SizeIs(1));
   const message::Report& report = reports_.front();
   EXPECT_EQ(report.target, "a");
@@ -99,7 +110,7 @@ TEST_F(SendAtQos0, ReportsWhatWasSent) {
 }
 
 TEST_F(SendAtQos0, PublishesExactlyWhatItRecordedAndNeverRetained) {
-  EXPECT_TRUE(SendAll({CommandFor("a"), CommandFor("a"), CommandFor("b")}));
+  EXPECT_TRUE(Send({CommandFor("a"), CommandFor("a"), CommandFor("b")}));
   ASSERT_THAT(transport_.published(), SizeIs(3));
   for (std::size_t i = 0; i < 3; ++i) {
     EXPECT_EQ(transport_.published()[i].payload, ledger_.rows()[i].payload);
@@ -110,7 +121,7 @@ TEST_F(SendAtQos0, PublishesExactlyWhatItRecordedAndNeverRetained) {
 }
 
 TEST_F(SendAtQos0, CountsEachTopicOnItsOwn) {
-  EXPECT_TRUE(SendAll({CommandFor("a"), CommandFor("b"), CommandFor("a")}));
+  EXPECT_TRUE(Send({CommandFor("a"), CommandFor("b"), CommandFor("a")}));
   std::vector<std::uint32_t> ids;
   for (const message::Report& report : reports_) ids.push_back(report.header_id.value());
   EXPECT_THAT(ids, ElementsAre(0U, 0U, 1U));
@@ -119,7 +130,7 @@ TEST_F(SendAtQos0, CountsEachTopicOnItsOwn) {
 TEST_F(SendAtQos0, SendsTheHeaderIdAskedFor) {
   message::Command command = CommandFor("a");
   command.header_id = 41;
-  EXPECT_TRUE(SendAll({command, CommandFor("a")}));
+  EXPECT_TRUE(Send({command, CommandFor("a")}));
   EXPECT_THAT(transport_.published()[0].payload, HasSubstr("<41|"));
   EXPECT_THAT(transport_.published()[1].payload, HasSubstr("<42|"));
 }
@@ -127,14 +138,14 @@ TEST_F(SendAtQos0, SendsTheHeaderIdAskedFor) {
 TEST_F(SendAtQos0, GivesNoIdToAMessageThatIsNotCounted) {
   message::Command command = CommandFor("a");
   command.payload = {.before_id = "", .before_time = "{", .rest = "}", .counted = false};
-  EXPECT_TRUE(SendAll({command}));
+  EXPECT_TRUE(Send({command}));
   EXPECT_EQ(reports_.front().header_id, std::nullopt);
   EXPECT_EQ(transport_.published().front().payload, "{2026-01-02T03:04:05.678Z}");
   EXPECT_EQ(reports_.front().payload, transport_.published().front().payload);
 }
 
 TEST_F(SendAtQos0, RecordsBrokerAndTargetWithTheMessage) {
-  EXPECT_TRUE(SendAll({CommandFor("a")}));
+  EXPECT_TRUE(Send({CommandFor("a")}));
   const ledger::Record& row = ledger_.rows().front();
   EXPECT_EQ(row.target, "a");
   EXPECT_EQ(row.broker, "mqtt://broker:1883");
@@ -143,18 +154,18 @@ TEST_F(SendAtQos0, RecordsBrokerAndTargetWithTheMessage) {
 }
 
 TEST_F(SendAtQos0, TellsOfEachMessageThatLeft) {
-  EXPECT_TRUE(SendAll(CommandsFor(3)));
+  EXPECT_TRUE(Send(CommandsFor(3)));
   EXPECT_EQ(left_, 3);
 }
 
 TEST_F(SendAtQos0, SendsNothingOfNothing) {
-  EXPECT_TRUE(SendAll({}));
+  EXPECT_TRUE(Send({}));
   EXPECT_THAT(journal_.entries(), IsEmpty());
 }
 
 TEST_F(SendAtQos0, SendsNothingWhenTheLockIsNotToBeHad) {
   ledger_.lock_error = Error{ErrorKind::kLedger, "t/0 is held by somebody else"};
-  EXPECT_TRUE(SendAll(CommandsFor(2)));
+  EXPECT_TRUE(Send(CommandsFor(2)));
   EXPECT_THAT(transport_.published(), IsEmpty());
   EXPECT_THAT(reports_, SizeIs(2));
   EXPECT_THAT(reports_, Each(AllOf(Is(message::CommandStatus::kError),
@@ -167,24 +178,33 @@ TEST_F(SendAtQos0, SendsNothingWhenTheLockIsNotToBeHad) {
 TEST_F(SendAtQos0, WaitsForTheLockNoLongerThanItMay) {
   options_.lock_timeout = 250ms;
   const auto before = std::chrono::steady_clock::now();
-  EXPECT_TRUE(SendAll(CommandsFor(1)));
+  EXPECT_TRUE(Send(CommandsFor(1)));
   EXPECT_GE(ledger_.last_deadline(), before + 250ms);
   EXPECT_LE(ledger_.last_deadline(), std::chrono::steady_clock::now() + 250ms);
 }
 
 TEST_F(SendAtQos0, SendsNothingWhenTheLedgerRefuses) {
-  ledger_.reserve_error = Error{ErrorKind::kUsage, "header id 3 is not above the last one, 9"};
-  EXPECT_TRUE(SendAll(CommandsFor(2)));
+  ledger_.reserve_error = Error{ErrorKind::kLedger, "disk full"};
+  EXPECT_TRUE(Send(CommandsFor(2)));
   EXPECT_THAT(journal_.entries(), ElementsAre("lock t/0 t/1", "unlock"));
   EXPECT_THAT(reports_, SizeIs(2));
   EXPECT_THAT(reports_, Each(AllOf(Is(message::CommandStatus::kError),
-                                   Field(&message::Report::error, ErrorKind::kUsage),
-                                   Says("not sent: header id 3 is not above"))));
+                                   Field(&message::Report::error, ErrorKind::kLedger),
+                                   Says("not sent: disk full"))));
+}
+
+TEST_F(SendAtQos0, SendsNothingUnderAHeaderIdThatTheLedgerRefuses) {
+  ledger_.reserve_error = Error{ErrorKind::kUsage, "header id 3 is not above the last one, 9"};
+  EXPECT_TRUE(Send(CommandsFor(1)));
+  EXPECT_THAT(journal_.entries(), ElementsAre("lock t/0", "unlock"));
+  EXPECT_THAT(reports_, ElementsAre(AllOf(Is(message::CommandStatus::kError),
+                                          Field(&message::Report::error, ErrorKind::kUsage),
+                                          Says("not sent: header id 3 is not above"))));
 }
 
 TEST_F(SendAtQos0, UsesNoHeaderIdWhenTheConnectionWentWhileItWaited) {
   transport_.ready_error = Error{ErrorKind::kBroker, "broker: gone"};
-  EXPECT_TRUE(SendAll(CommandsFor(2)));
+  EXPECT_TRUE(Send(CommandsFor(2)));
   EXPECT_THAT(journal_.entries(), ElementsAre("lock t/0 t/1", "unlock", "record"));
   EXPECT_THAT(reports_, Each(AllOf(Is(message::CommandStatus::kError),
                                    Field(&message::Report::error, ErrorKind::kBroker),
@@ -193,17 +213,17 @@ TEST_F(SendAtQos0, UsesNoHeaderIdWhenTheConnectionWentWhileItWaited) {
 }
 
 TEST_F(SendAtQos0, UsesNoHeaderIdForWhatTheBrokerDoesNotTake) {
-  auto commands = CommandsFor(2);
-  commands[1].payload.rest = std::string(100, '>');
+  auto commands = CommandsFor(1);
+  commands[0].payload.rest = std::string(100, '>');
   transport_.largest = 100;
-  EXPECT_TRUE(SendAll(commands));
+  EXPECT_TRUE(Send(commands));
   EXPECT_THAT(journal_.entries(), IsEmpty());
-  EXPECT_THAT(reports_, Each(Says("not sent: too large")));
+  EXPECT_THAT(reports_, ElementsAre(Says("not sent: too large")));
 }
 
 TEST_F(SendAtQos0, SendsNothingMoreOnceTheLedgerHasEndedTheLock) {
   ledger_.held_so_often = 2;
-  ASSERT_TRUE(SendAll(CommandsFor(4)));
+  ASSERT_TRUE(Send(CommandsFor(4)));
   EXPECT_THAT(transport_.published(), SizeIs(2));
   EXPECT_THAT(
       reports_,
@@ -216,13 +236,12 @@ TEST_F(SendAtQos0, SendsNothingMoreOnceTheLedgerHasEndedTheLock) {
 
 TEST_F(SendAtQos0, StopsAtALostConnection) {
   transport_.publish_fails_at = 1;
-  EXPECT_TRUE(SendAll(CommandsFor(3)));
+  EXPECT_TRUE(Send(CommandsFor(3)));
   EXPECT_THAT(reports_, ElementsAre(Is(message::CommandStatus::kSent),
                                     Says("perhaps sent: broker: connection lost"),
                                     Says("not sent: broker: connection lost")));
   EXPECT_EQ(reports_[1].error, ErrorKind::kBroker);
   EXPECT_EQ(reports_[2].error, ErrorKind::kBroker);
-  EXPECT_THAT(transport_.published(), SizeIs(1));
   EXPECT_THAT(Statuses(), ElementsAre("SENT", "ERROR", "ERROR"));
   EXPECT_THAT(ledger_.rows()[2].detail, HasSubstr("not sent"));
   EXPECT_EQ(left_, 1);
@@ -230,7 +249,7 @@ TEST_F(SendAtQos0, StopsAtALostConnection) {
 
 TEST_F(SendAtQos0, OnlyReturnsTroubleWithRecordingTheOutcome) {
   ledger_.record_error = Error{ErrorKind::kLedger, "disk full"};
-  const Status ended = SendAll(CommandsFor(2));
+  const Status ended = Send(CommandsFor(2));
   ASSERT_FALSE(ended);
   EXPECT_EQ(ended.error().message, "disk full");
   EXPECT_THAT(reports_,
@@ -239,7 +258,7 @@ TEST_F(SendAtQos0, OnlyReturnsTroubleWithRecordingTheOutcome) {
 }
 
 TEST_F(SendAtQos1, HoldsTheLockUntilTheAcknowledgement) {
-  EXPECT_TRUE(SendAll({CommandFor("a"), CommandFor("b")}, mqtt::Qos::kAtLeastOnce));
+  EXPECT_TRUE(Send({CommandFor("a"), CommandFor("b")}, mqtt::Qos::kAtLeastOnce));
   EXPECT_THAT(journal_.entries(),
               ElementsAre("lock t/a t/b", "reserve 2", "publish t/a", "publish t/b", "await",
                           "unlock", "record PUBLISHED PUBLISHED"));
@@ -248,7 +267,7 @@ TEST_F(SendAtQos1, HoldsTheLockUntilTheAcknowledgement) {
 }
 
 TEST_F(SendAtQos1, WaitsAtQos2Too) {
-  EXPECT_TRUE(SendAll(CommandsFor(1), mqtt::Qos::kExactlyOnce));
+  EXPECT_TRUE(Send(CommandsFor(1), mqtt::Qos::kExactlyOnce));
   EXPECT_THAT(journal_.entries(), Contains("await"));
   EXPECT_THAT(reports_, ElementsAre(Is(message::CommandStatus::kPublished)));
 }
@@ -258,7 +277,7 @@ TEST_F(SendAtQos1, NamesTheMessagesThatTheBrokerDidNotAcknowledge) {
   transport_.acknowledge = [](int token) {
     return token == 2 ? std::nullopt : std::optional(mqtt::Acknowledgement{.token = token});
   };
-  EXPECT_TRUE(SendAll(CommandsFor(3), mqtt::Qos::kAtLeastOnce));
+  EXPECT_TRUE(Send(CommandsFor(3), mqtt::Qos::kAtLeastOnce));
   EXPECT_THAT(reports_, ElementsAre(Is(message::CommandStatus::kPublished),
                                     Is(message::CommandStatus::kError),
                                     Is(message::CommandStatus::kPublished)));
@@ -275,7 +294,7 @@ TEST_F(SendAtQos1, NamesTheMessageThatTheBrokerRefused) {
                                  .reason_code = refused ? 0x87 : 0x10,
                                  .reason = refused ? "not authorized (0x87)" : ""};
   };
-  EXPECT_TRUE(SendAll(CommandsFor(2), mqtt::Qos::kAtLeastOnce));
+  EXPECT_TRUE(Send(CommandsFor(2), mqtt::Qos::kAtLeastOnce));
   EXPECT_EQ(reports_[0].status, message::CommandStatus::kError);
   EXPECT_EQ(reports_[0].error, ErrorKind::kBroker);
   EXPECT_THAT(reports_[0].message,
@@ -286,7 +305,7 @@ TEST_F(SendAtQos1, NamesTheMessageThatTheBrokerRefused) {
 
 TEST_F(SendAtQos1, SaysThatSentMessagesMayHaveArrivedWhenTheConnectionIsLost) {
   transport_.await_error = Error{ErrorKind::kBroker, "broker: connection lost"};
-  EXPECT_TRUE(SendAll(CommandsFor(2), mqtt::Qos::kAtLeastOnce));
+  EXPECT_TRUE(Send(CommandsFor(2), mqtt::Qos::kAtLeastOnce));
   EXPECT_THAT(reports_, Each(AllOf(Is(message::CommandStatus::kError),
                                    Field(&message::Report::error, ErrorKind::kBroker),
                                    Says("sent, but not acknowledged: broker: connection lost"))));
@@ -295,7 +314,7 @@ TEST_F(SendAtQos1, SaysThatSentMessagesMayHaveArrivedWhenTheConnectionIsLost) {
 
 TEST_F(SendAtQos1, StillTakesAcknowledgementsOfWhatWentBeforeALostConnection) {
   transport_.publish_fails_at = 1;
-  EXPECT_TRUE(SendAll(CommandsFor(3), mqtt::Qos::kAtLeastOnce));
+  EXPECT_TRUE(Send(CommandsFor(3), mqtt::Qos::kAtLeastOnce));
   EXPECT_THAT(reports_, ElementsAre(Is(message::CommandStatus::kPublished), Says("perhaps sent: "),
                                     Says("not sent: ")));
 }
@@ -303,13 +322,13 @@ TEST_F(SendAtQos1, StillTakesAcknowledgementsOfWhatWentBeforeALostConnection) {
 TEST_F(SendAtQos1, PassesOverAcknowledgementsOfOthers) {
   options_.acknowledge_timeout = std::chrono::milliseconds(50);
   transport_.acknowledge = [](int token) { return mqtt::Acknowledgement{.token = token + 100}; };
-  EXPECT_TRUE(SendAll(CommandsFor(1), mqtt::Qos::kAtLeastOnce));
+  EXPECT_TRUE(Send(CommandsFor(1), mqtt::Qos::kAtLeastOnce));
   EXPECT_THAT(reports_, ElementsAre(Is(message::CommandStatus::kError)));
 }
 
 TEST_F(SendInBatches, TakesTheLockAnewForEach) {
   options_.batch = 2;
-  EXPECT_TRUE(SendAll(CommandsFor(5)));
+  EXPECT_TRUE(Send(CommandsFor(5)));
   EXPECT_THAT(journal_.entries(),
               ElementsAre("lock t/0 t/1", "reserve 2", "publish t/0", "publish t/1", "unlock",
                           "record SENT SENT", "lock t/2 t/3", "reserve 2", "publish t/2",
@@ -318,14 +337,14 @@ TEST_F(SendInBatches, TakesTheLockAnewForEach) {
 }
 
 TEST_F(SendInBatches, AreOf500) {
-  EXPECT_TRUE(SendAll(CommandsFor(1001)));
+  EXPECT_TRUE(Send(CommandsFor(1001)));
   EXPECT_THAT(journal_.entries(), AllOf(Contains("reserve 500").Times(2), Contains("reserve 1")));
   EXPECT_THAT(reports_, SizeIs(1001));
 }
 
 TEST_F(SendInBatches, ReportsInTheOrderOfTheCommands) {
   options_.batch = 2;
-  EXPECT_TRUE(SendAll(CommandsFor(5), mqtt::Qos::kAtLeastOnce));
+  EXPECT_TRUE(Send(CommandsFor(5), mqtt::Qos::kAtLeastOnce));
   std::string targets;
   for (const message::Report& report : reports_) targets += report.target;
   EXPECT_EQ(targets, "01234");
@@ -333,7 +352,7 @@ TEST_F(SendInBatches, ReportsInTheOrderOfTheCommands) {
 
 TEST_F(SendInBatches, NeverPublishesWhatIsNotReserved) {
   options_.batch = 3;
-  EXPECT_TRUE(SendAll(CommandsFor(10), mqtt::Qos::kAtLeastOnce));
+  EXPECT_TRUE(Send(CommandsFor(10), mqtt::Qos::kAtLeastOnce));
   int reserved = 0;
   for (const std::string& entry : journal_.entries()) {
     if (entry.starts_with("reserve ")) reserved += std::stoi(entry.substr(8));
@@ -346,7 +365,7 @@ TEST_F(SendInBatches, NeverPublishesWhatIsNotReserved) {
 TEST_F(SendInBatches, ReservesNothingMoreOnceTheConnectionIsLost) {
   options_.batch = 2;
   transport_.publish_fails_at = 1;
-  EXPECT_TRUE(SendAll(CommandsFor(5)));
+  EXPECT_TRUE(Send(CommandsFor(5)));
   EXPECT_THAT(ledger_.rows(), SizeIs(2));
   EXPECT_THAT(reports_, ElementsAre(Is(message::CommandStatus::kSent), Says("perhaps sent: "),
                                     Says("not sent: "), Says("not sent: "), Says("not sent: ")));
@@ -358,8 +377,8 @@ TEST_F(SendInBatches, ReservesNothingMoreOnceTheBrokerIsSilent) {
   options_.acknowledge_timeout = std::chrono::milliseconds(50);
   transport_.acknowledge = [](int) { return std::nullopt; };
   constexpr std::size_t kSent = PublishPipeline::kMostUnderWay + 1;
-  EXPECT_TRUE(SendAll(CommandsFor(kSent + 2), mqtt::Qos::kAtLeastOnce));
-  EXPECT_THAT(transport_.published(), SizeIs(kSent));
+  EXPECT_TRUE(Send(CommandsFor(kSent + 2), mqtt::Qos::kAtLeastOnce));
+  EXPECT_EQ(left_, static_cast<int>(kSent));
   ASSERT_THAT(reports_, SizeIs(kSent + 2));
   EXPECT_THAT(std::span(reports_).first(kSent), Each(Says("sent, but not acknowledged: ")));
   EXPECT_THAT(std::span(reports_).last(2), Each(Says("not sent: ")));
@@ -370,7 +389,7 @@ TEST_F(SendInBatches, GoesOnAfterAMessageThatTheBrokerRefused) {
   transport_.acknowledge = [](int token) {
     return mqtt::Acknowledgement{.token = token, .reason_code = token == 1 ? 0x87 : 0};
   };
-  EXPECT_TRUE(SendAll(CommandsFor(2), mqtt::Qos::kAtLeastOnce));
+  EXPECT_TRUE(Send(CommandsFor(2), mqtt::Qos::kAtLeastOnce));
   EXPECT_THAT(reports_, ElementsAre(Is(message::CommandStatus::kError),
                                     Is(message::CommandStatus::kPublished)));
 }
@@ -379,7 +398,7 @@ TEST_F(SendInBatches, KeepsWhatWasSentWhenTheLedgerRefusesLater) {
   options_.batch = 2;
   ledger_.reserve_error = Error{ErrorKind::kLedger, "disk full"};
   ledger_.reserve_errors_begin_at = 1;
-  EXPECT_TRUE(SendAll(CommandsFor(4)));
+  EXPECT_TRUE(Send(CommandsFor(4)));
   EXPECT_THAT(reports_,
               ElementsAre(Is(message::CommandStatus::kSent), Is(message::CommandStatus::kSent),
                           Says("not sent: disk full"), Says("not sent: disk full")));
@@ -389,7 +408,7 @@ TEST_F(SendInBatches, KeepsWhatWasSentWhenTheLedgerRefusesLater) {
 TEST_F(SendInBatches, GoesOnWhenAnOutcomeCannotBeRecorded) {
   options_.batch = 1;
   ledger_.record_error = Error{ErrorKind::kLedger, "disk full"};
-  EXPECT_FALSE(SendAll(CommandsFor(3)));
+  EXPECT_FALSE(Send(CommandsFor(3)));
   EXPECT_THAT(reports_, SizeIs(3));
   EXPECT_THAT(reports_, Each(Is(message::CommandStatus::kSent)));
 }
@@ -397,9 +416,60 @@ TEST_F(SendInBatches, GoesOnWhenAnOutcomeCannotBeRecorded) {
 TEST_F(SendInBatches, StampsEachWithItsOwnTime) {
   options_.batch = 1;
   options_.now = [now = base::WallTime(1767323045678ms)]() mutable { return now += 1s; };
-  EXPECT_TRUE(SendAll(CommandsFor(2)));
+  EXPECT_TRUE(Send(CommandsFor(2)));
   EXPECT_THAT(transport_.published()[0].payload, HasSubstr("03:04:06.678Z"));
   EXPECT_THAT(transport_.published()[1].payload, HasSubstr("03:04:07.678Z"));
+}
+
+// Awaits its target, and is at its end once it has left.
+class Awaited final : public message::ResponseTracker {
+ public:
+  explicit Awaited(std::string topic) : topic_(std::move(topic)) {}
+  std::vector<std::string> Topics() const override { return {topic_}; }
+  void Published(std::uint32_t /*header_id*/) override {
+    progress_ = {.seen = true, .ended = true, .status = message::CommandStatus::kFinished};
+  }
+  void Receive(const message::Incoming& /*message*/) override {}
+  const message::Progress& progress() const override { return progress_; }
+
+ private:
+  std::string topic_;
+  message::Progress progress_;
+};
+
+TEST_F(Sending, WaitsForTheEndOfEach) {
+  options_.batch = 2;
+  auto commands = CommandsFor(3);
+  for (auto& command : commands) {
+    command.tracker = std::make_shared<Awaited>("state/" + command.target);
+  }
+  EXPECT_TRUE(Send(commands));
+  EXPECT_THAT(reports_, SizeIs(3));
+  EXPECT_THAT(reports_, Each(Is(message::CommandStatus::kFinished)));
+  EXPECT_THAT(transport_.subscribed(), ElementsAre("state/0", "state/1", "state/2"));
+}
+
+TEST_F(Sending, SendsNoFasterThanTheRate) {
+  rate_ = RateLimiter(200);
+  const auto before = std::chrono::steady_clock::now();
+  EXPECT_TRUE(Send(CommandsFor(40)));
+  EXPECT_GE(std::chrono::steady_clock::now() - before, 100ms);
+  EXPECT_THAT(reports_, SizeIs(40));
+}
+
+TEST_F(Sending, FailsWhenNothingCouldBeSubscribedTo) {
+  const ReportSink report = [&](const message::Report& done) { reports_.push_back(done); };
+  CommandSession session(connection_, ledger_, options_, WaitOptions{.resend = 0},
+                         {.report = report, .sent = {}, .connect = {}, .lost = {}, .again = {}});
+  auto commands = CommandsFor(2);
+  commands[1].tracker = std::make_shared<Awaited>("state/1");
+  transport_.forbidden = "state/1";
+  CommandList list(commands, report);
+  const Status sent = SendAll(list, session, {.batch = 2, .rate = {}, .tick = {}});
+  ASSERT_FALSE(sent);
+  EXPECT_EQ(sent.error().kind, ErrorKind::kBroker);
+  EXPECT_THAT(journal_.entries(), IsEmpty());
+  EXPECT_THAT(reports_, IsEmpty());
 }
 
 TEST(ReportOn, CarriesWhatTheCommandTells) {
