@@ -192,7 +192,7 @@ Result<std::optional<WaitFor>> WaitOf(const Value& line, const LineDefaults& def
   return Wrong("wait must be true, false, \"accepted\" or \"finished\"");
 }
 
-Result<Dialect> DialectOf(const Value& line, const AddressedRobot& robot) {
+Result<Dialect> DialectOf(const Value& line, const app::AddressedRobot& robot) {
   Dialect dialect = *robot.dialect;
   if (const Value* text = FindMember(line, "vda"); text != nullptr && *text != "auto") {
     const auto version = vda5050::ParseVersion(base::ViewOf(*text));
@@ -340,11 +340,11 @@ struct SoarRequest {
 
 }  // namespace
 
-Result<AddressedRobot> AsWritten(std::string_view word) {
+Result<app::AddressedRobot> AsWritten(std::string_view word) {
   static const auto dialect = std::make_shared<const Dialect>();
   auto robot = vda5050::ParseRobotAddress(word);
   if (!robot) return Fail(std::move(robot.error()));
-  return AddressedRobot{*std::move(robot), dialect};
+  return app::AddressedRobot{*std::move(robot), dialect};
 }
 
 LineParser::LineParser(LineDefaults defaults, const std::string& schema_directory)

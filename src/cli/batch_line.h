@@ -7,8 +7,8 @@
 #include <string_view>
 #include <vector>
 
+#include "app/dialect_resolver.h"
 #include "base/result.h"
-#include "cli/targets.h"
 #include "message/command.h"
 #include "schema/schema.h"
 #include "soar/message.h"
@@ -18,12 +18,12 @@
 namespace fleetpub::cli {
 
 /// The robot of this address, in the newest version. Errors: ErrorKind::kUsage.
-[[nodiscard]] Result<AddressedRobot> AsWritten(std::string_view word);
+[[nodiscard]] Result<app::AddressedRobot> AsWritten(std::string_view word);
 
 /// What holds for a line that does not say otherwise.
 struct LineDefaults {
   /// Which robot a target's word means, and how it is spoken to. Errors: ErrorKind::kUsage.
-  std::function<Result<AddressedRobot>(std::string_view word)> address = AsWritten;
+  std::function<Result<app::AddressedRobot>(std::string_view word)> address = AsWritten;
   std::optional<vda5050::WaitFor> wait_for;  ///< nothing: do not wait
   /// Somebody has named the end to wait for; else an order is done when the robot has it.
   bool names_end = false;

@@ -6,10 +6,10 @@
 #include <chrono>
 #include <set>
 
+#include "app/targets.h"
 #include "base/text.h"
 #include "base/time.h"
 #include "cli/parser/option_set.h"
-#include "cli/targets.h"
 #include "delivery/retained.h"
 #include "mqtt/paho/paho_transport.h"
 
@@ -111,7 +111,7 @@ Result<FleetView> GatherFleet(const GatheringOptions& o, const Context& context)
   if (view->size() == 0) return Fail(NoRobot(broker, o.fleet));
   std::vector<RobotAddress> found;
   for (const RobotView* robot : view->robots()) found.push_back(robot->robot);
-  WarnOfNames(found, context.output);
+  app::WarnOfEscapedNames(found, context.output);
   if (view->abridged() > 0) context.output.Warn(AbridgedWarning(view->abridged()));
   if (const std::size_t silent = Silent(*view).size();
       silent > 0 && patience->state_wait.count() > 0) {

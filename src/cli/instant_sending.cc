@@ -71,9 +71,11 @@ Result<ExitCode> SendInstantAction(const InstantSendingOptions& options, std::st
                                    const Context& context) {
   const auto waiting = WaitingOf(options.waiting);
   if (!waiting) return Fail(waiting.error());
-  auto targets = TargetsOf(options.targets, context);
+  auto request = ParseTargetOptions(options.targets);
+  if (!request) return Fail(std::move(request.error()));
+  auto targets = app::ResolveTargets(*std::move(request), context.config, context.output);
   if (!targets) return Fail(std::move(targets.error()));
-  auto resolver = DialectResolver::For(options.instant.vda, context.config);
+  auto resolver = app::DialectResolver::For(options.instant.vda, context.config);
   if (!resolver) return Fail(std::move(resolver.error()));
   const auto action = ActionOf(options.instant, type, std::move(parameters),
                                targets->IsSet() ? 2 : targets->include.robots.size());
@@ -82,7 +84,7 @@ Result<ExitCode> SendInstantAction(const InstantSendingOptions& options, std::st
   if (!header_id) return Fail(header_id.error());
   return SendToRobots({.targets = *std::move(targets),
                        .resolver = *std::move(resolver),
-                       .needs_consent = ConsentFor(type),
+                       .needs_consent = app::DecideConsent(type),
                        .header_id = *header_id,
                        .make_message =
                            [&] {

@@ -6,11 +6,11 @@
 #include <vector>
 
 #include "base/result.h"
+#include "cli/options/target_options.h"
 #include "cli/options/vda_options.h"
 #include "cli/options/wait_options.h"
 #include "cli/output/exit_code.h"
 #include "cli/sending.h"
-#include "cli/targets.h"
 #include "vda5050/catalogue/parameter.h"
 
 namespace fleetpub::cli {

@@ -4,17 +4,17 @@
 
 #include <algorithm>
 
+#include "app/targets.h"
 #include "base/text.h"
 #include "base/time.h"
 #include "cli/parser/option_set.h"
-#include "cli/targets.h"
 #include "mqtt/paho/paho_transport.h"
 
 namespace fleetpub::cli {
 
 using std::chrono::milliseconds;
 
-void DeclareTopicOptions(OptionSet& set, VdaOptions& options) {
+void DeclareTopicOptions(OptionSet& set, app::VdaOptions& options) {
   set.AddOption("--interface", options.interface_name, "First topic level [any]")
       .Type("NAME")
       .Variable("FLEETPUB_INTERFACE")
@@ -37,9 +37,9 @@ std::string NameOf(const FleetOptions& options) {
 }
 
 Result<vda5050::FleetView> FleetViewOf(const FleetOptions& options, const Context& context) {
-  const auto dialect = DialectOf(Configured(options.vda, context.config));
+  const auto dialect = app::ParseDialect(app::Configured(options.vda, context.config));
   if (!dialect) return Fail(dialect.error());
-  auto words = ParseTargetSpec(options.words, context);
+  auto words = app::ParseTargetSpec(options.words, context.config, context.output);
   if (!words) return Fail(std::move(words.error()));
   auto patterns = std::move(words->patterns);
   for (const vda5050::RobotAddress& robot : words->robots) {

@@ -18,12 +18,12 @@ namespace fleetpub::cli {
 class OptionSet;
 
 /// `--interface` and `--topic-template`.
-void DeclareTopicOptions(OptionSet& set, VdaOptions& options);
+void DeclareTopicOptions(OptionSet& set, app::VdaOptions& options);
 
 /// Options of `fleet` and `watch`.
 struct FleetOptions {
   std::vector<std::string> words;  ///< none: all
-  VdaOptions vda;
+  app::VdaOptions vda;
 };
 
 /// The robots and the topics' options.

@@ -5,10 +5,11 @@
 #include <algorithm>
 #include <map>
 
+#include "app/recent_targets.h"
 #include "base/text.h"
 #include "cli/command_maker.h"
-#include "cli/commanded.h"
 #include "cli/listening.h"
+#include "cli/output/consent.h"
 #include "cli/output/dry_run.h"
 #include "cli/output/fleet_summary.h"
 #include "cli/output/interrupt.h"
@@ -95,7 +96,7 @@ class RobotSender final : private delivery::CommandSource {
  private:
   // Until it is known who gets the message, and that it is valid.
   Status Prepare() {
-    const Targets& targets = sending_.targets;
+    const app::Targets& targets = sending_.targets;
     const bool any_automatic =
         std::any_of(directory_.robots().begin(), directory_.robots().end(),
                     [](const ListedRobot& listed) { return listed.second.automatic; });
@@ -122,12 +123,12 @@ class RobotSender final : private delivery::CommandSource {
   Status Consent() const {
     const bool is_many = sending_.targets.IsSet() && robots_.size() > 1;
     const bool is_agreed = sending_.options.yes || sending_.options.dry_run;
-    if (!is_many || is_agreed || sending_.needs_consent == NeedsConsent::kNo) return {};
+    if (!is_many || is_agreed || sending_.needs_consent == app::NeedsConsent::kNo) return {};
     std::vector<RobotAddress> robots;
     robots.reserve(robots_.size());
     for (const ListedRobot* robot : robots_) robots.push_back(robot->first);
     const std::string& set = sending_.targets.include.set;
-    return AskFor(robots, set.empty() ? "--where" : set);
+    return AskForConsent(robots, set.empty() ? "--where" : set);
   }
 
   Status Judge() {
@@ -139,7 +140,7 @@ class RobotSender final : private delivery::CommandSource {
   // Collects what the robots have said of themselves.
   Status Discover() {
     if (auto ok = Connect(); !ok) return Fail(NothingSentToAny(CommandStatus::kError, ok.error()));
-    const Targets& targets = sending_.targets;
+    const app::Targets& targets = sending_.targets;
     DiscoveryOptions call{check_, sending_.waiting.discover};
     call.discover.subscribe = connect_.connect_timeout;
     auto called = DiscoverRobots(*transport_, targets, call, directory_, context_.output);
@@ -163,7 +164,7 @@ class RobotSender final : private delivery::CommandSource {
     std::string text =
         fmt::format("--except {} spares nobody: no such robot is among those that were found",
                     base::Printable(*idle));
-    if (sending_.needs_consent != NeedsConsent::kNo)
+    if (sending_.needs_consent != app::NeedsConsent::kNo)
       return Fail(ErrorKind::kPreflight, std::move(text));
     context_.output.Warn(text);
     return {};
@@ -196,7 +197,10 @@ class RobotSender final : private delivery::CommandSource {
       names.insert(robot.ToString());
     }
     for (const auto& [robot, table] : context_.config.robots) names.insert(robot.ToString());
-    for (std::string& target : RecentTargets(context_, "vda5050")) names.insert(std::move(target));
+    const auto open = [this](ledger::OpenMode mode) { return OpenLedger(context_, mode); };
+    for (std::string& target : app::FindRecentTargets(open, "vda5050")) {
+      names.insert(std::move(target));
+    }
     return names;
   }
 

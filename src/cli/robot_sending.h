@@ -8,11 +8,12 @@
 #include <optional>
 #include <vector>
 
+#include "app/dialect_resolver.h"
+#include "app/targets.h"
 #include "base/result.h"
 #include "cli/options/wait_options.h"
 #include "cli/output/exit_code.h"
 #include "cli/sending.h"
-#include "cli/targets.h"
 #include "message/command.h"
 #include "vda5050/messages/instant_actions.h"
 #include "vda5050/rules/preflight.h"
@@ -45,9 +46,9 @@ class RobotMessage {
 };
 
 struct RobotSending {
-  Targets targets;
-  DialectResolver resolver;
-  NeedsConsent needs_consent = NeedsConsent::kYes;
+  app::Targets targets;
+  app::DialectResolver resolver;
+  app::NeedsConsent needs_consent = app::NeedsConsent::kYes;
   std::optional<std::uint32_t> header_id;
   std::function<std::unique_ptr<RobotMessage>()> make_message;  ///< one for each robot
   SendingOptions options;

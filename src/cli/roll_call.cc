@@ -22,7 +22,7 @@ using vda5050::RobotEntry;
 using vda5050::RobotFilter;
 using vda5050::RobotPattern;
 
-bool Needs(const Targets& targets, std::string_view topic_name) {
+bool Needs(const app::Targets& targets, std::string_view topic_name) {
   return std::any_of(targets.where.begin(), targets.where.end(), [&](const Condition& condition) {
     return vda5050::TopicOf(condition) == topic_name;
   });
@@ -64,7 +64,7 @@ Result<std::vector<std::string>> AnyTopics(const vda5050::TopicScheme& scheme,
 
 class Caller {
  public:
-  Caller(mqtt::Transport& transport, const Targets& targets, const DiscoveryOptions& call,
+  Caller(mqtt::Transport& transport, const app::Targets& targets, const DiscoveryOptions& call,
          RobotDirectory& directory, Output& output)
       : transport_(transport),
         targets_(targets),
@@ -184,7 +184,7 @@ class Caller {
   }
 
   mqtt::Transport& transport_;
-  const Targets& targets_;
+  const app::Targets& targets_;
   const DiscoveryOptions& call_;
   RobotDirectory& directory_;
   Output& output_;
@@ -192,7 +192,7 @@ class Caller {
 
 enum class Answer { kYes, kNo, kUnheard, kAway };
 
-Answer Satisfies(const Targets& targets, const RobotEntry& entry) {
+Answer Satisfies(const app::Targets& targets, const RobotEntry& entry) {
   Answer answer = Answer::kYes;
   for (std::size_t i = 0; i < targets.where.size(); ++i) {
     const auto unmet = i < entry.unmet.size() ? entry.unmet[i] : std::nullopt;
@@ -204,7 +204,7 @@ Answer Satisfies(const Targets& targets, const RobotEntry& entry) {
   return answer;
 }
 
-std::string WordsOf(const Targets& targets) {
+std::string WordsOf(const app::Targets& targets) {
   std::vector<std::string> words;
   if (!targets.include.set.empty()) words.push_back(base::Printable(targets.include.set));
   for (const Condition& condition : targets.where) {
@@ -226,8 +226,8 @@ std::string FirstReason(const RobotDirectory& directory) {
 
 }  // namespace
 
-Result<RobotDirectory> MakeDirectory(const Targets& targets, const DialectResolver& resolver,
-                                     Excluded& excluded) {
+Result<RobotDirectory> MakeDirectory(const app::Targets& targets,
+                                     const app::DialectResolver& resolver, Excluded& excluded) {
   RobotDirectory::Admission admit;
   if (!targets.include.patterns.empty()) {
     admit = [&](const RobotAddress& robot)
@@ -258,12 +258,12 @@ Result<RobotDirectory> MakeDirectory(const Targets& targets, const DialectResolv
   return directory;
 }
 
-Status DiscoverRobots(mqtt::Transport& transport, const Targets& targets,
+Status DiscoverRobots(mqtt::Transport& transport, const app::Targets& targets,
                       const DiscoveryOptions& call, RobotDirectory& directory, Output& output) {
   return Caller(transport, targets, call, directory, output).Run();
 }
 
-Chosen Choose(const Targets& targets, const RobotDirectory& directory, Output& output) {
+Chosen Choose(const app::Targets& targets, const RobotDirectory& directory, Output& output) {
   Chosen chosen;
   std::vector<RobotAddress> away;
   const auto consider = [&](const ListedRobot& listed) {
@@ -296,15 +296,15 @@ Chosen Choose(const Targets& targets, const RobotDirectory& directory, Output& o
       consider(listed);
     }
   }
-  WarnOfNames(discovered, output);
+  app::WarnOfEscapedNames(discovered, output);
   if (!away.empty()) {
-    output.Warn(
-        fmt::format("left out, as they are offline and have left no state: {}", ListOf(away)));
+    output.Warn(fmt::format("left out, as they are offline and have left no state: {}",
+                            app::FormatRobotList(away)));
   }
   return chosen;
 }
 
-std::optional<std::string> UnusedExclusion(const Targets& targets, const Excluded& excluded,
+std::optional<std::string> UnusedExclusion(const app::Targets& targets, const Excluded& excluded,
                                            const config::Config& config) {
   if (targets.include.patterns.empty()) return std::nullopt;
   for (const RobotAddress& robot : targets.except.robots) {
@@ -324,8 +324,8 @@ std::optional<std::string> UnusedExclusion(const Targets& targets, const Exclude
   return std::nullopt;
 }
 
-Error NobodyChosen(mqtt::Transport& transport, const Targets& targets,
-                   const DialectResolver& resolver, const RobotDirectory& directory,
+Error NobodyChosen(mqtt::Transport& transport, const app::Targets& targets,
+                   const app::DialectResolver& resolver, const RobotDirectory& directory,
                    const delivery::RetainedOptions& discover) {
   const auto meant =
       std::count_if(directory.robots().begin(), directory.robots().end(),
@@ -337,9 +337,10 @@ Error NobodyChosen(mqtt::Transport& transport, const Targets& targets,
                         meant == 1 ? " was" : "s were", FirstReason(directory))};
   }
   const auto all = AllRobots(transport, resolver.common().topics, discover);
-  const std::string heard = all.empty() ? "it knows no robot: none has left a connection message"
-                                        : fmt::format("it knows {} robot{}: {}", all.size(),
-                                                      all.size() == 1 ? "" : "s", ListOf(all));
+  const std::string heard =
+      all.empty() ? "it knows no robot: none has left a connection message"
+                  : fmt::format("it knows {} robot{}: {}", all.size(), all.size() == 1 ? "" : "s",
+                                app::FormatRobotList(all));
   return {ErrorKind::kPreflight,
           fmt::format("{} at {}: {}{}", nobody, transport.server().broker.ToString(), heard,
                       targets.except.set.empty() && targets.except.robots.empty()

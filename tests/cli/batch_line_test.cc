@@ -29,11 +29,11 @@ TEST(BatchLine, MakesAnActionForEachTarget) {
 
 TEST(BatchLine, SpeaksToEachRobotInItsOwnWay) {
   LineDefaults defaults;
-  defaults.address = [](std::string_view word) -> Result<AddressedRobot> {
+  defaults.address = [](std::string_view word) -> Result<app::AddressedRobot> {
     vda5050::Dialect dialect;
     dialect.version = vda5050::Version::k210;
     const bool is_automatic = word == "asks";
-    return AddressedRobot{
+    return app::AddressedRobot{
         {"K", "1"}, std::make_shared<const vda5050::Dialect>(dialect), is_automatic};
   };
   const auto line = Parsed(R"({"target":"agv1","action":"startPause"})", defaults);

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <memory>
 
+#include "app/targets.h"
 #include "base/line_reader.h"
 #include "base/text.h"
 #include "base/time.h"
@@ -19,7 +20,6 @@
 #include "cli/parser/option_set.h"
 #include "cli/parser/subcommand.h"
 #include "cli/sending.h"
-#include "cli/targets.h"
 #include "delivery/send_all.h"
 #include "mqtt/paho/paho_transport.h"
 
@@ -40,7 +40,7 @@ struct Options {
   std::string source = "fleetpub";
   WaitingOptions waiting;
   SendingOptions sending;
-  VdaOptions vda;
+  app::VdaOptions vda;
 };
 
 // What the options ask for.
@@ -240,11 +240,11 @@ Result<Plan> PlanOf(const Options& options, const config::Config& config) {
                 "batch does not ask robots for their version: name it with --vda, or with vda in "
                 "each line");
   }
-  auto resolver = DialectResolver::For(options.vda, config);
+  auto resolver = app::DialectResolver::For(options.vda, config);
   if (!resolver) return Fail(std::move(resolver.error()));
-  plan.defaults.address =
-      [&config, resolver = *std::move(resolver)](std::string_view word) -> Result<AddressedRobot> {
-    auto robot = RobotOf(std::string(word), config);
+  plan.defaults.address = [&config, resolver = *std::move(resolver)](
+                              std::string_view word) -> Result<app::AddressedRobot> {
+    auto robot = app::ResolveRobot(std::string(word), config);
     if (!robot) return Fail(std::move(robot.error()));
     return resolver.Named(*std::move(robot));
   };

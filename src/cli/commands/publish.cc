@@ -9,6 +9,7 @@
 #include "base/json.h"
 #include "base/text.h"
 #include "base/time.h"
+#include "cli/options/target_options.h"
 #include "cli/options/vda_options.h"
 #include "cli/parser/option_set.h"
 #include "cli/parser/subcommand.h"
@@ -24,7 +25,7 @@ using vda5050::RobotAddress;
 // What both commands take.
 struct UserMessageOptions {
   std::string header_id;
-  VdaOptions vda;
+  app::VdaOptions vda;
   SendingOptions sending;
   WaitingOptions waiting;
 };
@@ -97,9 +98,11 @@ Result<ExitCode> Send(std::string_view topic, const TargetOptions& target_option
   }
   auto waiting = WaitingOf(waiting_options);
   if (!waiting) return Fail(std::move(waiting.error()));
-  auto targets = TargetsOf(target_options, context);
+  auto request = ParseTargetOptions(target_options);
+  if (!request) return Fail(std::move(request.error()));
+  auto targets = app::ResolveTargets(*std::move(request), context.config, context.output);
   if (!targets) return Fail(std::move(targets.error()));
-  auto resolver = DialectResolver::For(options.vda, context.config);
+  auto resolver = app::DialectResolver::For(options.vda, context.config);
   if (!resolver) return Fail(std::move(resolver.error()));
   if (const auto said = vda5050::VersionSaidBy(message)) resolver->Assume(*said);
   const auto header_id = HeaderIdOf(options.header_id);
@@ -117,7 +120,7 @@ Result<ExitCode> Send(std::string_view topic, const TargetOptions& target_option
   return SendToRobots(
       {.targets = *std::move(targets),
        .resolver = *std::move(resolver),
-       .needs_consent = NeedsConsent::kYes,
+       .needs_consent = app::NeedsConsent::kYes,
        .header_id = *header_id,
        .make_message = [=] { return std::make_unique<UserMessage>(topic, shared, foreign); },
        .options = options.sending,
@@ -195,7 +198,7 @@ Result<ExitCode> RunRespond(const RespondOptions& options, const Context& contex
     if (!lease) return Fail(lease.error());
     response.lease_expiry = *lease;
   }
-  const auto robot = RobotOf(options.target, context.config);  // request ids are its own
+  const auto robot = app::ResolveRobot(options.target, context.config);  // request ids are its own
   if (!robot) return Fail(robot.error());
   TargetOptions target;
   target.words = {robot->ToString()};

@@ -116,7 +116,7 @@ class Inspector {
 Result<vda5050::ConformanceOptions> ConformanceOptionsOf(const LiveOptions& options,
                                                          const LiveRequest& request) {
   vda5050::ConformanceOptions conformance;
-  const auto dialect = DialectOf(options.vda);
+  const auto dialect = app::ParseDialect(options.vda);
   if (!dialect) return Fail(dialect.error());
   conformance.scheme = dialect->topics;
   auto pattern = vda5050::ParseRobotPattern(request.pattern.empty() ? "*/*" : request.pattern);

@@ -8,6 +8,7 @@
 #include <optional>
 #include <utility>
 
+#include "app/targets.h"
 #include "base/json.h"
 #include "base/text.h"
 #include "base/time.h"
@@ -17,7 +18,6 @@
 #include "cli/output/screen.h"
 #include "cli/parser/option_set.h"
 #include "cli/parser/subcommand.h"
-#include "cli/targets.h"
 #include "delivery/subscription.h"
 
 namespace fleetpub::cli {
@@ -63,7 +63,7 @@ class LineDisplay final : public Display {
     const std::size_t sum = std::hash<std::string>{}(line);
     const auto [last, is_first] = sums_.try_emplace(robot.robot, sum);
     if (!is_first && std::exchange(last->second, sum) == sum) return;
-    if (is_first) WarnOfNames({&robot.robot, 1}, output_);
+    if (is_first) app::WarnOfEscapedNames({&robot.robot, 1}, output_);
     const auto now = base::WallTime::clock::now();
     output_.Line(json ? fmt::format(R"({{"time":"{}",{}}})", base::FormatTimestamp(now), line)
                       : fmt::format("{}  {}", base::FormatLocal(now), line));

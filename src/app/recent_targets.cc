@@ -1,13 +1,13 @@
-#include "cli/commanded.h"
+#include "app/recent_targets.h"
 
 #include <set>
 
 #include "base/text.h"
 
-namespace fleetpub::cli {
+namespace fleetpub::app {
 
-std::vector<std::string> RecentTargets(const Context& context, std::string_view protocol) {
-  const auto ledger = OpenLedger(context, ledger::OpenMode::kReadOnly);
+std::vector<std::string> FindRecentTargets(const LedgerHook& open, std::string_view protocol) {
+  const auto ledger = open(ledger::OpenMode::kReadOnly);
   if (!ledger) return {};
   constexpr int kNewestRows = 1'000;
   const auto rows = (*ledger)->History({.limit = kNewestRows});
@@ -21,4 +21,4 @@ std::vector<std::string> RecentTargets(const Context& context, std::string_view 
   return targets;
 }
 
-}  // namespace fleetpub::cli
+}  // namespace fleetpub::app
