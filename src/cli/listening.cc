@@ -8,7 +8,6 @@
 #include "base/text.h"
 #include "base/time.h"
 #include "cli/parser/option_set.h"
-#include "mqtt/paho/paho_transport.h"
 
 namespace fleetpub::cli {
 
@@ -53,15 +52,6 @@ std::string AbridgedWarning(std::size_t robots) {
       "robots say more than is kept: of {} of them the worst error is shown, texts are cut with "
       "…, and requests are left out. try: fewer TARGETs",
       robots);
-}
-
-delivery::ConnectHook ConnectHookOf(mqtt::ConnectOptions options) {
-  return [options = std::move(options)](mqtt::Deadline deadline) {
-    mqtt::ConnectOptions timely = options;
-    const auto left = std::chrono::ceil<milliseconds>(deadline - std::chrono::steady_clock::now());
-    timely.connect_timeout = std::clamp(left, milliseconds(1), options.connect_timeout);
-    return mqtt::ConnectPaho(timely);
-  };
 }
 
 Result<delivery::RetainedOptions> DiscoverOf(const std::string& text) {

@@ -1,4 +1,4 @@
-// What the commands that listen have in common: whose topics, and a connection that comes back.
+// What the commands that listen have in common: whose topics, and how long.
 #pragma once
 
 #include <chrono>
@@ -8,7 +8,6 @@
 #include "base/result.h"
 #include "cli/options/global_options.h"
 #include "cli/options/vda_options.h"
-#include "delivery/connect_hook.h"
 #include "delivery/retained.h"
 #include "vda5050/model/robot_pattern.h"
 #include "vda5050/reports/fleet_view.h"
@@ -38,9 +37,6 @@ void DeclareFleetOptions(OptionSet& set, FleetOptions& options);
 
 /// What to say when so many robots' states could not be kept whole (FleetView::abridged).
 [[nodiscard]] std::string AbridgedWarning(std::size_t robots);
-
-/// Connects as these options say; at most the connect timeout and the deadline.
-[[nodiscard]] delivery::ConnectHook ConnectHookOf(mqtt::ConnectOptions options);
 
 /// `--discover`: a number of milliseconds. Errors: ErrorKind::kUsage.
 [[nodiscard]] Result<delivery::RetainedOptions> DiscoverOf(const std::string& text);

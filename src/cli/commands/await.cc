@@ -6,15 +6,16 @@
 #include <map>
 #include <memory>
 
+#include "app/robot_discovery.h"
 #include "app/targets.h"
 #include "base/json.h"
 #include "base/text.h"
 #include "base/time.h"
+#include "cli/environment.h"
 #include "cli/listening.h"
 #include "cli/output/interrupt.h"
 #include "cli/parser/option_set.h"
 #include "cli/parser/subcommand.h"
-#include "cli/roll_call.h"
 #include "delivery/subscription.h"
 #include "mqtt/paho/paho_transport.h"
 #include "vda5050/reports/condition.h"
@@ -95,7 +96,7 @@ Result<std::vector<RobotAddress>> RobotsMeant(const Options& o, const Context& c
   if (!connect) return Fail(connect.error());
   const auto transport = mqtt::ConnectPaho(*connect);
   if (!transport) return Fail(transport.error());
-  auto robots = AllRobots(**transport, dialect->topics, {});
+  auto robots = app::ListAllRobots(**transport, dialect->topics, {});
   (*transport)->Disconnect();
   std::erase_if(robots,
                 [&](const RobotAddress& robot) { return !words->patterns.front().Matches(robot); });
@@ -146,7 +147,7 @@ class Awaiter {
         [&](const Error& error) { output.Warn(error.message + ": connecting again"); },
         [&] { output.Warn("connected again"); }};
     // To connect may take its own time, however short the wait.
-    auto listener = delivery::Subscription::Open(wish_.filters, ConnectHookOf(*connect), hooks,
+    auto listener = delivery::Subscription::Open(wish_.filters, MakeConnectHook(*connect), hooks,
                                                  std::max(end, start_ + connect->connect_timeout));
     if (!listener) return Fail(std::move(listener.error()));
     for (const RobotAddress& robot : wish_.robots) left_[robot];

@@ -6,20 +6,21 @@
 #include <algorithm>
 #include <memory>
 
+#include "app/dry_run.h"
 #include "app/targets.h"
 #include "base/line_reader.h"
 #include "base/text.h"
 #include "base/time.h"
 #include "cli/batch_input.h"
+#include "cli/environment.h"
 #include "cli/listening.h"
+#include "cli/options/sending_options.h"
 #include "cli/options/soar_options.h"
 #include "cli/options/vda_options.h"
 #include "cli/options/wait_options.h"
-#include "cli/output/dry_run.h"
 #include "cli/output/stop_signal.h"
 #include "cli/parser/option_set.h"
 #include "cli/parser/subcommand.h"
-#include "cli/sending.h"
 #include "delivery/send_all.h"
 #include "mqtt/paho/paho_transport.h"
 
@@ -48,15 +49,15 @@ struct Plan {
   LineDefaults defaults;
   delivery::WaitOptions wait;
   delivery::SendOptions send;
-  delivery::RateLimiter pace;
-  bool is_paced = false;
+  delivery::RateLimiter rate;
+  bool is_limited = false;
   std::chrono::milliseconds reconnect{};
   bool stop_on_error = false;
 
   [[nodiscard]] AfterBadLine after_bad_line() const {
     return stop_on_error ? AfterBadLine::kPause : AfterBadLine::kGoOn;
   }
-  [[nodiscard]] bool ReadsAhead() const { return !stop_on_error && !is_paced; }
+  [[nodiscard]] bool ReadsAhead() const { return !stop_on_error && !is_limited; }
 };
 
 // What is to be said of lines before anything is sent.
@@ -84,7 +85,7 @@ class Batch {
     if (!transport) return Fail(transport.error());
     transport_ = std::move(*transport);
     if (!plan_.defaults.wait_for) {
-      WarnOfSilentRefusals(connect_.version, plan_.send.qos, context_.output);
+      app::WarnOfSilentRefusals(connect_.version, plan_.send.qos, context_.output);
     }
     delivery::CommandSession session(transport_, **ledger, plan_.send, plan_.wait, HooksFor());
     while (!IsDone(session)) {
@@ -108,7 +109,7 @@ class Batch {
                   ++sent_;
                   context_.output.SomethingWasSent();
                 },
-            .connect = ConnectHookOf(connect_),
+            .connect = MakeConnectHook(connect_),
             .lost =
                 [this](const Error& error) {
                   lost_at_ = steady_clock::now();
@@ -128,12 +129,12 @@ class Batch {
   }
 
   void SendWhatIsThere(delivery::CommandSession& session) {
-    const auto allowed = plan_.pace.Available(steady_clock::now());
+    const auto allowed = plan_.rate.Available(steady_clock::now());
     const std::size_t most = std::min(allowed, plan_.send.batch);
     const LineGroup group = input_.Take(most);
     // While the ledger waits for the disk and the broker for us, the next lines are made ready.
     if (plan_.ReadsAhead() && group.commands.size() >= most) input_.ReadAhead(most);
-    plan_.pace.Consume(group.commands.size(), steady_clock::now());
+    plan_.rate.Consume(group.commands.size(), steady_clock::now());
     Tell(group, results_, context_.output);
     // A line with many targets may make more than a batch holds.
     std::span<const Command> left = group.commands;
@@ -170,8 +171,8 @@ class Batch {
     if (session.lost() && stopped_.empty()) deadline = lost_at_ + plan_.reconnect;
     if (MayRead(session)) {
       const auto now = steady_clock::now();
-      if (plan_.pace.Next() > now) {
-        deadline = std::min(deadline, plan_.pace.Next());
+      if (plan_.rate.Next() > now) {
+        deadline = std::min(deadline, plan_.rate.Next());
       } else if (input_.Ready()) {
         deadline = now;
       } else {
@@ -213,7 +214,7 @@ Result<ExitCode> ShowOnly(base::LineReader reader, const Plan& plan, const Conte
   BatchResults results(context.output);
   BatchInput input(std::move(reader), plan.defaults, plan.after_bad_line(),
                    context.options.schema_directory);
-  auto dry_run = DryRun::Open(context);
+  auto dry_run = app::DryRun::Open(MakeEnvironment(context).ledger);
   if (!dry_run) return Fail(std::move(dry_run.error()));
   while (!input.ended() && !(plan.stop_on_error && results.worst() != ExitCode::kDone)) {
     input.Await();
@@ -250,7 +251,7 @@ Result<Plan> PlanOf(const Options& options, const config::Config& config) {
   };
   WaitingOptions waiting_options = options.waiting;
   waiting_options.timeout.clear();  // it also holds for lines that wait on their own account
-  const auto waiting = WaitingOf(waiting_options);
+  const auto waiting = ParseWaitingOptions(waiting_options);
   if (!waiting) return Fail(waiting.error());
   plan.defaults.wait_for = waiting->wait_for;
   plan.defaults.names_end = !options.waiting.wait_for.empty();
@@ -265,16 +266,15 @@ Result<Plan> PlanOf(const Options& options, const config::Config& config) {
   auto sender = SenderOf(soar);
   if (!sender) return Fail(std::move(sender.error()));
   plan.defaults.soar = std::move(*sender);
-  const auto qos = QosOf(options.sending.qos);
-  if (!qos) return Fail(qos.error());
-  plan.send.qos = *qos;
+  const auto settings = ParseSendingOptions(options.sending);
+  if (!settings) return Fail(settings.error());
+  plan.send.qos = settings->qos;
   // Each batch waits for the disk once. While nobody waits for a robot's answer, and no
   // acknowledgement comes, it may be as large as what a default broker queues.
-  if (*qos == mqtt::Qos::kAtMostOnce && !plan.defaults.wait_for) plan.send.batch = kLargestBatch;
-  const auto pace = ParseRate(options.sending.rate);
-  if (!pace) return Fail(pace.error());
-  plan.pace = *pace;
-  plan.is_paced = !options.sending.rate.empty();
+  if (settings->qos == mqtt::Qos::kAtMostOnce && !plan.defaults.wait_for)
+    plan.send.batch = kLargestBatch;
+  plan.rate = settings->rate;
+  plan.is_limited = !options.sending.rate.empty();
   const auto reconnect = base::ParseDuration(options.reconnect);
   if (!reconnect) return Fail(reconnect.error());
   plan.reconnect = *reconnect;

@@ -9,11 +9,11 @@
 #include "base/json.h"
 #include "base/text.h"
 #include "base/time.h"
+#include "cli/instant_sending.h"
 #include "cli/options/target_options.h"
 #include "cli/options/vda_options.h"
 #include "cli/parser/option_set.h"
 #include "cli/parser/subcommand.h"
-#include "cli/robot_sending.h"
 #include "vda5050/messages/user_message.h"
 
 namespace fleetpub::cli {
@@ -44,7 +44,7 @@ struct RespondOptions : UserMessageOptions {
   std::string lease_expiry;
 };
 
-class UserMessage final : public RobotMessage {
+class UserMessage final : public app::RobotMessage {
  public:
   UserMessage(std::string_view topic, std::shared_ptr<const base::JsonDocument> message,
               vda5050::HeaderMismatch foreign)
@@ -66,7 +66,7 @@ class UserMessage final : public RobotMessage {
     return vda5050::CheckRobot(robot, dialect, actions, known, bytes);
   }
 
-  [[nodiscard]] Result<std::unique_ptr<message::ResponseTracker>> Confirm(
+  [[nodiscard]] Result<std::unique_ptr<message::ResponseTracker>> Track(
       const RobotAddress& robot, const Dialect& dialect, const message::Command& /*command*/,
       vda5050::WaitFor wait_for) const override {
     return vda5050::TrackUserMessage(robot, dialect, topic_, *message_, wait_for);
@@ -96,7 +96,7 @@ Result<ExitCode> Send(std::string_view topic, const TargetOptions& target_option
   if (topic == "order" && waiting_options.wait && waiting_options.wait_for.empty()) {
     waiting_options.wait_for = "accepted";
   }
-  auto waiting = WaitingOf(waiting_options);
+  auto waiting = ParseWaitingOptions(waiting_options);
   if (!waiting) return Fail(std::move(waiting.error()));
   auto request = ParseTargetOptions(target_options);
   if (!request) return Fail(std::move(request.error()));
@@ -107,6 +107,8 @@ Result<ExitCode> Send(std::string_view topic, const TargetOptions& target_option
   if (const auto said = vda5050::VersionSaidBy(message)) resolver->Assume(*said);
   const auto header_id = HeaderIdOf(options.header_id);
   if (!header_id) return Fail(header_id.error());
+  const auto settings = ParseSendingOptions(options.sending);
+  if (!settings) return Fail(settings.error());
 
   if (waiting->wait_for) {  // what cannot be waited for costs no connection
     const RobotAddress anybody{"KIT", "0001"};
@@ -123,9 +125,8 @@ Result<ExitCode> Send(std::string_view topic, const TargetOptions& target_option
        .needs_consent = app::NeedsConsent::kYes,
        .header_id = *header_id,
        .make_message = [=] { return std::make_unique<UserMessage>(topic, shared, foreign); },
-       .options = options.sending,
        .waiting = *waiting},
-      context);
+      *settings, context);
 }
 
 Result<base::JsonDocument> ReadMessage(const std::string& file) {

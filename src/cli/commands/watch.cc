@@ -13,6 +13,7 @@
 #include "base/text.h"
 #include "base/time.h"
 #include "base/width.h"
+#include "cli/environment.h"
 #include "cli/listening.h"
 #include "cli/output/fleet_table.h"
 #include "cli/output/screen.h"
@@ -207,7 +208,7 @@ Result<ExitCode> RunWatch(const Options& o, const Context& context) {
 
   std::unique_ptr<Display> display;
   auto listener = delivery::Subscription::Open(
-      *std::move(filters), ConnectHookOf(*connect),
+      *std::move(filters), MakeConnectHook(*connect),
       {[&](const Error& error) { display->Lost(error); }, [&] { display->Again(); }}, *end);
   if (!listener) return Fail(std::move(listener.error()));
   display = DisplayFor(o, *connect, context);

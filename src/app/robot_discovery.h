@@ -10,12 +10,11 @@
 #include "app/dialect_resolver.h"
 #include "app/targets.h"
 #include "base/result.h"
-#include "cli/options/global_options.h"
 #include "delivery/retained.h"
 #include "mqtt/transport.h"
 #include "vda5050/reports/roster.h"
 
-namespace fleetpub::cli {
+namespace fleetpub::app {
 
 using ListedRobot = std::map<vda5050::RobotAddress, vda5050::RobotEntry>::value_type;
 
@@ -32,8 +31,8 @@ using Excluded = std::set<vda5050::RobotAddress>;
 /// A directory with the robots that are named outright, of which nothing is known yet. `targets`,
 /// `resolver` and `excluded`, which fills as robots are found, must outlive it. Errors:
 /// ErrorKind::kUsage.
-[[nodiscard]] Result<vda5050::RobotDirectory> MakeDirectory(const app::Targets& targets,
-                                                            const app::DialectResolver& resolver,
+[[nodiscard]] Result<vda5050::RobotDirectory> MakeDirectory(const Targets& targets,
+                                                            const DialectResolver& resolver,
                                                             Excluded& excluded);
 
 struct DiscoveryOptions {
@@ -44,31 +43,31 @@ struct DiscoveryOptions {
 /// Gathers what is retained of the directory's robots and of those that the patterns find, and, where
 /// a condition needs them, the states of those that are online. Errors: ErrorKind::kBroker, kUsage
 /// (a topic template).
-[[nodiscard]] Status DiscoverRobots(mqtt::Transport& transport, const app::Targets& targets,
-                                    const DiscoveryOptions& call,
-                                    vda5050::RobotDirectory& directory, Output& output);
+[[nodiscard]] Status DiscoverRobots(mqtt::Transport& transport, const Targets& targets,
+                                    const DiscoveryOptions& options,
+                                    vda5050::RobotDirectory& directory, Log& log);
 
 /// The first exception that spares nobody of those that the patterns have found: a misspelt one
 /// would command whom it should spare. One that the configuration names may just be away.
-[[nodiscard]] std::optional<std::string> UnusedExclusion(const app::Targets& targets,
+[[nodiscard]] std::optional<std::string> UnusedExclusion(const Targets& targets,
                                                          const Excluded& excluded,
                                                          const config::Config& config);
 
 /// Those that are meant, and satisfy the conditions. Robots without a connection message are meant
 /// only when they are named outright. Warns of robots that are offline and whose state is not
 /// known. Nobody at all is not an error.
-[[nodiscard]] Chosen Choose(const app::Targets& targets, const vda5050::RobotDirectory& directory,
-                            Output& output);
+[[nodiscard]] Chosen Choose(const Targets& targets, const vda5050::RobotDirectory& directory,
+                            Log& log);
 
 /// Why nobody was chosen: what was heard instead. ErrorKind::kPreflight, or the connection's.
-[[nodiscard]] Error NobodyChosen(mqtt::Transport& transport, const app::Targets& targets,
-                                 const app::DialectResolver& resolver,
+[[nodiscard]] Error NobodyChosen(mqtt::Transport& transport, const Targets& targets,
+                                 const DialectResolver& resolver,
                                  const vda5050::RobotDirectory& directory,
                                  const delivery::RetainedOptions& discover);
 
 /// The names of all robots that the broker knows. Nothing when it cannot be asked.
-[[nodiscard]] std::vector<vda5050::RobotAddress> AllRobots(
+[[nodiscard]] std::vector<vda5050::RobotAddress> ListAllRobots(
     mqtt::Transport& transport, const vda5050::TopicScheme& scheme,
     const delivery::RetainedOptions& discover);
 
-}  // namespace fleetpub::cli
+}  // namespace fleetpub::app

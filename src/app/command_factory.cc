@@ -1,13 +1,14 @@
-#include "cli/command_maker.h"
+#include "app/command_factory.h"
 
 #include <fmt/format.h>
 
 #include <set>
 #include <utility>
 
+#include "app/deliver.h"
 #include "base/text.h"
 
-namespace fleetpub::cli {
+namespace fleetpub::app {
 namespace {
 
 using message::Command;
@@ -31,7 +32,7 @@ class NotAwaited final : public message::ResponseTracker {
   message::Progress progress_;
 };
 
-std::string AwaySentence(const ListedRobot& robot) {
+std::string DescribeOffline(const ListedRobot& robot) {
   const auto& connection = *robot.second.connection;
   constexpr std::size_t kTimestamp = 40;
   const std::string& since = connection.header.timestamp;
@@ -44,30 +45,30 @@ std::string AwaySentence(const ListedRobot& robot) {
 
 }  // namespace
 
-Status CommandMaker::Judge(const std::vector<const ListedRobot*>& robots) {
-  const auto message = sending_.make_message();
+Status CommandFactory::Validate(const std::vector<const ListedRobot*>& robots) {
+  const auto message = request_.make_message();
   const bool is_alike = message->IsAlikeForAll();
-  std::set<const Dialect*> judged;
+  std::set<const Dialect*> validated;
   const Dialect* last = nullptr;  // mostly it is the one before
   bool any_good = false;
   Status first;
   for (const ListedRobot* robot : robots) {
     const auto& dialect = robot->second.Spoken();
-    if (is_alike && (dialect.get() == last || !judged.insert(dialect.get()).second)) continue;
+    if (is_alike && (dialect.get() == last || !validated.insert(dialect.get()).second)) continue;
     last = dialect.get();
-    const auto command = message->Build(robot->first, *dialect, sending_.header_id);
+    const auto command = message->Build(robot->first, *dialect, request_.header_id);
     const auto warnings = command ? ValidateCommand(*command, registry_) : Fail(command.error());
     any_good = any_good || warnings;
     if (first && !warnings) first = Fail(warnings.error());
   }
-  return sending_.targets.IsSet() && any_good ? Status() : first;
+  return request_.targets.IsSet() && any_good ? Status() : first;
 }
 
-Status CommandMaker::Make(const ListedRobot& robot, Made& made) {
-  const auto message = sending_.make_message();
+Status CommandFactory::Build(const ListedRobot& robot, Built& built) {
+  const auto message = request_.make_message();
   const vda5050::RobotEntry& entry = robot.second;
   if (entry.factsheet) message->ApplyLimits(*entry.factsheet);
-  const bool is_set = sending_.targets.IsSet();
+  const bool is_set = request_.targets.IsSet();
   bool is_offline =
       entry.connection && !entry.IsOnline() && entry.connection->connection_state != "HIBERNATING";
   if (check_ || entry.automatic) {
@@ -75,7 +76,7 @@ Status CommandMaker::Make(const ListedRobot& robot, Made& made) {
     is_offline = is_offline || findings.unreachable;
     if (!findings.refusals.empty()) {
       const bool offline = is_set && findings.unreachable;
-      made.refused.push_back(
+      built.refused.push_back(
           ReportOn(robot, offline ? CommandStatus::kOffline : CommandStatus::kRefused,
                    ErrorKind::kPreflight, "not sent: " + findings.refusals.front()));
       return {};
@@ -83,36 +84,36 @@ Status CommandMaker::Make(const ListedRobot& robot, Made& made) {
     // The result says it, then.
     const bool is_told = is_set && is_offline && findings.unreachable;
     if (is_told) findings.warnings.erase(findings.warnings.begin());
-    for (std::string& warning : findings.warnings) made.warnings.push_back(std::move(warning));
+    for (std::string& warning : findings.warnings) built.warnings.push_back(std::move(warning));
   }
-  return AddCommand(robot, *message, is_set && is_offline, made);
+  return AddCommand(robot, *message, is_set && is_offline, built);
 }
 
-Status CommandMaker::AddCommand(const ListedRobot& robot, const RobotMessage& message,
-                                bool is_offline, Made& made) {
+Status CommandFactory::AddCommand(const ListedRobot& robot, const RobotMessage& message,
+                                  bool is_offline, Built& built) {
   const auto& [address, entry] = robot;
   const auto dialect = DialectFor(robot);
-  auto command = message.Build(address, *dialect, sending_.header_id);
+  auto command = message.Build(address, *dialect, request_.header_id);
   auto warnings = command ? ValidateCommand(*command, registry_) : Fail(command.error());
   if (!warnings) {
-    made.refused.push_back(ReportOn(robot, CommandStatus::kInvalid, warnings.error().kind,
-                                    "not sent: " + warnings.error().message));
+    built.refused.push_back(ReportOn(robot, CommandStatus::kInvalid, warnings.error().kind,
+                                     "not sent: " + warnings.error().message));
     return {};
   }
-  for (std::string& warning : *warnings) made.warnings.push_back(std::move(warning));
+  for (std::string& warning : *warnings) built.warnings.push_back(std::move(warning));
   if (is_offline) {
-    command->tracker = std::make_shared<NotAwaited>(AwaySentence(robot));
-  } else if (sending_.waiting.wait_for) {
-    auto tracker = message.Confirm(address, *dialect, *command, *sending_.waiting.wait_for);
+    command->tracker = std::make_shared<NotAwaited>(DescribeOffline(robot));
+  } else if (request_.waiting.wait_for) {
+    auto tracker = message.Track(address, *dialect, *command, *request_.waiting.wait_for);
     if (!tracker) return Fail(std::move(tracker.error()));
     command->tracker = std::move(*tracker);
   }
-  made.commands.push_back(*std::move(command));
+  built.commands.push_back(*std::move(command));
   return {};
 }
 
 // What has passed a check is no assumption any more.
-std::shared_ptr<const Dialect> CommandMaker::DialectFor(const ListedRobot& robot) {
+std::shared_ptr<const Dialect> CommandFactory::DialectFor(const ListedRobot& robot) {
   const auto& dialect = robot.second.Spoken();
   if (!dialect->assumed || !(check_ || robot.second.automatic)) return dialect;
   auto& checked = checked_[dialect.get()];
@@ -124,8 +125,8 @@ std::shared_ptr<const Dialect> CommandMaker::DialectFor(const ListedRobot& robot
   return checked;
 }
 
-PreflightFindings CommandMaker::FindingsOn(const ListedRobot& robot,
-                                           const RobotMessage& message) const {
+PreflightFindings CommandFactory::FindingsOn(const ListedRobot& robot,
+                                             const RobotMessage& message) const {
   const auto& [address, entry] = robot;
   const bool is_unspeakable = entry.WasHeard() && !entry.own;
   PreflightFindings findings;
@@ -146,10 +147,10 @@ PreflightFindings CommandMaker::FindingsOn(const ListedRobot& robot,
   return findings;
 }
 
-message::Report CommandMaker::ReportOn(const ListedRobot& robot, CommandStatus status,
-                                       ErrorKind kind, std::string message) const {
+message::Report CommandFactory::ReportOn(const ListedRobot& robot, CommandStatus status,
+                                         ErrorKind kind, std::string message) const {
   const auto& [address, entry] = robot;
-  const auto command = sending_.make_message()->Build(address, *entry.Spoken(), sending_.header_id);
+  const auto command = request_.make_message()->Build(address, *entry.Spoken(), request_.header_id);
   message::Report report = command ? message::ReportOn(*command) : message::Report();
   report.target = address.ToString();
   report.status = status;
@@ -158,4 +159,4 @@ message::Report CommandMaker::ReportOn(const ListedRobot& robot, CommandStatus s
   return report;
 }
 
-}  // namespace fleetpub::cli
+}  // namespace fleetpub::app

@@ -6,18 +6,18 @@
 #include <memory>
 #include <string>
 
+#include "app/environment.h"
 #include "base/result.h"
-#include "cli/options/global_options.h"
 #include "delivery/send_all.h"
 #include "message/command.h"
 #include "message/report.h"
 
-namespace fleetpub::cli {
+namespace fleetpub::app {
 
 class DryRun {
  public:
   /// Reads the ledger, if there is one.
-  [[nodiscard]] static Result<DryRun> Open(const Context& context);
+  [[nodiscard]] static Result<DryRun> Open(const LedgerHook& open);
 
   /// As of now; the topic's next command would get the id behind this one's. Errors:
   /// ErrorKind::kUsage (an id asked for that is not above the last one), kLedger.
@@ -31,7 +31,8 @@ class DryRun {
   std::map<std::string, std::uint32_t> next_ids_;  // by topic
 };
 
-/// Prints what would be sent of all that the source makes. Errors: as DryRun's, and the source's.
-[[nodiscard]] Status ShowDryRun(delivery::CommandSource& source, const Context& context);
+/// Reports what would be sent of all that the source makes. Errors: as DryRun's, and the source's.
+[[nodiscard]] Status ShowDryRun(delivery::CommandSource& source, const Environment& environment,
+                                Observer& observer);
 
-}  // namespace fleetpub::cli
+}  // namespace fleetpub::app

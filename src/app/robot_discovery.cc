@@ -1,4 +1,4 @@
-#include "cli/roll_call.h"
+#include "app/robot_discovery.h"
 
 #include <fmt/format.h>
 
@@ -11,7 +11,7 @@
 #include "base/time.h"
 #include "vda5050/reports/discovery.h"
 
-namespace fleetpub::cli {
+namespace fleetpub::app {
 namespace {
 
 using std::chrono::steady_clock;
@@ -22,7 +22,7 @@ using vda5050::RobotEntry;
 using vda5050::RobotFilter;
 using vda5050::RobotPattern;
 
-bool Needs(const app::Targets& targets, std::string_view topic_name) {
+bool Needs(const Targets& targets, std::string_view topic_name) {
   return std::any_of(targets.where.begin(), targets.where.end(), [&](const Condition& condition) {
     return vda5050::TopicOf(condition) == topic_name;
   });
@@ -62,27 +62,29 @@ Result<std::vector<std::string>> AnyTopics(const vda5050::TopicScheme& scheme,
   return vda5050::DiscoveryFilters(scheme, Exactly(robot), topic_names);
 }
 
-class Caller {
+class Discoverer {
  public:
-  Caller(mqtt::Transport& transport, const app::Targets& targets, const DiscoveryOptions& call,
-         RobotDirectory& directory, Output& output)
+  Discoverer(mqtt::Transport& transport, const Targets& targets, const DiscoveryOptions& options,
+             RobotDirectory& directory, Log& log)
       : transport_(transport),
         targets_(targets),
-        call_(call),
+        options_(options),
         directory_(directory),
-        output_(output) {}
+        log_(log) {}
 
   Status Run() {
     const auto start = steady_clock::now();
-    auto ok = CallNamed();
-    if (ok && !targets_.include.patterns.empty()) ok = CallPatterns();
-    if (ok && NeedsFactsheets() && !targets_.include.patterns.empty()) ok = AskForFactsheets();
+    auto ok = ReadNamed();
+    if (ok && !targets_.include.patterns.empty()) ok = ReadFound();
+    if (ok && NeedsFactsheets() && !targets_.include.patterns.empty()) ok = ReadFactsheets();
     if (ok && Needs(targets_, "state")) ok = AwaitStates(start + targets_.state_wait);
     return ok;
   }
 
  private:
-  [[nodiscard]] bool NeedsFactsheets() const { return call_.check || Needs(targets_, "factsheet"); }
+  [[nodiscard]] bool NeedsFactsheets() const {
+    return options_.check || Needs(targets_, "factsheet");
+  }
 
   void Take(const mqtt::Message& message) {
     const auto origin = message.retained ? vda5050::Origin::kRetained : vda5050::Origin::kLive;
@@ -90,18 +92,18 @@ class Caller {
   }
 
   // Those that are named outright, by topics of their own.
-  Status CallNamed() {
-    if (auto ok = CallUnheard(AnyTopics); !ok) return ok;
+  Status ReadNamed() {
+    if (auto ok = ReadUnheard(AnyTopics); !ok) return ok;
     // RabbitMQ has nothing retained for a filter with wildcards.
-    return CallUnheard(vda5050::SpecifiedTopics);
+    return ReadUnheard(vda5050::SpecifiedTopics);
   }
 
   // Those of them that were not heard yet.
-  Status CallUnheard(const auto& topics_of) {
+  Status ReadUnheard(const auto& topics_of) {
     // In the order in which a broker hands them out: when the connection message is there, so is
     // the factsheet.
     constexpr std::array<std::string_view, 2> kTopics = {"factsheet", "connection"};
-    const bool all = call_.check || !targets_.where.empty();
+    const bool all = options_.check || !targets_.where.empty();
     Filters filters;
     std::size_t wanted = directory_.online();
     const std::size_t known = wanted;
@@ -113,7 +115,7 @@ class Caller {
     if (wanted == known) return {};
     // A robot may have left messages under another version long ago: only ONLINE ends the search at
     // once.
-    return delivery::ReadRetained(transport_, filters.Take(), call_.discover,
+    return delivery::ReadRetained(transport_, filters.Take(), options_.discover,
                                   [&](const mqtt::Message& message) {
                                     Take(message);
                                     return directory_.online() >= wanted;
@@ -121,7 +123,7 @@ class Caller {
   }
 
   // Connection messages alone: with the large ones the broker's queue would run over sooner.
-  Status CallPatterns() {
+  Status ReadFound() {
     constexpr std::array<std::string_view, 1> kTopics = {"connection"};
     Filters filters;
     for (const vda5050::TopicScheme& scheme : directory_.schemes()) {
@@ -130,13 +132,13 @@ class Caller {
       }
     }
     return delivery::ReadAllRetained(
-        transport_, filters.Take(), call_.discover,
+        transport_, filters.Take(), options_.discover,
         [&](const mqtt::Message& message) { Take(message); },
         [&] { return directory_.robots().size(); });
   }
 
   // Of those that have been found; 1.1 knows no factsheet.
-  Status AskForFactsheets() {
+  Status ReadFactsheets() {
     constexpr std::array<std::string_view, 1> kTopics = {"factsheet"};
     Filters filters;
     std::set<const RobotEntry*> wanted;
@@ -147,7 +149,7 @@ class Caller {
     }
     if (wanted.empty()) return {};
     return delivery::ReadRetained(
-        transport_, filters.Take(), call_.discover, [&](const mqtt::Message& message) {
+        transport_, filters.Take(), options_.discover, [&](const mqtt::Message& message) {
           const auto* entry =
               directory_.Deliver(message.topic, message.payload, vda5050::Origin::kRetained);
           if (entry != nullptr && entry->factsheet) wanted.erase(entry);
@@ -166,9 +168,9 @@ class Caller {
       if (auto ok = filters.Add(entry.base->topics, Exactly(robot), kTopics); !ok) return ok;
     }
     if (silent.empty()) return {};
-    output_.Info(fmt::format("waiting up to {} for the states of {} robot{}",
-                             base::FormatElapsed(targets_.state_wait), silent.size(),
-                             silent.size() == 1 ? "" : "s"));
+    log_.Info(fmt::format("waiting up to {} for the states of {} robot{}",
+                          base::FormatElapsed(targets_.state_wait), silent.size(),
+                          silent.size() == 1 ? "" : "s"));
     const auto left = std::max(end - steady_clock::now(), steady_clock::duration(0));
     const auto most = std::chrono::ceil<std::chrono::milliseconds>(left);
     return delivery::ReadRetained(
@@ -184,15 +186,15 @@ class Caller {
   }
 
   mqtt::Transport& transport_;
-  const app::Targets& targets_;
-  const DiscoveryOptions& call_;
+  const Targets& targets_;
+  const DiscoveryOptions& options_;
   RobotDirectory& directory_;
-  Output& output_;
+  Log& log_;
 };
 
 enum class Answer { kYes, kNo, kUnheard, kAway };
 
-Answer Satisfies(const app::Targets& targets, const RobotEntry& entry) {
+Answer Satisfies(const Targets& targets, const RobotEntry& entry) {
   Answer answer = Answer::kYes;
   for (std::size_t i = 0; i < targets.where.size(); ++i) {
     const auto unmet = i < entry.unmet.size() ? entry.unmet[i] : std::nullopt;
@@ -204,7 +206,7 @@ Answer Satisfies(const app::Targets& targets, const RobotEntry& entry) {
   return answer;
 }
 
-std::string WordsOf(const app::Targets& targets) {
+std::string FormatSpec(const Targets& targets) {
   std::vector<std::string> words;
   if (!targets.include.set.empty()) words.push_back(base::Printable(targets.include.set));
   for (const Condition& condition : targets.where) {
@@ -226,8 +228,8 @@ std::string FirstReason(const RobotDirectory& directory) {
 
 }  // namespace
 
-Result<RobotDirectory> MakeDirectory(const app::Targets& targets,
-                                     const app::DialectResolver& resolver, Excluded& excluded) {
+Result<RobotDirectory> MakeDirectory(const Targets& targets, const DialectResolver& resolver,
+                                     Excluded& excluded) {
   RobotDirectory::Admission admit;
   if (!targets.include.patterns.empty()) {
     admit = [&](const RobotAddress& robot)
@@ -258,12 +260,12 @@ Result<RobotDirectory> MakeDirectory(const app::Targets& targets,
   return directory;
 }
 
-Status DiscoverRobots(mqtt::Transport& transport, const app::Targets& targets,
-                      const DiscoveryOptions& call, RobotDirectory& directory, Output& output) {
-  return Caller(transport, targets, call, directory, output).Run();
+Status DiscoverRobots(mqtt::Transport& transport, const Targets& targets,
+                      const DiscoveryOptions& options, RobotDirectory& directory, Log& log) {
+  return Discoverer(transport, targets, options, directory, log).Run();
 }
 
-Chosen Choose(const app::Targets& targets, const RobotDirectory& directory, Output& output) {
+Chosen Choose(const Targets& targets, const RobotDirectory& directory, Log& log) {
   Chosen chosen;
   std::vector<RobotAddress> away;
   const auto consider = [&](const ListedRobot& listed) {
@@ -296,15 +298,15 @@ Chosen Choose(const app::Targets& targets, const RobotDirectory& directory, Outp
       consider(listed);
     }
   }
-  app::WarnOfEscapedNames(discovered, output);
+  WarnOfEscapedNames(discovered, log);
   if (!away.empty()) {
-    output.Warn(fmt::format("left out, as they are offline and have left no state: {}",
-                            app::FormatRobotList(away)));
+    log.Warn(fmt::format("left out, as they are offline and have left no state: {}",
+                         FormatRobotList(away)));
   }
   return chosen;
 }
 
-std::optional<std::string> UnusedExclusion(const app::Targets& targets, const Excluded& excluded,
+std::optional<std::string> UnusedExclusion(const Targets& targets, const Excluded& excluded,
                                            const config::Config& config) {
   if (targets.include.patterns.empty()) return std::nullopt;
   for (const RobotAddress& robot : targets.except.robots) {
@@ -324,23 +326,24 @@ std::optional<std::string> UnusedExclusion(const app::Targets& targets, const Ex
   return std::nullopt;
 }
 
-Error NobodyChosen(mqtt::Transport& transport, const app::Targets& targets,
-                   const app::DialectResolver& resolver, const RobotDirectory& directory,
+Error NobodyChosen(mqtt::Transport& transport, const Targets& targets,
+                   const DialectResolver& resolver, const RobotDirectory& directory,
                    const delivery::RetainedOptions& discover) {
   const auto meant =
       std::count_if(directory.robots().begin(), directory.robots().end(),
                     [](const ListedRobot& listed) { return listed.second.connection.has_value(); });
-  const std::string nobody = fmt::format("nothing was sent: no robot matches {}", WordsOf(targets));
+  const std::string nobody =
+      fmt::format("nothing was sent: no robot matches {}", FormatSpec(targets));
   if (meant > 0) {
     return {ErrorKind::kPreflight,
             fmt::format("{}: {} robot{} heard, none satisfies every --where{}", nobody, meant,
                         meant == 1 ? " was" : "s were", FirstReason(directory))};
   }
-  const auto all = AllRobots(transport, resolver.common().topics, discover);
-  const std::string heard =
-      all.empty() ? "it knows no robot: none has left a connection message"
-                  : fmt::format("it knows {} robot{}: {}", all.size(), all.size() == 1 ? "" : "s",
-                                app::FormatRobotList(all));
+  const auto all = ListAllRobots(transport, resolver.common().topics, discover);
+  const std::string heard = all.empty()
+                                ? "it knows no robot: none has left a connection message"
+                                : fmt::format("it knows {} robot{}: {}", all.size(),
+                                              all.size() == 1 ? "" : "s", FormatRobotList(all));
   return {ErrorKind::kPreflight,
           fmt::format("{} at {}: {}{}", nobody, transport.server().broker.ToString(), heard,
                       targets.except.set.empty() && targets.except.robots.empty()
@@ -348,8 +351,9 @@ Error NobodyChosen(mqtt::Transport& transport, const app::Targets& targets,
                           : " (--except spares some)")};
 }
 
-std::vector<RobotAddress> AllRobots(mqtt::Transport& transport, const vda5050::TopicScheme& scheme,
-                                    const delivery::RetainedOptions& discover) {
+std::vector<RobotAddress> ListAllRobots(mqtt::Transport& transport,
+                                        const vda5050::TopicScheme& scheme,
+                                        const delivery::RetainedOptions& discover) {
   constexpr std::array<std::string_view, 1> kConnection = {"connection"};
   const auto filters = vda5050::DiscoveryFilters(scheme, {}, kConnection);
   if (!filters) return {};
@@ -364,4 +368,4 @@ std::vector<RobotAddress> AllRobots(mqtt::Transport& transport, const vda5050::T
   return {robots.begin(), robots.end()};
 }
 
-}  // namespace fleetpub::cli
+}  // namespace fleetpub::app

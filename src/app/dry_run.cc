@@ -1,4 +1,4 @@
-#include "cli/output/dry_run.h"
+#include "app/dry_run.h"
 
 #include <fmt/format.h>
 
@@ -6,10 +6,10 @@
 
 #include "base/text.h"
 
-namespace fleetpub::cli {
+namespace fleetpub::app {
 
-Result<DryRun> DryRun::Open(const Context& context) {
-  auto ledger = OpenLedger(context, ledger::OpenMode::kReadOnly);
+Result<DryRun> DryRun::Open(const LedgerHook& open) {
+  auto ledger = open(ledger::OpenMode::kReadOnly);
   if (!ledger) return Fail(std::move(ledger.error()));
   return DryRun(std::move(*ledger));
 }
@@ -46,8 +46,9 @@ Result<std::uint32_t> DryRun::NextId(const message::Command& command) {
   return *command.header_id;
 }
 
-Status ShowDryRun(delivery::CommandSource& source, const Context& context) {
-  auto dry_run = DryRun::Open(context);
+Status ShowDryRun(delivery::CommandSource& source, const Environment& environment,
+                  Observer& observer) {
+  auto dry_run = DryRun::Open(environment.ledger);
   if (!dry_run) return Fail(std::move(dry_run.error()));
   while (source.left() > 0) {
     const auto commands = source.Next(delivery::SendOptions{}.batch);
@@ -55,11 +56,11 @@ Status ShowDryRun(delivery::CommandSource& source, const Context& context) {
     for (const message::Command& command : *commands) {
       const auto report = dry_run->Report(command);
       if (!report) return Fail(report.error());
-      context.output.Debug(fmt::format("would be published to {}", base::Printable(command.topic)));
-      context.output.JsonLine(context.output.json() ? ReportJson(*report) : report->payload);
+      observer.Debug(fmt::format("would be published to {}", base::Printable(command.topic)));
+      observer.Report(*report);
     }
   }
   return {};
 }
 
-}  // namespace fleetpub::cli
+}  // namespace fleetpub::app
