@@ -8,11 +8,11 @@
 #include <cstdlib>
 #include <map>
 
+#include "app/batch_line.h"
 #include "app/targets.h"
 #include "base/json.h"
 #include "base/text.h"
 #include "base/time.h"
-#include "cli/batch_line.h"
 #include "cli/options/target_options.h"
 #include "cli/output/output.h"
 #include "cli/parser/option_set.h"
@@ -70,7 +70,7 @@ TEST(AnyRobotAddress, MeansThatRobotAloneWhereverItIsReadBack) {
     RC_ASSERT(read.has_value());
     RC_ASSERT(read->patterns.empty() && read->set.empty());
     RC_ASSERT(read->robots == std::vector{robot});
-    const auto in_batch = cli::AsWritten(word);
+    const auto in_batch = app::AsWritten(word);
     RC_ASSERT(in_batch.has_value() && in_batch->robot == robot);
   }));
 }

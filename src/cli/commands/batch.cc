@@ -6,18 +6,19 @@
 #include <algorithm>
 #include <memory>
 
+#include "app/batch_input.h"
 #include "app/dry_run.h"
 #include "app/targets.h"
 #include "base/line_reader.h"
 #include "base/text.h"
 #include "base/time.h"
-#include "cli/batch_input.h"
 #include "cli/environment.h"
 #include "cli/listening.h"
 #include "cli/options/sending_options.h"
 #include "cli/options/soar_options.h"
 #include "cli/options/vda_options.h"
 #include "cli/options/wait_options.h"
+#include "cli/output/exit_code.h"
 #include "cli/output/stop_signal.h"
 #include "cli/parser/option_set.h"
 #include "cli/parser/subcommand.h"
@@ -46,7 +47,7 @@ struct Options {
 
 // What the options ask for.
 struct Plan {
-  LineDefaults defaults;
+  app::LineDefaults defaults;
   delivery::WaitOptions wait;
   delivery::SendOptions send;
   delivery::RateLimiter rate;
@@ -54,14 +55,34 @@ struct Plan {
   std::chrono::milliseconds reconnect{};
   bool stop_on_error = false;
 
-  [[nodiscard]] AfterBadLine after_bad_line() const {
-    return stop_on_error ? AfterBadLine::kPause : AfterBadLine::kGoOn;
+  [[nodiscard]] app::AfterBadLine after_bad_line() const {
+    return stop_on_error ? app::AfterBadLine::kPause : app::AfterBadLine::kGoOn;
   }
   [[nodiscard]] bool ReadsAhead() const { return !stop_on_error && !is_limited; }
 };
 
+// Prints results and remembers the worst.
+class BatchResults {
+ public:
+  explicit BatchResults(Output& output) : output_(output) {}
+
+  // The report's reference is its line's.
+  void Show(const message::Report& report) {
+    const ExitCode code = CodeOf(report);
+    worst_ = Worse(worst_, code);
+    output_.JsonLine("{" + report.reference + R"(,"exitCode":)" +
+                     std::to_string(static_cast<int>(code)) +
+                     ReportJson(report).replace(0, 1, ","));
+  }
+  [[nodiscard]] ExitCode worst() const { return worst_; }
+
+ private:
+  Output& output_;
+  ExitCode worst_ = ExitCode::kDone;
+};
+
 // What is to be said of lines before anything is sent.
-void Tell(const LineGroup& group, BatchResults& results, Output& output) {
+void Tell(const app::LineGroup& group, BatchResults& results, Output& output) {
   for (const std::string& warning : group.warnings) output.Warn(warning);
   for (const Report& bad : group.bad) results.Show(bad);
 }
@@ -131,7 +152,7 @@ class Batch {
   void SendWhatIsThere(delivery::CommandSession& session) {
     const auto allowed = plan_.rate.Available(steady_clock::now());
     const std::size_t most = std::min(allowed, plan_.send.batch);
-    const LineGroup group = input_.Take(most);
+    const app::LineGroup group = input_.Take(most);
     // While the ledger waits for the disk and the broker for us, the next lines are made ready.
     if (plan_.ReadsAhead() && group.commands.size() >= most) input_.ReadAhead(most);
     plan_.rate.Consume(group.commands.size(), steady_clock::now());
@@ -201,7 +222,7 @@ class Batch {
   const mqtt::ConnectOptions& connect_;
   const Context& context_;
   BatchResults results_;
-  BatchInput input_;
+  app::BatchInput input_;
   StopSignal stop_;
   std::unique_ptr<mqtt::Transport> transport_;
   std::size_t sent_ = 0;
@@ -212,21 +233,21 @@ class Batch {
 
 Result<ExitCode> ShowOnly(base::LineReader reader, const Plan& plan, const Context& context) {
   BatchResults results(context.output);
-  BatchInput input(std::move(reader), plan.defaults, plan.after_bad_line(),
-                   context.options.schema_directory);
+  app::BatchInput input(std::move(reader), plan.defaults, plan.after_bad_line(),
+                        context.options.schema_directory);
   auto dry_run = app::DryRun::Open(MakeEnvironment(context).ledger);
   if (!dry_run) return Fail(std::move(dry_run.error()));
   while (!input.ended() && !(plan.stop_on_error && results.worst() != ExitCode::kDone)) {
     input.Await();
-    const LineGroup group = input.Take(plan.send.batch);
+    const app::LineGroup group = input.Take(plan.send.batch);
     Tell(group, results, context.output);
     for (const Command& command : group.commands) {
       const auto report = dry_run->Report(command);
       if (report) {
         results.Show(*report);
       } else {
-        results.Show(
-            BadLineReport(command.reference, {.id = {}, .target = command.target}, report.error()));
+        results.Show(app::BadLineReport(command.reference, {.id = {}, .target = command.target},
+                                        report.error()));
       }
     }
     if (auto flushed = context.output.Flush(); !flushed) return Fail(std::move(flushed.error()));

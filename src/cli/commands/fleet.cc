@@ -2,7 +2,8 @@
 #include <memory>
 
 #include "base/time.h"
-#include "cli/gathering.h"
+#include "cli/environment.h"
+#include "cli/listening.h"
 #include "cli/output/fleet_table.h"
 #include "cli/parser/option_set.h"
 #include "cli/parser/subcommand.h"
@@ -26,8 +27,10 @@ void Show(const FleetView& view, Output& output) {
   PrintTable(FleetColumns(), rows, output);
 }
 
-Result<ExitCode> RunFleet(const GatheringOptions& options, const Context& context) {
-  const auto view = GatherFleet(options, context);
+Result<ExitCode> RunFleet(const FleetDiscoveryOptions& options, const Context& context) {
+  const auto asked = ParseFleetDiscoveryOptions(options);
+  if (!asked) return Fail(asked.error());
+  const auto view = app::DiscoverFleet(*asked, MakeEnvironment(context), context.output);
   if (!view) return Fail(view.error());
   Show(*view, context.output);
   return ExitCode::kDone;
@@ -36,8 +39,8 @@ Result<ExitCode> RunFleet(const GatheringOptions& options, const Context& contex
 }  // namespace
 
 Run DeclareFleet(OptionSet& set) {
-  const auto options = std::make_shared<GatheringOptions>();
-  DeclareGatheringOptions(set, *options);
+  const auto options = std::make_shared<FleetDiscoveryOptions>();
+  DeclareFleetDiscoveryOptions(set, *options);
   return [options](const Context& context) { return RunFleet(*options, context); };
 }
 

@@ -76,7 +76,7 @@ class LineDisplay final : public Display {
 
   Result<bool> Refresh(const FleetView& view) override {
     if (view.abridged() > 0 && !std::exchange(has_warned_, true)) {
-      output_.Warn(AbridgedWarning(view.abridged()));
+      output_.Warn(app::AbridgedWarning(view.abridged()));
     }
     if (auto ok = output_.Flush(); !ok) return Fail(std::move(ok.error()));
     return true;
@@ -129,7 +129,7 @@ class ScreenDisplay final : public Display {
     for (std::size_t i = 0; i < shown; ++i) table.push_back(FleetRow(*robots[i], now));
 
     const std::string trouble =
-        trouble_.empty() && view.abridged() > 0 ? AbridgedWarning(view.abridged()) : trouble_;
+        trouble_.empty() && view.abridged() > 0 ? app::AbridgedWarning(view.abridged()) : trouble_;
     const auto line = [&, width = columns](Tone tone, std::string_view text) {
       return output_.Toned(tone, base::Shortened(width, text));
     };
@@ -172,8 +172,9 @@ std::unique_ptr<Display> DisplayFor(const Options& o, const mqtt::ConnectOptions
     EndQuietlyOnSignals();
     return std::make_unique<LineDisplay>(context.output);
   }
-  return std::make_unique<ScreenDisplay>(
-      fmt::format("{}   {}", connect.brokers.front().ToString(), NameOf(o.fleet)), context.output);
+  return std::make_unique<ScreenDisplay>(fmt::format("{}   {}", connect.brokers.front().ToString(),
+                                                     app::FormatFleetName(o.fleet.words)),
+                                         context.output);
 }
 
 // Takes in what comes until the deadline.
@@ -197,7 +198,7 @@ Result<steady_clock::time_point> EndOf(const std::string& duration) {
 }
 
 Result<ExitCode> RunWatch(const Options& o, const Context& context) {
-  auto view = FleetViewOf(o.fleet, context);
+  auto view = app::MakeFleetView(o.fleet.words, o.fleet.vda, context.config, context.output);
   if (!view) return Fail(std::move(view.error()));
   auto filters = view->Filters();
   if (!filters) return Fail(std::move(filters.error()));

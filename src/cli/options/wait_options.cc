@@ -75,7 +75,7 @@ Result<app::Waiting> ParseWaitingOptions(const WaitingOptions& options) {
   }
   waiting.check = options.check || (waiting.wait_for && !options.no_check);
   waiting.no_check = options.no_check;
-  const auto discover = DiscoverOf(options.discover);
+  const auto discover = ParseDiscover(options.discover);
   if (!discover) return Fail(discover.error());
   waiting.discover = *discover;
   return waiting;

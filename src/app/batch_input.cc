@@ -1,4 +1,4 @@
-#include "cli/batch_input.h"
+#include "app/batch_input.h"
 
 #include <fmt/format.h>
 #include <poll.h>
@@ -7,7 +7,7 @@
 
 #include "base/json.h"
 
-namespace fleetpub::cli {
+namespace fleetpub::app {
 namespace {
 
 using message::Command;
@@ -17,19 +17,12 @@ constexpr std::size_t kLongestLine = base::JsonLimits{}.bytes;
 // More text than that is not read before what there is has left.
 constexpr std::size_t kGroupBytes = std::size_t{1024} * 1024;
 
-std::string ReferenceOf(std::size_t line, const LineOrigin& origin) {
+std::string FormatReference(std::size_t line, const LineOrigin& origin) {
   return origin.id.empty() ? fmt::format(R"("line":{})", line)
                            : fmt::format(R"("line":{},"id":{})", line, origin.id);
 }
 
 }  // namespace
-
-void BatchResults::Show(const message::Report& report) {
-  const ExitCode code = CodeOf(report);
-  worst_ = Worse(worst_, code);
-  output_.JsonLine("{" + report.reference + R"(,"exitCode":)" +
-                   std::to_string(static_cast<int>(code)) + ReportJson(report).replace(0, 1, ","));
-}
 
 message::Report BadLineReport(std::string reference, const LineOrigin& origin, const Error& error) {
   message::Report report;
@@ -88,7 +81,7 @@ bool BatchInput::ReadLine(const Result<std::optional<std::string_view>>& line, L
   LineOrigin origin;
   if (line && (*line)->find_first_not_of(" \t\r") == std::string_view::npos) return true;
   auto parsed = line ? parser_.Parse(**line, origin) : Fail(line.error());
-  const std::string reference = ReferenceOf(read_, origin);
+  const std::string reference = FormatReference(read_, origin);
   if (!parsed) {
     group.bad.push_back(BadLineReport(reference, origin, parsed.error()));
     return false;
@@ -103,4 +96,4 @@ bool BatchInput::ReadLine(const Result<std::optional<std::string_view>>& line, L
   return true;
 }
 
-}  // namespace fleetpub::cli
+}  // namespace fleetpub::app

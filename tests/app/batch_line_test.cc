@@ -1,8 +1,8 @@
-#include "cli/batch_line.h"
+#include "app/batch_line.h"
 
 #include <gmock/gmock.h>
 
-namespace fleetpub::cli {
+namespace fleetpub::app {
 namespace {
 
 using ::testing::HasSubstr;
@@ -29,11 +29,11 @@ TEST(BatchLine, MakesAnActionForEachTarget) {
 
 TEST(BatchLine, SpeaksToEachRobotInItsOwnWay) {
   LineDefaults defaults;
-  defaults.address = [](std::string_view word) -> Result<app::AddressedRobot> {
+  defaults.address = [](std::string_view word) -> Result<AddressedRobot> {
     vda5050::Dialect dialect;
     dialect.version = vda5050::Version::k210;
     const bool is_automatic = word == "asks";
-    return app::AddressedRobot{
+    return AddressedRobot{
         {"K", "1"}, std::make_shared<const vda5050::Dialect>(dialect), is_automatic};
   };
   const auto line = Parsed(R"({"target":"agv1","action":"startPause"})", defaults);
@@ -115,4 +115,4 @@ TEST(BatchLine, KnowsTheCallersIdEvenOfABadLine) {
 }
 
 }  // namespace
-}  // namespace fleetpub::cli
+}  // namespace fleetpub::app

@@ -1,4 +1,4 @@
-#include "cli/batch_line.h"
+#include "app/batch_line.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -15,7 +15,7 @@
 #include "vda5050/messages/user_message.h"
 #include "vda5050/rules/preflight.h"
 
-namespace fleetpub::cli {
+namespace fleetpub::app {
 namespace {
 
 using base::FindMember;
@@ -169,14 +169,14 @@ Status CheckMembers(const Value& line, const Shape& shape) {
   return {};
 }
 
-std::vector<std::string_view> TargetsOf(const Value& target) {
+std::vector<std::string_view> ListTargets(const Value& target) {
   if (target.IsString()) return {base::ViewOf(target)};
   std::vector<std::string_view> targets;
   for (const Value& text : target.GetArray()) targets.push_back(base::ViewOf(text));
   return targets;
 }
 
-Result<std::optional<WaitFor>> WaitOf(const Value& line, const LineDefaults& defaults) {
+Result<std::optional<WaitFor>> ReadWait(const Value& line, const LineDefaults& defaults) {
   using Waits = std::optional<WaitFor>;
   const Value* wait = FindMember(line, "wait");
   const bool is_order = base::EqualsIgnoringCase(StringMember(line, "topic"), "order");
@@ -192,7 +192,7 @@ Result<std::optional<WaitFor>> WaitOf(const Value& line, const LineDefaults& def
   return Wrong("wait must be true, false, \"accepted\" or \"finished\"");
 }
 
-Result<Dialect> DialectOf(const Value& line, const app::AddressedRobot& robot) {
+Result<Dialect> ReadDialect(const Value& line, const AddressedRobot& robot) {
   Dialect dialect = *robot.dialect;
   if (const Value* text = FindMember(line, "vda"); text != nullptr && *text != "auto") {
     const auto version = vda5050::ParseVersion(base::ViewOf(*text));
@@ -212,7 +212,7 @@ Result<Dialect> DialectOf(const Value& line, const app::AddressedRobot& robot) {
   return dialect;
 }
 
-std::optional<std::uint32_t> HeaderIdOf(const Value& line) {
+std::optional<std::uint32_t> ReadHeaderId(const Value& line) {
   const Value* id = FindMember(line, "headerId");
   return id == nullptr ? std::nullopt : std::optional(id->GetUint());
 }
@@ -233,7 +233,7 @@ struct Request {
     }
     const auto addressed = defaults.address(target);
     if (!addressed) return Fail(addressed.error());
-    const auto dialect = DialectOf(line, *addressed);
+    const auto dialect = ReadDialect(line, *addressed);
     if (!dialect) return Fail(dialect.error());
     return FindMember(line, "action") != nullptr ? ActionFor(addressed->robot, *dialect)
                                                  : MessageFor(addressed->robot, *dialect);
@@ -252,7 +252,7 @@ struct Request {
       }
     }
     auto command =
-        vda5050::BuildInstantActions(robot, dialect, std::span(&action, 1), HeaderIdOf(line));
+        vda5050::BuildInstantActions(robot, dialect, std::span(&action, 1), ReadHeaderId(line));
     if (!command || !wait_for) return command;
     const message::ActionRef& sent = command->actions.front();
     auto tracker = vda5050::TrackInstantAction(robot, dialect, sent.type, sent.id, *wait_for);
@@ -270,7 +270,7 @@ struct Request {
     const auto foreign = restamp != nullptr && restamp->IsTrue() ? vda5050::HeaderMismatch::kReplace
                                                                  : vda5050::HeaderMismatch::kRefuse;
     auto command =
-        vda5050::BuildUserMessage(robot, dialect, *topic, payload, foreign, HeaderIdOf(line));
+        vda5050::BuildUserMessage(robot, dialect, *topic, payload, foreign, ReadHeaderId(line));
     if (!command || !wait_for) return command;
     auto tracker = vda5050::TrackUserMessage(robot, dialect, *topic, payload, *wait_for);
     if (!tracker) return Fail(std::move(tracker.error()));
@@ -340,11 +340,11 @@ struct SoarRequest {
 
 }  // namespace
 
-Result<app::AddressedRobot> AsWritten(std::string_view word) {
+Result<AddressedRobot> AsWritten(std::string_view word) {
   static const auto dialect = std::make_shared<const Dialect>();
   auto robot = vda5050::ParseRobotAddress(word);
   if (!robot) return Fail(std::move(robot.error()));
-  return app::AddressedRobot{*std::move(robot), dialect};
+  return AddressedRobot{*std::move(robot), dialect};
 }
 
 LineParser::LineParser(LineDefaults defaults, const std::string& schema_directory)
@@ -366,14 +366,14 @@ Result<LineCommands> LineParser::Parse(std::string_view text, LineOrigin& origin
     if (auto ok = request.Read(); !ok) return Fail(std::move(ok.error()));
     return ForEach(*line, request);
   }
-  const auto wait_for = WaitOf(*line, defaults_);
+  const auto wait_for = ReadWait(*line, defaults_);
   if (!wait_for) return Fail(wait_for.error());
   return ForEach(*line, Request{*line, defaults_, *wait_for});
 }
 
 template <class Request>
 Result<LineCommands> LineParser::ForEach(const Value& line, const Request& request) {
-  const auto targets = TargetsOf(*FindMember(line, "target"));
+  const auto targets = ListTargets(*FindMember(line, "target"));
   if (targets.size() > 1 && FindMember(line, "actionId") != nullptr) {
     return Wrong("actionId names one action: give one target with it");
   }
@@ -403,4 +403,4 @@ Status LineParser::Validate(const Command& command, std::vector<std::string>& wa
   return {};
 }
 
-}  // namespace fleetpub::cli
+}  // namespace fleetpub::app

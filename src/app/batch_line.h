@@ -15,15 +15,15 @@
 #include "vda5050/messages/instant_actions.h"
 #include "vda5050/tracking/action_tracker.h"
 
-namespace fleetpub::cli {
+namespace fleetpub::app {
 
 /// The robot of this address, in the newest version. Errors: ErrorKind::kUsage.
-[[nodiscard]] Result<app::AddressedRobot> AsWritten(std::string_view word);
+[[nodiscard]] Result<AddressedRobot> AsWritten(std::string_view word);
 
 /// What holds for a line that does not say otherwise.
 struct LineDefaults {
   /// Which robot a target's word means, and how it is spoken to. Errors: ErrorKind::kUsage.
-  std::function<Result<app::AddressedRobot>(std::string_view word)> address = AsWritten;
+  std::function<Result<AddressedRobot>(std::string_view word)> address = AsWritten;
   std::optional<vda5050::WaitFor> wait_for;  ///< nothing: do not wait
   /// Somebody has named the end to wait for; else an order is done when the robot has it.
   bool names_end = false;
@@ -58,4 +58,4 @@ class LineParser {
   schema::Registry registry_;
 };
 
-}  // namespace fleetpub::cli
+}  // namespace fleetpub::app

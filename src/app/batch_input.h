@@ -1,5 +1,4 @@
-// What `fleetpub batch` reads and prints: lines made into commands as far as they are there, and a
-// result for each.
+// What `fleetpub batch` reads: lines made into commands as far as they are there.
 #pragma once
 
 #include <cstddef>
@@ -9,28 +8,12 @@
 #include <string_view>
 #include <vector>
 
+#include "app/batch_line.h"
 #include "base/line_reader.h"
 #include "base/result.h"
-#include "cli/batch_line.h"
-#include "cli/options/global_options.h"
-#include "cli/output/exit_code.h"
 #include "message/report.h"
 
-namespace fleetpub::cli {
-
-/// Prints results and remembers the worst.
-class BatchResults {
- public:
-  explicit BatchResults(Output& output) : output_(output) {}
-
-  /// The report's reference is its line's.
-  void Show(const message::Report& report);
-  [[nodiscard]] ExitCode worst() const { return worst_; }
-
- private:
-  Output& output_;
-  ExitCode worst_ = ExitCode::kDone;
-};
+namespace fleetpub::app {
 
 enum class AfterBadLine { kGoOn, kPause };
 
@@ -85,4 +68,4 @@ class BatchInput {
 [[nodiscard]] message::Report BadLineReport(std::string reference, const LineOrigin& origin,
                                             const Error& error);
 
-}  // namespace fleetpub::cli
+}  // namespace fleetpub::app
