@@ -5,6 +5,8 @@
 
 #include "support/fake_environment.h"
 #include "support/fake_observer.h"
+#include "support/fake_tracker.h"
+#include "support/report_matchers.h"
 
 namespace fleetpub::app {
 namespace {
@@ -16,26 +18,11 @@ using ::testing::Each;
 using ::testing::ElementsAre;
 using ::testing::Field;
 using ::testing::HasSubstr;
+using testing::Is;
 using ::testing::IsEmpty;
+using testing::Says;
 using ::testing::SizeIs;
 using vda5050::RobotAddress;
-
-auto Is(CommandStatus status) { return Field(&message::Report::status, status); }
-auto Says(const std::string& text) { return Field(&message::Report::message, HasSubstr(text)); }
-
-// Ends as soon as the command has left.
-class EndsAtOnce final : public message::ResponseTracker {
- public:
-  [[nodiscard]] std::vector<std::string> Topics() const override { return {"state"}; }
-  void Published(std::uint32_t /*header_id*/) override {
-    progress_ = {.seen = true, .ended = true, .status = CommandStatus::kFinished};
-  }
-  void Receive(const message::Incoming& /*message*/) override {}
-  [[nodiscard]] const message::Progress& progress() const override { return progress_; }
-
- private:
-  message::Progress progress_;
-};
 
 class Pause final : public RobotMessage {
  public:
@@ -57,7 +44,7 @@ class Pause final : public RobotMessage {
   [[nodiscard]] Result<std::unique_ptr<message::ResponseTracker>> Track(
       const RobotAddress& /*robot*/, const vda5050::Dialect& /*dialect*/,
       const message::Command& /*command*/, vda5050::WaitFor /*wait_for*/) const override {
-    return std::make_unique<EndsAtOnce>();
+    return std::make_unique<testing::FakeTracker>("state");
   }
   [[nodiscard]] bool IsAlikeForAll() const override { return true; }
 

@@ -6,7 +6,9 @@
 
 #include "delivery/publish_pipeline.h"
 #include "support/fake_ledger.h"
+#include "support/fake_tracker.h"
 #include "support/fake_transport.h"
+#include "support/report_matchers.h"
 
 namespace fleetpub::delivery {
 namespace {
@@ -18,8 +20,10 @@ using ::testing::Each;
 using ::testing::ElementsAre;
 using ::testing::Field;
 using ::testing::HasSubstr;
+using testing::Is;
 using ::testing::IsEmpty;
 using ::testing::Not;
+using testing::Says;
 using ::testing::SizeIs;
 
 message::Command CommandFor(const std::string& target) {
@@ -38,11 +42,6 @@ std::vector<message::Command> CommandsFor(int count) {
   commands.reserve(static_cast<std::size_t>(count));
   for (int i = 0; i < count; ++i) commands.push_back(CommandFor(std::to_string(i)));
   return commands;
-}
-
-auto Is(message::CommandStatus status) { return Field(&message::Report::status, status); }
-auto Says(const std::string& message) {
-  return Field(&message::Report::message, HasSubstr(message));
 }
 
 class Sending : public ::testing::Test {
@@ -421,27 +420,11 @@ TEST_F(SendInBatches, StampsEachWithItsOwnTime) {
   EXPECT_THAT(transport_.published()[1].payload, HasSubstr("03:04:07.678Z"));
 }
 
-// Awaits its target, and is at its end once it has left.
-class Awaited final : public message::ResponseTracker {
- public:
-  explicit Awaited(std::string topic) : topic_(std::move(topic)) {}
-  std::vector<std::string> Topics() const override { return {topic_}; }
-  void Published(std::uint32_t /*header_id*/) override {
-    progress_ = {.seen = true, .ended = true, .status = message::CommandStatus::kFinished};
-  }
-  void Receive(const message::Incoming& /*message*/) override {}
-  const message::Progress& progress() const override { return progress_; }
-
- private:
-  std::string topic_;
-  message::Progress progress_;
-};
-
 TEST_F(Sending, WaitsForTheEndOfEach) {
   options_.batch = 2;
   auto commands = CommandsFor(3);
   for (auto& command : commands) {
-    command.tracker = std::make_shared<Awaited>("state/" + command.target);
+    command.tracker = std::make_shared<testing::FakeTracker>("state/" + command.target);
   }
   EXPECT_TRUE(Send(commands));
   EXPECT_THAT(reports_, SizeIs(3));
@@ -462,7 +445,7 @@ TEST_F(Sending, FailsWhenNothingCouldBeSubscribedTo) {
   CommandSession session(connection_, ledger_, options_, WaitOptions{.resend = 0},
                          {.report = report, .sent = {}, .connect = {}, .lost = {}, .again = {}});
   auto commands = CommandsFor(2);
-  commands[1].tracker = std::make_shared<Awaited>("state/1");
+  commands[1].tracker = std::make_shared<testing::FakeTracker>("state/1");
   transport_.forbidden = "state/1";
   CommandList list(commands, report);
   const Status sent = SendAll(list, session, {.batch = 2, .rate = {}, .tick = {}});
