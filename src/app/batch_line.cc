@@ -351,7 +351,7 @@ LineParser::LineParser(LineDefaults defaults, const std::string& schema_director
     : defaults_(std::move(defaults)), registry_(schema_directory) {}
 
 Result<LineCommands> LineParser::Parse(std::string_view text, LineOrigin& origin) {
-  const auto line = base::ParseJson(text);
+  const auto line = base::ParseJson(text, {.exact = true});
   if (!line) return Wrong(WithoutLine(line.error().message));
   if (!line->IsObject()) return Wrong("a line must be a JSON object");
   if (const Value* id = FindMember(*line, "id"); id != nullptr && IsOfKind(*id, Kind::kId)) {

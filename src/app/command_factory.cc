@@ -33,14 +33,8 @@ class NotAwaited final : public message::ResponseTracker {
 };
 
 std::string DescribeOffline(const ListedRobot& robot) {
-  const auto& connection = *robot.second.connection;
-  constexpr std::size_t kTimestamp = 40;
-  const std::string& since = connection.header.timestamp;
-  return fmt::format("sent all the same, but not waited for: it is {}{}",
-                     connection.connection_state.empty()
-                         ? "without a connectionState"
-                         : vda5050::Shown(connection.connection_state),
-                     since.empty() ? "" : " since " + vda5050::Shown(since, kTimestamp));
+  return "sent all the same, but not waited for: it is " +
+         vda5050::ConnectionText(*robot.second.connection);
 }
 
 }  // namespace

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <functional>
 #include <utility>
 
 #include "app/dry_run.h"
@@ -59,19 +58,14 @@ Status Deliver(delivery::CommandSource& source, Link& link, ledger::Ledger& ledg
                Observer& observer) {
   const delivery::SendOptions send{.qos = settings.qos,
                                    .acknowledge_timeout = link.connection.timeout};
-  std::function<void(const Error&)> lost;
-  if (wait) {
-    lost = [&](const Error& error) { observer.Warn(error.message + ": connecting again"); };
-  } else {
-    WarnOfSilentRefusals(link.connection.version, settings.qos, observer);
-  }
+  if (!wait) WarnOfSilentRefusals(link.connection.version, settings.qos, observer);
   observer.WillSend(source.left());
   delivery::CommandSession session(
       link.transport, ledger, send, wait.value_or(delivery::WaitOptions()),
       {.report = [&](const message::Report& report) { observer.Report(report); },
        .sent = [&] { observer.Sent(); },
        .connect = link.connection.open,
-       .lost = lost,
+       .lost = [&](const Error& error) { observer.Warn(error.message + ": connecting again"); },
        .again = [&] { observer.Warn("connected again"); }});
   auto sent = delivery::SendAll(
       source, session, {.batch = send.batch, .rate = settings.rate, .tick = observer.tick()});

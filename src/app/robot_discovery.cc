@@ -137,13 +137,13 @@ class Discoverer {
         [&] { return directory_.robots().size(); });
   }
 
-  // Of those that have been found; 1.1 knows no factsheet.
+  // Of those that have been found.
   Status ReadFactsheets() {
     constexpr std::array<std::string_view, 1> kTopics = {"factsheet"};
     Filters filters;
     std::set<const RobotEntry*> wanted;
     for (const auto& [robot, entry] : directory_.robots()) {
-      if (!entry.own || entry.own->version == vda5050::Version::k110 || entry.factsheet) continue;
+      if (!entry.own || entry.factsheet || !entry.factsheet_fault.empty()) continue;
       wanted.insert(&entry);
       if (auto ok = filters.Add(entry.base->topics, Exactly(robot), kTopics); !ok) return ok;
     }
@@ -152,7 +152,9 @@ class Discoverer {
         transport_, filters.Take(), options_.discover, [&](const mqtt::Message& message) {
           const auto* entry =
               directory_.Deliver(message.topic, message.payload, vda5050::Origin::kRetained);
-          if (entry != nullptr && entry->factsheet) wanted.erase(entry);
+          const bool is_told =
+              entry != nullptr && (entry->factsheet || !entry->factsheet_fault.empty());
+          if (is_told) wanted.erase(entry);
           return wanted.empty();
         });
   }

@@ -9,6 +9,7 @@
 
 #include "base/line_reader.h"
 #include "base/text.h"
+#include "vda5050/reports/roster.h"
 
 namespace fleetpub::app {
 namespace {
@@ -162,6 +163,16 @@ class WordReader {
   std::set<RobotAddress> known_;
 };
 
+// What no robot can satisfy is refused, what is doubtful said.
+Status CheckConditions(std::span<const vda5050::Condition> conditions, Log& log) {
+  for (const vda5050::Condition& condition : conditions) {
+    const auto doubt = vda5050::CheckCondition(condition, vda5050::TopicOf(condition));
+    if (!doubt) return Fail(doubt.error());
+    if (!doubt->empty()) log.Warn("--where: " + *doubt);
+  }
+  return {};
+}
+
 // A misspelt exception would command whom it should spare.
 void WarnOfUnusedExclusions(const Targets& targets, Log& log) {
   if (!targets.include.patterns.empty()) return;  // whom they spare is known to the broker only
@@ -209,6 +220,7 @@ Result<Targets> ResolveTargets(TargetRequest request, const config::Config& conf
     return Fail(ErrorKind::kUsage, "--all means every robot: name none beside it");
   }
   Targets targets;
+  if (auto ok = CheckConditions(request.where, log); !ok) return Fail(std::move(ok.error()));
   targets.where = std::move(request.where);
   targets.state_wait = request.state_wait;
   auto except = ParseTargetSpec(request.except, config, log);

@@ -9,6 +9,8 @@
 #include <cmath>
 #include <cstdlib>
 #include <optional>
+#include <unordered_set>
+#include <utility>
 #include <vector>
 
 #include "base/text.h"
@@ -49,7 +51,8 @@ class Guard {
  public:
   using Ch = char;
 
-  Guard(JsonDocument& document, int limit) : document_(document), limit_(limit) {}
+  Guard(JsonDocument& document, int limit, bool exact)
+      : document_(document), limit_(limit), exact_(exact) {}
 
   bool Null() { return document_.Null(); }
   bool Bool(bool value) { return document_.Bool(value); }
@@ -63,6 +66,7 @@ class Guard {
     if (number.find_first_of(".eE") == std::string_view::npos) {
       if (int64_t value = 0; ReadWhole(number, value)) return document_.Int64(value);
       if (uint64_t value = 0; ReadWhole(number, value)) return document_.Uint64(value);
+      if (exact_) return !(inexact_ = true);
     }
     const auto value = ReadDouble(number);
     too_large_ = !value;
@@ -81,6 +85,7 @@ class Guard {
 
   [[nodiscard]] bool too_deep() const { return depth_ > limit_; }
   [[nodiscard]] bool too_large() const { return too_large_; }
+  [[nodiscard]] bool inexact() const { return inexact_; }
 
  private:
   template <typename Whole>
@@ -95,8 +100,10 @@ class Guard {
 
   JsonDocument& document_;
   int limit_;
+  bool exact_;
   int depth_ = 0;
   bool too_large_ = false;
+  bool inexact_ = false;
 };
 
 // Feeds a Document from a text: JsonDocument::Populate calls it with the document as
@@ -104,16 +111,19 @@ class Guard {
 struct Generator {
   rapidjson::MemoryStream stream;
   int depth;
-  rapidjson::ParseResult result;
+  bool exact = false;
+  rapidjson::ParseResult result = {};
   bool too_deep = false;
   bool too_large = false;
+  bool inexact = false;
 
   bool operator()(JsonDocument& document) {
     JsonReader reader;
-    Guard guard(document, depth);
+    Guard guard(document, depth, exact);
     result = reader.Parse<kParseFlags>(stream, guard);
     too_deep = guard.too_deep();
     too_large = guard.too_large();
+    inexact = guard.inexact();
     return !result.IsError();
   }
 };
@@ -170,6 +180,12 @@ Error ParseError(std::string_view text, const Generator& generator) {
   if (generator.too_deep) {
     return {ErrorKind::kInvalid, fmt::format("not accepted at {}: nested more than {} levels deep",
                                              place, generator.depth)};
+  }
+  if (generator.inexact) {
+    return {ErrorKind::kInvalid,
+            fmt::format("not accepted at {}: a whole number of more than 64 bits would be sent as "
+                        "another one. try: a text, or an exponent (1.5e22)",
+                        place)};
   }
   const bool by_guard = generator.result.Code() == rapidjson::kParseErrorTermination;
   const auto refused = generator.too_large ? rapidjson::kParseErrorNumberTooBig
@@ -228,7 +244,113 @@ std::string FindRepeatedName(const JsonValue& value) {
   return {};
 }
 
+// ── reading leniently ──
+
+// The UTF-16 unit of an escape `\uXXXX` at the front; 0 when there is none.
+std::uint32_t EscapedUnit(std::string_view text) {
+  constexpr std::size_t kLength = 6;
+  std::uint32_t unit = 0;
+  if (text.size() < kLength || !text.starts_with("\\u")) return 0;
+  const char* const end = text.data() + kLength;
+  return std::from_chars(text.data() + 2, end, unit, 16).ptr == end ? unit : 0;
+}
+
+// Moves one character or escape of a text.
+void MoveCharacter(std::string_view& from, std::string& to) {
+  constexpr std::string_view kReplacement = "\\ufffd";
+  const auto take = [&](std::size_t bytes) {
+    to += from.substr(0, bytes);
+    from.remove_prefix(std::min(bytes, from.size()));
+  };
+  if (from.front() == '\\') {
+    const std::uint32_t unit = EscapedUnit(from);
+    const bool is_half = unit >= 0xD800 && unit <= 0xDFFF;
+    if (!is_half) return take(2);
+    const bool is_pair = unit < 0xDC00 && EscapedUnit(from.substr(6)) >> 10U == 0x37;
+    if (is_pair) return take(12);
+    to += kReplacement;
+    from.remove_prefix(6);
+  } else if (static_cast<unsigned char>(from.front()) < 0x20) {
+    to += fmt::format("\\u{:04x}", from.front());
+    from.remove_prefix(1);
+  } else if (const std::size_t bytes = DecodeFront(from).bytes; bytes > 0) {
+    take(bytes);
+  } else {
+    to += kReplacement;
+    from.remove_prefix(1);
+  }
+}
+
+// Moves a word that stands outside of texts: `NaN` and `-inf` become null.
+void MoveWord(std::string_view& from, std::string& to) {
+  const auto is_letter = [](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); };
+  const auto* const end = std::find_if_not(from.begin(), from.end(), is_letter);
+  const auto length = std::max<std::size_t>(1, static_cast<std::size_t>(end - from.begin()));
+  const std::string_view word = from.substr(0, length);
+  from.remove_prefix(length);
+  const bool is_no_number = EqualsIgnoringCase(word, "nan") || EqualsIgnoringCase(word, "inf") ||
+                            EqualsIgnoringCase(word, "infinity");
+  if (is_no_number && (to.ends_with('-') || to.ends_with('+'))) to.pop_back();
+  to += is_no_number ? "null" : word;
+}
+
+std::string Repaired(std::string_view text) {
+  if (text.starts_with(kByteOrderMark)) text.remove_prefix(kByteOrderMark.size());
+  constexpr std::string_view kBehind("\0 \t\r\n", 5);
+  text = text.substr(0, text.find_last_not_of(kBehind) + 1);
+  std::string repaired;
+  repaired.reserve(text.size());
+  bool is_inside = false;
+  while (!text.empty()) {
+    const char c = text.front();
+    if (c == '"') {
+      is_inside = !is_inside;
+      repaired += c;
+      text.remove_prefix(1);
+    } else {
+      is_inside ? MoveCharacter(text, repaired) : MoveWord(text, repaired);
+    }
+  }
+  return repaired;
+}
+
+// Recursion is bounded by JsonLimits::depth.
+void KeepLastOfEachName(JsonValue& value, JsonPool& pool) {
+  if (value.IsArray()) {
+    for (JsonValue& element : value.GetArray()) KeepLastOfEachName(element, pool);
+  }
+  if (!value.IsObject()) return;
+  std::unordered_set<std::string_view> names;
+  std::vector<bool> is_last(value.MemberCount());
+  for (std::size_t i = is_last.size(); i > 0; --i) {
+    const auto member = value.MemberBegin() + static_cast<std::ptrdiff_t>(i - 1);
+    is_last[i - 1] = names.insert(ViewOf(member->name)).second;
+    KeepLastOfEachName(member->value, pool);
+  }
+  if (names.size() == is_last.size()) return;
+  JsonValue kept(rapidjson::kObjectType);
+  for (std::size_t i = 0; i < is_last.size(); ++i) {
+    const auto member = value.MemberBegin() + static_cast<std::ptrdiff_t>(i);
+    if (is_last[i]) kept.AddMember(member->name, member->value, pool);
+  }
+  value = kept;  // moves
+}
+
 }  // namespace
+
+Result<JsonDocument> ParseJsonLeniently(std::string_view text, JsonLimits limits) {
+  auto strict = ParseJson(text, limits);
+  if (strict || text.size() > limits.bytes) return strict;
+  const std::string repaired = Repaired(text);
+  JsonDocument document;
+  Generator generator{.stream = rapidjson::MemoryStream(repaired.data(), repaired.size()),
+                      .depth = limits.depth,
+                      .exact = limits.exact};
+  document.Populate(generator);
+  if (generator.result.IsError()) return Fail(ParseError(repaired, generator));
+  KeepLastOfEachName(document, document.GetAllocator());
+  return document;
+}
 
 Result<JsonDocument> ParseJson(std::string_view text, JsonLimits limits) {
   if (text.size() > limits.bytes) {
@@ -241,7 +363,9 @@ Result<JsonDocument> ParseJson(std::string_view text, JsonLimits limits) {
                 fmt::format("not valid JSON at {}: a NUL byte", Place(text, nul)));
   }
   JsonDocument document;
-  Generator generator{rapidjson::MemoryStream(text.data(), text.size()), limits.depth, {}};
+  Generator generator{.stream = rapidjson::MemoryStream(text.data(), text.size()),
+                      .depth = limits.depth,
+                      .exact = limits.exact};
   document.Populate(generator);
   if (generator.result.IsError()) return Fail(ParseError(text, generator));
   if (const std::string name = FindRepeatedName(document); !name.empty()) {

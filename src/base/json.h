@@ -15,12 +15,22 @@ struct JsonLimits {
   /// Arrays and objects inside each other. Far above any message; RapidJSON's copies and
   /// comparisons and the validator recurse, and a hostile text would exhaust the stack.
   int depth = 64;
+  /// Refuses whole numbers of more than 64 bits, which a double would make another number: for texts
+  /// that are sent on.
+  bool exact = false;
 };
 
 /// Parses one JSON text (RFC 8259) strictly: valid UTF-8 (a byte order mark is passed over), no
 /// NUL, no key twice in one object, nothing after the value, within the limits. Errors:
 /// ErrorKind::kInvalid with line and column, or with the JSON Pointer of a repeated key.
 [[nodiscard]] Result<JsonDocument> ParseJson(std::string_view text, JsonLimits limits = {});
+
+/// Parses what somebody else's program wrote, as far as it can only mean one thing. NULs at its end
+/// are dropped; `NaN` and infinities are null; bytes that are no UTF-8 and halves of surrogate
+/// pairs become U+FFFD; control characters may stand in texts; of a member that stands there twice
+/// the last one counts. Errors: as ParseJson, for all else.
+[[nodiscard]] Result<JsonDocument> ParseJsonLeniently(std::string_view text,
+                                                      JsonLimits limits = {});
 
 /// The value as compact JSON.
 [[nodiscard]] std::string ToJson(const JsonValue& value);

@@ -33,6 +33,7 @@ LineReader::LineReader(LineReader&& other) noexcept
       scanned_(other.scanned_),
       ended_(other.ended_),
       dropping_(other.dropping_),
+      is_first_(other.is_first_),
       trouble_(std::move(other.trouble_)) {}
 
 LineReader::~LineReader() {
@@ -50,7 +51,11 @@ Result<std::optional<std::string_view>> LineReader::Next(std::size_t longest) {
     return Fail(ErrorKind::kInvalid,
                 fmt::format("{} has a line of more than {} bytes", name_, longest));
   }
-  const std::string_view line = std::string_view(buffer_).substr(next_, size);
+  std::string_view line = std::string_view(buffer_).substr(next_, size);
+  constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
+  if (std::exchange(is_first_, false) && line.starts_with(kByteOrderMark)) {
+    line.remove_prefix(kByteOrderMark.size());
+  }
   next_ = scanned_ = std::min(end + 1, buffer_.size());
   return line;
 }

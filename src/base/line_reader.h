@@ -49,6 +49,7 @@ class LineReader {
   std::size_t scanned_ = 0;  // no line ends between next_ and here
   bool ended_ = false;
   bool dropping_ = false;  // the rest of a line that was too long
+  bool is_first_ = true;   ///< nothing was handed out yet
   std::optional<Error> trouble_;
 };
 

@@ -32,14 +32,31 @@ Result<Output::Settings> OutputSettings(const GlobalOptions& options) {
                           options.verbose || options.debug};
 }
 
-ExitCode Complain(const Error& error, bool verbose) {
-  Output({.verbose = verbose}).PrintError(error);
+// What a script asked for, even if its command line cannot be read.
+Format FindFormat(const std::vector<std::string>& arguments, const GlobalOptions& options) {
+  const auto asks = [&](std::size_t i) {
+    const std::string& word = arguments[i];
+    const bool is_option = word == "-o" || word == "--output";
+    return word == "-ojson" || word == "--output=json" ||
+           (is_option && i + 1 < arguments.size() && arguments[i + 1] == "json");
+  };
+  for (std::size_t i = 0; i < arguments.size(); ++i) {
+    if (asks(i)) return Format::kJson;
+  }
+  return options.format == "json" ? Format::kJson : Format::kText;
+}
+
+// Ends a command that could not begin.
+ExitCode EndBefore(const Error& error, const std::vector<std::string>& arguments,
+                   const GlobalOptions& options) {
+  Output output({.format = FindFormat(arguments, options), .verbose = options.verbose});
+  output.PrintFinalError(error, CodeOf(error.kind));
   return CodeOf(error.kind);
 }
 
 ExitCode Finish(const Result<ExitCode>& result, Output& output) {
-  if (!result) output.PrintError(result.error());
   const ExitCode code = result ? *result : CodeOf(result.error().kind);
+  if (!result) output.PrintFinalError(result.error(), code);
   const auto flushed = output.Flush();
   if (flushed) return code;
   // After sending, what the broker and the robots said weighs more than that nobody could read it.
@@ -67,9 +84,9 @@ bool IsMeantAsHost(const std::vector<std::string>& arguments) {
 ExitCode PrintHelp(const OptionSet& set, const SubcommandMatch& match,
                    const std::vector<std::string>& arguments) {
   if (IsMeantAsHost(arguments)) {
-    return Complain({ErrorKind::kUsage,
-                     "-h asks for help and takes no word behind it: the broker's host is --host"},
-                    false);
+    return EndBefore({ErrorKind::kUsage,
+                      "-h asks for help and takes no word behind it: the broker's host is --host"},
+                     arguments, {});
   }
   return PrintText(match.name.empty() ? GeneralHelp(set) : CommandHelp(set, match));
 }
@@ -85,7 +102,7 @@ ExitCode RunMain(const std::vector<std::string>& arguments, const BuildInfo& bui
   if (!call->Read(OptionSet::Extent::kMentioned, arguments) || !call->run) {
     call = std::make_unique<CommandLine>();
     const auto asked = call->Read(OptionSet::Extent::kAll, arguments);
-    if (!asked) return Complain(asked.error(), call->options.verbose);
+    if (!asked) return EndBefore(asked.error(), arguments, call->options);
     if (*asked == OptionSet::Asked::kVersion) return PrintText(VersionText(build) + "\n");
     if (*asked == OptionSet::Asked::kHelp) {
       return PrintHelp(call->set(), call->match, arguments);
@@ -93,10 +110,10 @@ ExitCode RunMain(const std::vector<std::string>& arguments, const BuildInfo& bui
     if (!call->run) return NoCommand();
   }
   if (const auto configured = call->Configure(); !configured) {
-    return Complain(configured.error(), call->options.verbose);
+    return EndBefore(configured.error(), arguments, call->options);
   }
   const auto settings = OutputSettings(call->options);
-  if (!settings) return Complain(settings.error(), call->options.verbose);
+  if (!settings) return EndBefore(settings.error(), arguments, call->options);
   Output output(*settings);
   return Finish(call->run(Context{call->options, output, call->config}), output);
 }

@@ -111,6 +111,7 @@ void BatchPublisher::PublishEach(const SentHook& sent) {
     if (!token) {
       broken_ = std::move(token.error());
       SetError(report, *broken_, "perhaps sent: ");
+      report.unacknowledged = true;
       continue;
     }
     if (sent) sent();
@@ -149,6 +150,7 @@ BatchResult BatchPublisher::Close(const Error& reason) {
   if (!awaited_.empty() && !broken_) broken_ = reason;
   for (const auto& [token, report] : std::exchange(awaited_, {})) {
     SetError(*report, *broken_, "sent, but not acknowledged: ");
+    report->unacknowledged = true;
   }
   lock_.reset();
   return {std::move(reports_), std::move(broken_)};

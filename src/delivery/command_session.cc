@@ -52,6 +52,7 @@ CommandSession::CommandSession(std::unique_ptr<mqtt::Transport>& transport, ledg
                  again_.erase(key);
                  if (lost_ && ended.status == message::CommandStatus::kTimeout) {
                    ended.message += "; the broker was out of reach at the end";
+                   if (!is_told_) ended.message += ": " + lost_->message;
                  }
                  ended_.push_back(std::move(ended));
                }),
@@ -162,9 +163,10 @@ void CommandSession::Done(PendingCommands::Key first_key, BatchResult result) {
   if (result.broken) broken_ = std::move(result.broken);
 }
 
-// A command has left, or not.
+// A command has left, or not. Whose acknowledgement was lost with the connection may still do its
+// work: its target will say so.
 void CommandSession::Resolve(PendingCommands::Key key, message::Report report) {
-  if (report.error || !pending_.IsTracked(key)) {
+  if ((report.error && !report.unacknowledged) || !pending_.IsTracked(key)) {
     Forget(key);
     return hooks_.report(report);
   }
@@ -243,8 +245,8 @@ void CommandSession::Lose(Error error) {
                ? std::clamp(pause_ * 2, kReconnectPause, kLongestReconnectPause)
                : kReconnectPause;
   next_try_ = now + pause_;
-  if (hooks_.lost) hooks_.lost(error);
   lost_ = std::move(error);
+  is_told_ = false;
 }
 
 // The targets go on working while the broker is away: what they say afterwards still counts.
@@ -252,6 +254,7 @@ void CommandSession::TryAgain(mqtt::Deadline deadline) {
   std::this_thread::sleep_until(std::min(deadline, next_try_));
   const auto now = steady_clock::now();
   if (now < next_try_) return;
+  if (hooks_.lost && !std::exchange(is_told_, true)) hooks_.lost(*lost_);
   auto transport = hooks_.connect(std::min(now + kReconnectPatience, pending_.NextLimit()));
   next_try_ = steady_clock::now() + pause_;
   if (!transport) return;

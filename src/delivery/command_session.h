@@ -33,7 +33,7 @@ struct SessionHooks {
   ReportSink report;
   SentHook sent;        ///< may be empty
   ConnectHook connect;  ///< replaces a connection that was lost
-  /// The connection is lost; it is there again. Either may be empty.
+  /// The connection was lost and is now opened again; it is there again. Either may be empty.
   std::function<void(const Error&)> lost;
   std::function<void()> again;
 };
@@ -109,6 +109,7 @@ class CommandSession {
   std::size_t since_pause_ = 0;  // sent, with an answer expected
   std::vector<int> wake_;
   std::optional<Error> lost_;
+  bool is_told_ = false;  // that the connection is lost
   mqtt::Deadline next_try_ = {};
   mqtt::Deadline connected_at_ = {};    // again
   std::chrono::milliseconds pause_{0};  // before connecting again

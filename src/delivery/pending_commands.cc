@@ -102,6 +102,7 @@ void PendingCommands::End(Entry& entry, message::CommandStatus status,
   report.status = status;
   report.error = error;
   report.message = std::move(message);
+  if (error && report.unacknowledged) report.message += "; the broker did not acknowledge it";
   report.elapsed = Clock::now() - entry.second.published;
   const Key key = entry.first;
   Forget(key);
@@ -114,15 +115,19 @@ std::vector<PendingCommands::Key> PendingCommands::Expire() {
   while (!limits_.empty() && limits_.begin()->first <= now) {
     Entry& entry = *tracked_.find(limits_.begin()->second);
     Tracked& watched = entry.second;
-    if (!watched.seen && watched.repeats < options_.resend) {
+    const message::Progress& progress = watched.tracker->progress();
+    const bool may_repeat = !watched.seen && watched.repeats < options_.resend;
+    if (may_repeat && progress.unreadable) {  // its answer, perhaps
+      watched.repeats = options_.resend;
+      SetLimit(entry, watched.published + options_.total.value_or(options_.seen));
+    } else if (may_repeat) {
       ++watched.repeats;
       // Should it not leave, it is not repeated at once.
       SetLimit(entry, now + PatienceToBeSeen());
       again.push_back(entry.first);
     } else {
       End(entry, message::CommandStatus::kTimeout,
-          message::TroubleOf(message::CommandStatus::kTimeout),
-          watched.tracker->progress().message);
+          message::TroubleOf(message::CommandStatus::kTimeout), progress.message);
     }
   }
   std::sort(again.begin(), again.end());

@@ -24,6 +24,8 @@ struct Report {
   std::optional<std::uint32_t> header_id;  ///< none when nothing was stamped
   CommandStatus status = CommandStatus::kError;
   std::string message;  ///< why, when it is not a success; one line
+  /// It left, or may have, but the broker did not say that it has it.
+  bool unacknowledged = false;
   /// Which kind of trouble, when there was some.
   std::optional<ErrorKind> error;
   std::string payload;          ///< as sent, or as it would be

@@ -25,6 +25,8 @@ struct Incoming {
 struct Progress {
   bool seen = false;   ///< the target has shown that it knows the command
   bool ended = false;  ///< `status` is final
+  /// Something came since that does not count, as it cannot be read: it may be the answer.
+  bool unreadable = false;
   CommandStatus status = CommandStatus::kTimeout;
   /// In a person's words: the target's result, description, hint; what it last said when it did not
   /// end. One line.
@@ -48,7 +50,8 @@ class ResponseTracker {
   /// already.
   virtual void Published(std::uint32_t header_id) = 0;
 
-  /// A message, before or after publishing. Lenient: whatever cannot be read is passed over.
+  /// A message, before or after publishing. Lenient: whatever cannot be read is passed over, and
+  /// told.
   virtual void Receive(const Incoming& message) = 0;
 
   /// After each Receive. Without an end the caller decides when time is up; `message` then is what

@@ -7,7 +7,9 @@
 #include <memory>
 #include <thread>
 
+#include "base/text.h"
 #include "mqtt/paho/paho_transport.h"
+#include "vda5050/reports/robot_messages.h"
 
 namespace fleetpub::simulator {
 namespace {
@@ -29,7 +31,8 @@ class Runner {
   Status Run() {
     bool ready = false;
     while (!Over()) {
-      auto lost = Connect();
+      auto lost = ready ? Status() : CheckPlaces();
+      if (lost) lost = Connect();
       if (lost) lost = Greet();
       if (!lost && !ready) return lost;
       if (lost && !ready) options_.on_ready();
@@ -75,6 +78,31 @@ class Runner {
       wills_.back() = *std::move(connection);
     }
     return {};
+  }
+
+  // A robot that is ONLINE would be heard in our voice, and be OFFLINE with us. What is retained
+  // comes before the answer to the second request.
+  Status CheckPlaces() {
+    if (options_.places.empty()) return {};
+    // One without a will, which would be told of the robot that is there.
+    const auto transport = mqtt::ConnectPaho(options_.connect);
+    if (!transport) return Fail(transport.error());
+    auto asked = (*transport)->Subscribe(options_.places, mqtt::Qos::kAtMostOnce, Patience());
+    if (asked) asked = (*transport)->Unsubscribe(options_.places, Patience());
+    while (asked) {
+      const auto message = (*transport)->Receive(steady_clock::now());
+      if (!message) return Fail(message.error());
+      if (!*message) break;
+      const auto connection = vda5050::ReadConnection((*message)->payload);
+      if (!connection || connection->connection_state != "ONLINE") continue;
+      asked = Fail(
+          ErrorKind::kPreflight,
+          fmt::format("nothing was started: a robot is ONLINE at {} of {}, and a virtual one would "
+                      "take its place. try: another name, or --force",
+                      base::Printable((*message)->topic), options_.connect.brokers[0].ToString()));
+    }
+    (*transport)->Disconnect();
+    return asked;
   }
 
   Status Greet() {

@@ -4,6 +4,8 @@
 #include <chrono>
 #include <functional>
 #include <optional>
+#include <string>
+#include <vector>
 
 #include "base/result.h"
 #include "mqtt/transport.h"
@@ -20,12 +22,15 @@ struct RunOptions {
   std::optional<std::chrono::milliseconds> duration;  ///< none: until `stopped`
   std::function<bool()> stopped;                      ///< asked several times a second
   std::function<void()> on_ready;                     ///< everybody is ONLINE, for the first time
+  /// Filters of the robots' connection messages: nobody may be ONLINE there. Empty: nobody looks.
+  std::vector<std::string> places;
   std::function<void(const Error&)> on_lost;          ///< the connection broke; tried again
 };
 
 /// Runs the robots until the time is over, `stopped` says so, or all of them have shut down; then
 /// says OFFLINE for them. A connection that is lost is made again. Errors: the first connection
-/// cannot be made.
+/// cannot be made; kPreflight: a robot of such a name is ONLINE already, as far as the broker hands
+/// out its retained messages before it acknowledges the next request.
 [[nodiscard]] Status Run(Fleet& fleet, const RunOptions& options);
 
 }  // namespace fleetpub::simulator

@@ -20,7 +20,7 @@ using std::chrono::steady_clock;
 class MessageTracker : public message::ResponseTracker {
  public:
   explicit MessageTracker(TrackerOptions options) : options_(std::move(options)) {
-    progress_.message = "nobody acknowledged it";
+    Tell();
   }
 
   [[nodiscard]] std::vector<std::string> Topics() const override { return options_.topics; }
@@ -30,7 +30,9 @@ class MessageTracker : public message::ResponseTracker {
   void Receive(const message::Incoming& message) override {
     if (!published_ || progress_.ended || message.retained) return;
     if (!CanName(message.payload)) return;
-    const auto said = ReadAcknowledgement(message.topic, message.payload, options_.prefix);
+    const auto document = base::ParseJsonLeniently(message.payload);
+    if (!document) return PassOver(message.payload, document.error());
+    const auto said = ReadAcknowledgement(message.topic, *document, options_.prefix);
     if (!said || said->message_id != options_.message_id) return;
     const auto [known, is_new] = levels_.emplace(said->from, said->level);
     if (!is_new && said->level <= known->second) return;
@@ -49,6 +51,15 @@ class MessageTracker : public message::ResponseTracker {
            payload.find('\\') != std::string_view::npos;
   }
 
+  // What names our message but cannot be read may be its acknowledgement.
+  void PassOver(std::string_view payload, const Error& why) {
+    if (payload.find(options_.message_id) == std::string_view::npos) return;
+    ++unreadable_;
+    why_ = why.message;
+    progress_.unreadable = true;
+    Tell();
+  }
+
   [[nodiscard]] std::size_t CountOf(Level level) const {
     return static_cast<std::size_t>(std::count_if(
         levels_.begin(), levels_.end(), [&](const auto& one) { return one.second >= level; }));
@@ -56,11 +67,18 @@ class MessageTracker : public message::ResponseTracker {
 
   void Judge() {
     progress_.seen = true;
-    progress_.message = Told();
+    Tell();
     if (CountOf(options_.wait_for) < options_.count) return;
     progress_.ended = true;
     const bool done = CountOf(Level::kExecuted) >= options_.count;
     progress_.status = done ? CommandStatus::kFinished : CommandStatus::kAccepted;
+  }
+
+  void Tell() {
+    progress_.message = levels_.empty() ? "nobody acknowledged it" : Told();
+    if (unreadable_ == 0) return;
+    progress_.message += fmt::format("; {} message{} that name it cannot be read, the last one: {}",
+                                     unreadable_, unreadable_ == 1 ? "" : "s", why_);
   }
 
   // `executed`; of several: `2 of 3 executed`.
@@ -83,6 +101,8 @@ class MessageTracker : public message::ResponseTracker {
   std::optional<steady_clock::time_point> published_;
   message::Progress progress_;
   std::map<std::string, Level> levels_;  // by who said it
+  int unreadable_ = 0;
+  std::string why_;
 };
 
 std::string FromOf(std::string_view topic, std::string_view source, const Prefix& prefix) {
@@ -96,18 +116,17 @@ std::string FromOf(std::string_view topic, std::string_view source, const Prefix
 
 }  // namespace
 
-std::optional<Acknowledgement> ReadAcknowledgement(std::string_view topic, std::string_view payload,
+std::optional<Acknowledgement> ReadAcknowledgement(std::string_view topic,
+                                                   const base::JsonValue& message,
                                                    const Prefix& prefix) {
-  const auto message = base::ParseJson(payload);
-  if (!message) return std::nullopt;
-  const auto* said = FindMember(*message, "payload");
+  const auto* said = FindMember(message, "payload");
   if (said == nullptr ||
       StringMember(*said, "message_type") != NameOf(MessageType::kAcknowledgement)) {
     return std::nullopt;
   }
   const auto level = ParseLevel(StringMember(*said, "status"));
   if (!level) return std::nullopt;
-  const auto* header = FindMember(*message, "header");
+  const auto* header = FindMember(message, "header");
   const auto source = header == nullptr ? std::string_view() : StringMember(*header, "source");
   return Acknowledgement{std::string(StringMember(*said, "acknowledged_message_ID")), *level,
                          FromOf(topic, source, prefix)};

@@ -14,6 +14,7 @@
 #include <string_view>
 #include <vector>
 
+#include "base/rapidjson.h"
 #include "message/response_tracker.h"
 #include "soar/destination.h"
 #include "soar/message_type.h"
@@ -27,10 +28,10 @@ struct Acknowledgement {
   std::string from;  ///< the platform, `soar.noc.autosub.ah1`, else the source; may be empty
 };
 
-/// Reads one leniently: nothing when the payload is none. Any part of the message that does not
+/// Reads one leniently: nothing when the message is none. Any part of the message that does not
 /// matter here may be wrong.
 [[nodiscard]] std::optional<Acknowledgement> ReadAcknowledgement(std::string_view topic,
-                                                                 std::string_view payload,
+                                                                 const base::JsonValue& message,
                                                                  const Prefix& prefix);
 
 struct TrackerOptions {

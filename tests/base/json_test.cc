@@ -45,6 +45,20 @@ TEST(ParseJson, PassesOverAByteOrderMark) { EXPECT_EQ(RoundTrip("\xEF\xBB\xBF{}"
 
 TEST(ParseJson, PassesOverWhiteSpaceAroundTheValue) { EXPECT_EQ(RoundTrip(" \t\r\n{} \n"), "{}"); }
 
+TEST(ParseJson, RefusesWhatADoubleWouldMakeAnotherNumberWhereItIsSentOn) {
+  for (const char* text : {"[18446744073709551616]", "[-9223372036854775809]",
+                           R"({"a":{"b":99999999999999999999999}})"}) {
+    EXPECT_TRUE(ParseJson(text)) << text;
+    const auto refused = ParseJson(text, {.exact = true});
+    ASSERT_FALSE(refused) << text;
+    EXPECT_THAT(refused.error().message, HasSubstr("more than 64 bits"));
+  }
+  for (const char* text : {"[18446744073709551615]", "[-9223372036854775808]", "[1.5e22]",
+                           R"(["99999999999999999999999"])"}) {
+    EXPECT_TRUE(ParseJson(text, {.exact = true})) << text;
+  }
+}
+
 TEST(ParseJson, KeepsDigitsOfADouble) {
   EXPECT_EQ(ParseJson("3.141592653589793")->GetDouble(), 3.141592653589793);
   EXPECT_EQ(ParseJson("5e-324")->GetDouble(), 5e-324);
@@ -252,6 +266,43 @@ TEST(RenameMember, RenamesAMemberOfTheTopLevelOnly) {
   RenameMember(*document, "a", "c");
   RenameMember(*document, "missing", "d");
   EXPECT_EQ(ToJson(*document), R"({"c":{"a":1},"b":2})");
+}
+
+// ── leniently ──
+
+std::string Leniently(std::string_view text) {
+  const auto document = ParseJsonLeniently(text);
+  return document ? ToJson(*document) : "refused: " + document.error().message;
+}
+
+TEST(ParseJsonLeniently, TakesWhatCanOnlyMeanOneThing) {
+  using namespace std::string_view_literals;
+  for (const auto& [text, meaning] : {
+           std::pair("{\"a\":1}\0\0\n\0"sv, R"({"a":1})"sv),
+           std::pair("[NaN,-Infinity,Infinity,nan,-nan,inf]"sv,
+                     "[null,null,null,null,null,null]"sv),
+           std::pair(R"(["NaN",true,null,1e5])"sv, R"(["NaN",true,null,100000.0])"sv),
+           std::pair("[\"Stra\xDF"
+                     "e\"]"sv,
+                     "[\"Stra\uFFFD"
+                     "e\"]"sv),
+           std::pair("[\"a\tb\n\x01\0\"]"sv, R"(["a\tb\n\u0001\u0000"])"sv),
+           std::pair(R"(["\ud83d","\udc00","\ud83d\ude00"])"sv,
+                     "[\"\uFFFD\",\"\uFFFD\",\"\U0001F600\"]"sv),
+           std::pair(R"({"a":1,"b":{"c":1,"c":2},"a":3})"sv, R"({"b":{"c":2},"a":3})"sv),
+           std::pair(R"(["\"NaN\\",NaN])"sv, R"(["\"NaN\\",null])"sv),
+       }) {
+    EXPECT_FALSE(ParseJson(text) && text != R"(["NaN",true,null,1e5])"sv) << text;
+    EXPECT_EQ(Leniently(text), meaning);
+  }
+}
+
+TEST(ParseJsonLeniently, GuessesNothing) {
+  for (const std::string_view text : {"{\"a\":1", "{\"a\":1}}", "{'a':1}", "{\"a\":1,}", "{a:1}",
+                                      "", "[1.]", "[nanny]", "[--inf]", "\"\\u12", "\"\\"}) {
+    EXPECT_THAT(Leniently(text), StartsWith("refused: ")) << text;
+  }
+  EXPECT_THAT(Leniently(Nested(65)), HasSubstr("64 levels"));
 }
 
 }  // namespace

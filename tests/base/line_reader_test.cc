@@ -66,6 +66,19 @@ TEST(LineReader, GoesOnBehindALineThatIsTooLong) {
   EXPECT_EQ(reader->Next(10).value(), std::nullopt);
 }
 
+TEST(LineReader, PassesOverAByteOrderMarkAtTheBeginningOnly) {
+  const fleetpub::testing::TemporaryFolder folder;
+  std::ofstream(folder / "list") << "\xEF\xBB\xBF"
+                                    "a\n"
+                                    "\xEF\xBB\xBF"
+                                    "b\n";
+  auto reader = LineReader::Open(folder / "list");
+  EXPECT_EQ(reader->Next().value(), "a");
+  EXPECT_EQ(reader->Next().value(),
+            "\xEF\xBB\xBF"
+            "b");
+}
+
 TEST(LineReader, TellsWhetherALineIsThereWithoutWaitingForIt) {
   const fleetpub::testing::TemporaryFolder folder;
   const std::string pipe = (folder / "pipe").string();

@@ -20,7 +20,8 @@ class Told : public message::ResponseTracker {
   std::vector<std::string> Topics() const override { return {topic_}; }
   void Published(std::uint32_t /*header_id*/) override {}
   void Receive(const message::Incoming& message) override {
-    progress_.seen = true;
+    progress_.unreadable = message.payload == "unreadable";
+    progress_.seen = !progress_.unreadable;
     if (message.payload != "done") return;
     progress_ = {
         .seen = true, .ended = true, .status = message::CommandStatus::kFinished, .message = "so"};
@@ -99,6 +100,18 @@ TEST_F(Following, AsksForWhatWasNotSeenToBeSentAgain) {
   std::this_thread::sleep_until(follower.NextLimit());
   EXPECT_THAT(follower.Expire(), ElementsAre(7U));
   EXPECT_THAT(follower.Expire(), IsEmpty());
+  std::this_thread::sleep_until(follower.NextLimit());
+  EXPECT_THAT(follower.Expire(), IsEmpty());
+  EXPECT_THAT(ended_, ElementsAre("7 TIMEOUT"));
+}
+
+TEST_F(Following, SendsNothingAgainForAnAnswerThatCannotBeRead) {
+  PendingCommands follower({.total = milliseconds(40), .resend = 3}, Note());
+  Publish(follower, 7, "a");
+  follower.Deliver({.topic = "a", .payload = "unreadable"});
+  std::this_thread::sleep_until(follower.NextLimit());
+  EXPECT_THAT(follower.Expire(), IsEmpty());
+  EXPECT_THAT(ended_, IsEmpty()) << "the whole time is for the answer";
   std::this_thread::sleep_until(follower.NextLimit());
   EXPECT_THAT(follower.Expire(), IsEmpty());
   EXPECT_THAT(ended_, ElementsAre("7 TIMEOUT"));

@@ -127,7 +127,8 @@ TEST_F(FleetWatchAwait, ShowsTheRobotsOfAPatternAsJson) {
   EXPECT_EQ(robots->Wait(), 0);
   const auto online = Simulate({"KIT/0010", "--with-order", "--state-interval", "100ms"});
   const auto lines = Lines(Fleetpub({"fleet", "*/00?[", "-o", "json"}).output);
-  EXPECT_THAT(lines, IsEmpty());
+  ASSERT_THAT(lines, SizeIs(1));
+  EXPECT_EQ(Json(lines[0])["error"]["exitCode"].GetInt(), 7);
   const auto some = Lines(Fleetpub({"fleet", "K*/001?", "-o", "json"}).output);
   ASSERT_THAT(some, SizeIs(1));
   const auto robot = Json(some[0]);
@@ -155,7 +156,8 @@ TEST_F(FleetWatchAwait, SaysThatThereIsNobody) {
   EXPECT_THAT(all.errors, HasSubstr("knows no robot: "));
   const Finished some = Fleetpub({"fleet", "KIT/*", "-o", "json"});
   EXPECT_EQ(some.exit_code, 7);
-  EXPECT_THAT(some.output, IsEmpty());
+  EXPECT_THAT(Json(some.output)["error"]["message"].GetString(),
+              HasSubstr("knows no robot KIT/*: "));
   EXPECT_THAT(some.errors, HasSubstr("knows no robot KIT/*: "));
   EXPECT_EQ(Fleetpub({"fleet", "KIT"}).exit_code, 2);
 }

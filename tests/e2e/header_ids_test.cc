@@ -6,6 +6,7 @@
 #include <set>
 #include <thread>
 
+#include "base/json.h"
 #include "support/operator.h"
 #include "support/relay.h"
 
@@ -95,7 +96,7 @@ TEST_F(HeaderIds, NeverRepeatOrFallThoughProcessesAreKilledAtRandom) {
     const auto [entry, first] = last.try_emplace(row["topic"].GetString(), id);
     EXPECT_TRUE(first || id > entry->second) << line;
     entry->second = id;
-    recorded.insert(row["payload"].GetString());
+    recorded.insert(base::ToJson(row["payload"]));
   }
   std::set<std::string> received;
   for (const auto& message : messages) {

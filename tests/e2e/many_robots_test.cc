@@ -70,7 +70,7 @@ TEST_F(ManyRobots, TheReportOnAThousandNamesExactlyThoseThatAreNotPaused) {
   const auto lines = Lines(run.output);
   ASSERT_THAT(lines, SizeIs(1'001));
   EXPECT_THAT(lines.back(),
-              HasSubstr(R"("robots":1000,"finished":965,"sent":0,"failed":10,"silent":5,)"
+              HasSubstr(R"("robots":1000,"finished":965,"sent":0,"failed":10,"unconfirmed":5,)"
                         R"("offline":20,"refused":0,"errors":0)"));
 }
 
@@ -83,8 +83,8 @@ TEST_F(ManyRobots, APersonReadsASummary) {
   const auto lines = Lines(run.output);
   ASSERT_THAT(lines, SizeIs(8));
   EXPECT_THAT(lines[5], MatchesRegex("5 robots: 3 finished, 1 failed, 1 offline  [0-9.]+ m?s"));
-  EXPECT_EQ(lines[6], "  failed   NO/0001");
-  EXPECT_EQ(lines[7], "  offline  OFF/0001");
+  EXPECT_EQ(lines[6], "  failed      NO/0001");
+  EXPECT_EQ(lines[7], "  offline     OFF/0001");
   EXPECT_EQ(run.errors, "");
   const auto rows = Lines(Fleetpub({"history", "--status", "OFFLINE", "-o", "json"}).output);
   EXPECT_THAT(rows, SizeIs(1));
@@ -108,7 +108,7 @@ TEST_F(ManyRobots, TheSlowOnesAreNamed) {
   const Finished run = Fleetpub({"charge", "--all", "--wait", "--yes"});
   EXPECT_EQ(run.exit_code, 0) << run.output;
   EXPECT_THAT(run.output, HasSubstr("4 robots: 4 finished"));
-  EXPECT_THAT(Lines(run.output).back(), HasSubstr("slow     SLOW/0001 1."));
+  EXPECT_THAT(Lines(run.output).back(), HasSubstr("slow        SLOW/0001 1."));
 }
 
 TEST_F(ManyRobots, AtQosZeroAndOneNoneIsLost) {

@@ -10,6 +10,7 @@
 #include <set>
 #include <thread>
 
+#include "base/json.h"
 #include "support/free_port.h"
 #include "support/operator.h"
 
@@ -87,7 +88,7 @@ TEST_F(PostgresLedger, KeepsTheIdsOfTwoHostsApart) {
   std::set<std::string> recorded;
   for (const std::string& line :
        Lines(other.Fleetpub({"history", "--limit", "0", "-o", "json"}).output)) {
-    recorded.insert(Json(line)["payload"].GetString());
+    recorded.insert(base::ToJson(Json(line)["payload"]));
   }
   for (const auto& message : messages) EXPECT_TRUE(recorded.contains(message.payload));
   EXPECT_FALSE(std::filesystem::exists(operator_.LedgerPath()));

@@ -1,6 +1,8 @@
 // The commands that send nothing: catalogue, schemas, validation, history, ping, help.
 #include <gmock/gmock.h>
 
+#include <fstream>
+
 #include "support/broken_broker.h"
 #include "support/operator.h"
 
@@ -14,6 +16,58 @@ using ::testing::Not;
 using ::testing::SizeIs;
 
 class ReadOnlyCommands : public EndToEnd {};
+
+TEST_F(ReadOnlyCommands, EndWithAnObjectWhenJsonIsAsked) {
+  const std::pair<std::vector<std::string>, int> cases[] = {
+      {{"fleet", "-o", "json", "-b", "mqtt://127.0.0.1:1"}, 4},
+      {{"history", "--output=json", "--since", "soon"}, 2},
+      {{"history", "--no-such-option", "-o", "json"}, 2},
+      {{"show-me", "-ojson"}, 2},
+      {{"history", "show", "7", "-o", "json"}, 2},
+      {{"await", "KIT/0001", "state", "pausd=true", "-o", "json"}, 2},
+  };
+  for (const auto& [words, exit_code] : cases) {
+    const Finished run = Fleetpub(words);
+    EXPECT_EQ(run.exit_code, exit_code) << run.errors;
+    const auto lines = Lines(run.output);
+    ASSERT_THAT(lines, SizeIs(1)) << words.front();
+    const auto error = Json(lines[0]);
+    EXPECT_EQ(error["error"]["exitCode"].GetInt(), exit_code);
+    EXPECT_THAT(run.errors, HasSubstr(error["error"]["message"].GetString()));
+  }
+}
+
+TEST_F(ReadOnlyCommands, ShowTheWholeHistoryToAScript) {
+  std::string lines;
+  for (int i = 0; i < 60; ++i)
+    lines += R"({"target":"KIT/0001","action":"startPause"})"
+             "\n";
+  Command batch = operator_.Prepare({"batch", "--vda", "3.0"});
+  batch.input = lines;
+  EXPECT_EQ(::fleetpub::testing::Run(std::move(batch)).exit_code, 0);
+  EXPECT_THAT(Lines(Fleetpub({"history", "-o", "json"}).output), SizeIs(60));
+  const auto some = Lines(Fleetpub({"history", "--limit", "2", "-o", "json"}).output);
+  ASSERT_THAT(some, SizeIs(2));
+  EXPECT_TRUE(Json(some[1])["payload"]["actions"].IsArray());
+}
+
+TEST_F(ReadOnlyCommands, WhatFollowsTwoDashesIsNoOption) {
+  const Finished pause = Fleetpub({"pause", "--dry-run", "--vda", "2.1", "--", "-x/1", "--all/2"});
+  EXPECT_EQ(pause.exit_code, 0) << pause.errors;
+  ASSERT_THAT(Lines(pause.output), SizeIs(2));
+  EXPECT_STREQ(Json(Lines(pause.output)[0])["manufacturer"].GetString(), "-x");
+  EXPECT_STREQ(Json(Lines(pause.output)[1])["manufacturer"].GetString(), "--all");
+  EXPECT_EQ(Fleetpub({"pause", "--dry-run", "--", "KIT/0001", "--wait"}).exit_code, 2);
+}
+
+TEST_F(ReadOnlyCommands, IsStrictAboutRecommendationsToo) {
+  const std::string file = operator_.home() / "m.json";
+  std::ofstream(file) << R"({"headerId":0,"timestamp":"2026-01-02T03:04:05.678Z","version":"2.1.0",
+      "manufacturer":"KIT","serialNumber":"0001",
+      "actions":[{"actionType":"stateRequest","actionId":"{id}","blockingType":"NONE"}]})";
+  EXPECT_EQ(Fleetpub({"validate", file}).exit_code, 0);
+  EXPECT_EQ(Fleetpub({"validate", "--strict", file}).exit_code, 3);
+}
 
 TEST_F(ReadOnlyCommands, ListsTheCatalogueOfAVersion) {
   EXPECT_THAT(Lines(Fleetpub({"actions", "--quiet"}).output), SizeIs(29));

@@ -38,6 +38,18 @@ TEST_F(Simulate, IsOnlineWithRetainedConnectionAndFactsheet) {
   EXPECT_EQ(factsheet["protocolFeatures"]["mobileRobotActions"].Size(), 24U);
 }
 
+TEST_F(Simulate, DoesNotTakeThePlaceOfARobotThatIsOnline) {
+  const auto robot = Start({"KIT/0006", "--vda", "2.1"});
+  for (const char* version : {"2.1", "3.0"}) {
+    const Finished run = Fleetpub({"simulate", "KIT/0005", "KIT/0006", "--vda", version});
+    EXPECT_EQ(run.exit_code, 7) << run.errors;
+    EXPECT_THAT(run.errors, HasSubstr("uagv/v2/KIT/0006/connection"));
+  }
+  EXPECT_EQ(ConnectionState("uagv/v2/KIT/0006/connection"), "ONLINE");
+  const auto forced = Start({"KIT/0006", "--force", "--for", "100ms"});
+  EXPECT_EQ(forced->Wait(), 0);
+}
+
 TEST_F(Simulate, SpeaksEachVersion) {
   struct Case {
     const char* version;

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
+#include "base/json.h"
 #include "support/operator.h"
 #include "support/rabbitmq.h"
 
@@ -39,7 +40,7 @@ TEST(SoarBackbone, CarriesOurMessagesToAmqpAndItsAcknowledgementsBack) {
 
   // Byte for byte what the ledger says that was sent.
   const auto row = Json(someone.Fleetpub({"history", "-o", "json"}).output);
-  EXPECT_EQ(received[0], row["payload"].GetString());
+  EXPECT_EQ(received[0], base::ToJson(row["payload"]));
 
   EXPECT_EQ(
       someone.Fleetpub({"soar", "observation", "--broadcast", "--platform-id", "2"}).exit_code, 0);

@@ -11,7 +11,7 @@ FUZZ(text) {
   const auto [topic, payload] = fuzz::Cut(text, '\n');
   vda5050::KnownRobot known;
   if (auto connection = vda5050::ReadConnection(payload)) known.connection = *connection;
-  if (auto state = vda5050::ReadState(payload)) known.state = *state;
+  if (auto state = vda5050::ReadState(payload)) known.operating_mode = state->operating_mode;
   if (auto factsheet = vda5050::ReadFactsheet(payload)) {
     known.factsheet = std::make_shared<const vda5050::Factsheet>(std::move(*factsheet));
     fuzz::Require(!vda5050::SuitableActionId(known.factsheet.get()).empty());

@@ -12,7 +12,9 @@ FUZZ(text) {
   static schema::Registry registry;
   static const auto schema = registry.Find(soar::kMessageSchema);
   const auto [topic, payload] = fuzz::Cut(text, '\n');
-  const auto acknowledgement = soar::ReadAcknowledgement(topic, payload, {});
+  const auto document = base::ParseJsonLeniently(payload);
+  if (!document) return;
+  const auto acknowledgement = soar::ReadAcknowledgement(topic, *document, {});
   if (acknowledgement) {
     auto tracker =
         soar::TrackAcknowledgements({.message_id = acknowledgement->message_id, .topics = {"#"}});
@@ -20,6 +22,5 @@ FUZZ(text) {
     tracker->Receive({topic, payload});
     fuzz::Require(tracker->progress().seen);
   }
-  const auto document = base::ParseJson(payload);
-  if (document) static_cast<void>((*schema)->Validate(*document));
+  static_cast<void>((*schema)->Validate(*document));
 }

@@ -54,7 +54,9 @@ class Platforms : public ::testing::Test {
   std::vector<std::string> Levels(const std::string& id) {
     std::vector<std::string> levels;
     for (const auto& message : said_) {
-      const auto said = soar::ReadAcknowledgement(message.topic, message.payload, {});
+      const auto document = base::ParseJson(message.payload);
+      const auto said =
+          document ? soar::ReadAcknowledgement(message.topic, *document, {}) : std::nullopt;
       if (said && said->message_id == id) {
         levels.push_back(message.topic + " " + std::string(NameOf(said->level)));
       }

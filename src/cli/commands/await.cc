@@ -19,6 +19,7 @@
 #include "delivery/subscription.h"
 #include "mqtt/paho/paho_transport.h"
 #include "vda5050/reports/condition.h"
+#include "vda5050/reports/robot_messages.h"
 
 namespace fleetpub::cli {
 namespace {
@@ -117,6 +118,9 @@ Result<Wish> WishOf(const Options& o, const Context& context) {
   for (const std::string& text : o.conditions) {
     auto condition = vda5050::ParseCondition(text);
     if (!condition) return Fail(std::move(condition.error()));
+    const auto doubt = vda5050::CheckCondition(*condition, o.topic);
+    if (!doubt) return Fail(doubt.error());
+    if (!doubt->empty()) context.output.Warn(*doubt);
     wish.conditions.push_back(*std::move(condition));
   }
   const auto timeout = base::ParseDuration(o.timeout);
@@ -169,6 +173,7 @@ class Awaiter {
   // What one robot has said so far.
   struct Heard {
     bool came = false;
+    int unreadable = 0;
     std::vector<std::string> unmet;  ///< of its last message
   };
   using Left = std::map<RobotAddress, Heard>;
@@ -187,9 +192,10 @@ class Awaiter {
     if (payload.empty()) return false;  // a retained message was deleted
     heard.came = true;
     heard.unmet.clear();
-    const auto message = base::ParseJson(payload);
-    if (!message || !message->IsObject()) {
-      heard.unmet.push_back(message ? "it is no JSON object" : message.error().message);
+    const auto message = vda5050::ReadMessage(payload);
+    if (!message) {
+      ++heard.unreadable;
+      heard.unmet.push_back(message.error().message);
       return false;
     }
     for (const Condition& condition : wish_.conditions) {
@@ -201,9 +207,11 @@ class Awaiter {
   }
 
   void Show(const RobotAddress& robot, const std::string& payload) const {
-    // One line: as the robot wrote it, if it wrote one.
+    // One line: as the robot wrote it, if it wrote one of valid JSON.
     const bool is_line = payload.find_first_of("\r\n\xEF") == std::string::npos;
-    const std::string line = is_line ? payload : base::ToJson(*base::ParseJson(payload));
+    const std::string line = is_line && base::ParseJson(payload)
+                                 ? payload
+                                 : base::ToJson(*vda5050::ReadMessage(payload));
     if (context_.output.json()) {
       context_.output.Line(line);
     } else {
@@ -228,8 +236,10 @@ class Awaiter {
       return fmt::format("{}: no {} message came within {}{}{}{}", name, topic, time,
                          too_soon ? " (robots send one at least every 30 s)" : "", others, away);
     }
-    return fmt::format("{}: not so within {}: in its last {} message {}{}{}", name, time, topic,
-                       base::Join(heard.unmet, ", "), others, away);
+    const std::string unreadable =
+        heard.unreadable == 0 ? "" : fmt::format("; {} could not be read", heard.unreadable);
+    return fmt::format("{}: not so within {}: in its last {} message {}{}{}{}", name, time, topic,
+                       base::Join(heard.unmet, ", "), unreadable, others, away);
   }
 
   const Wish& wish_;

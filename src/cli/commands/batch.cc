@@ -133,7 +133,6 @@ class Batch {
             .connect = MakeConnectHook(connect_),
             .lost =
                 [this](const Error& error) {
-                  lost_at_ = steady_clock::now();
                   context_.output.Warn(error.message + ": connecting again");
                 },
             .again = [this] { context_.output.Warn("connected again"); }};
@@ -170,6 +169,7 @@ class Batch {
   void LookForTheEnd(delivery::CommandSession& session) {
     const auto flushed = context_.output.Flush();
     if (!stopped_.empty()) return;
+    if (!session.lost()) lost_at_ = steady_clock::now();  // at the latest
     if (const auto signal = StopSignal::Noted()) {
       stopped_ = *signal == ExitCode::kInterrupted ? "interrupted" : "terminated";
     } else if (!flushed) {

@@ -1,6 +1,9 @@
 // `fleetpub fleet [PATTERN]`: the robots known to the broker, and how they are.
+#include <fmt/format.h>
+
 #include <memory>
 
+#include "base/text.h"
 #include "base/time.h"
 #include "cli/environment.h"
 #include "cli/listening.h"
@@ -32,6 +35,13 @@ Result<ExitCode> RunFleet(const FleetDiscoveryOptions& options, const Context& c
   if (!asked) return Fail(asked.error());
   const auto view = app::DiscoverFleet(*asked, MakeEnvironment(context), context.output);
   if (!view) return Fail(view.error());
+  for (const RobotView* robot : view->robots()) {
+    if (robot->also_at.empty()) continue;
+    context.output.Warn(fmt::format("{} is found twice: at {}, which is shown, and at {}",
+                                    base::Printable(robot->robot.ToString()),
+                                    base::Printable(robot->place),
+                                    base::Printable(robot->also_at)));
+  }
   Show(*view, context.output);
   return ExitCode::kDone;
 }

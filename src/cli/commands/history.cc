@@ -1,6 +1,7 @@
 // `fleetpub history`, `history show ID`, `history prune --older-than 90d`.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <array>
@@ -30,6 +31,7 @@ using vda5050::Version;
 
 struct Options {
   ledger::HistoryFilter filter;
+  int limit = -1;  ///< nothing: as many as suit whoever reads
   std::string since;
   std::string until;
 };
@@ -74,7 +76,9 @@ std::string RecordJson(const Record& record) {
     json += fmt::format(R"(,"outcomeTime":"{}")", base::FormatTimestamp(*record.outcome_at));
   }
   if (!record.detail.empty()) json += R"(,"message":)" + JsonString(record.detail);
-  return json + R"(,"payload":)" + JsonString(record.payload) + "}";
+  // What was sent is JSON; what a file's damage has left of it may not be.
+  const bool is_json = base::ParseJson(record.payload).has_value();
+  return json + R"(,"payload":)" + (is_json ? record.payload : JsonString(record.payload)) + "}";
 }
 
 std::string TypesOf(const Record& record) {
@@ -151,6 +155,10 @@ ledger::HistoryFilter WithOneMore(ledger::HistoryFilter filter) {
 
 Result<ExitCode> RunHistory(Options options, const Context& context) {
   if (auto ok = Normalize(options.filter, context.config); !ok) return Fail(std::move(ok.error()));
+  constexpr int kOnATerminal = 50;
+  const bool is_terminal = isatty(STDOUT_FILENO) == 1 && !context.output.json();
+  options.filter.limit = options.limit;
+  if (options.limit < 0) options.filter.limit = is_terminal ? kOnATerminal : 0;
   if (!options.since.empty()) {
     const auto since = TimeOf(options.since, "--since");
     if (!since) return Fail(since.error());
@@ -263,7 +271,7 @@ Run DeclareHistory(OptionSet& set) {
   add("--user", options->filter.user, "USER", "Only what this user sent");
   add("--since", options->since, "TIME", "Not older: 24h, or 2026-01-02T03:04:05Z");
   add("--until", options->until, "TIME", "Not newer");
-  set.AddOption("--limit", options->filter.limit, "The newest so many; 0: all [50]")
+  set.AddOption("--limit", options->limit, "The newest so many; 0: all [50 on a terminal, else 0]")
       .Type("N")
       .InRange(0, 1'000'000'000'000)
       .Group(kFilter);

@@ -132,7 +132,7 @@ Result<ExitCode> Send(std::string_view topic, const TargetOptions& target_option
 Result<base::JsonDocument> ReadMessage(const std::string& file) {
   const auto text = base::ReadFile(file);
   if (!text) return Fail(text.error());
-  auto message = base::ParseJson(*text);
+  auto message = base::ParseJson(*text, {.exact = true});
   if (!message) {
     message.error().message =
         fmt::format("{}: {}", file == "-" ? "standard input" : file, message.error().message);

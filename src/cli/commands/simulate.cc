@@ -18,6 +18,7 @@
 #include "cli/parser/subcommand.h"
 #include "simulator/runner.h"
 #include "vda5050/catalogue/catalogue.h"
+#include "vda5050/reports/discovery.h"
 
 namespace fleetpub::cli {
 namespace {
@@ -47,6 +48,7 @@ struct Options {
   bool silent = false;
   std::string drop = "0";
   std::string seed = "1";
+  bool force = false;
 
   std::string protocol = "vda5050";
   std::string prefix = "soar";
@@ -219,11 +221,11 @@ void Show(std::string_view robot, const simulator::Event& event, Output& output)
 // What only robots have, and was asked of platforms.
 Status RefuseRobotOptions(const Options& o) {
   const Options none;
-  const bool any = o.interface_name != none.interface_name ||
-                   o.topic_template != none.topic_template || o.actions_key != none.actions_key ||
-                   o.count != none.count || o.mode != none.mode || o.with_order ||
-                   o.order_time != none.order_time || !o.fail.empty() || !o.reject.empty() ||
-                   !o.reject_style.empty() || !o.retriable.empty() || o.drop != none.drop;
+  const bool any =
+      o.interface_name != none.interface_name || o.topic_template != none.topic_template ||
+      o.actions_key != none.actions_key || o.count != none.count || o.mode != none.mode ||
+      o.with_order || o.order_time != none.order_time || !o.fail.empty() || !o.reject.empty() ||
+      !o.reject_style.empty() || o.force || !o.retriable.empty() || o.drop != none.drop;
   if (!any) return {};
   return Fail(ErrorKind::kUsage,
               "with --protocol soar there are --prefix, --delay, --stop-at, --silent, "
@@ -257,6 +259,23 @@ void WarnOfMisspelt(const Options& o, Output& output) {
   }
 }
 
+// Where robots of these names would be ONLINE. RabbitMQ has nothing retained for wildcards.
+Result<std::vector<std::string>> ConnectionFilters(const vda5050::TopicScheme& topics,
+                                                   const std::vector<RobotAddress>& robots) {
+  constexpr std::array<std::string_view, 1> kConnection = {"connection"};
+  constexpr std::size_t kMost = 100;  // a wildcard of each would keep the broker busy for long
+  std::vector<std::string> filters;
+  for (const RobotAddress& robot : robots) {
+    auto exact = vda5050::SpecifiedTopics(topics, robot, kConnection);
+    auto anywhere =
+        vda5050::DiscoveryFilters(topics, {robot.manufacturer, robot.serial_number}, kConnection);
+    if (!exact || !anywhere) return Fail(std::move(exact ? anywhere.error() : exact.error()));
+    if (filters.size() < kMost) filters.insert(filters.end(), anywhere->begin(), anywhere->end());
+    filters.insert(filters.end(), exact->begin(), exact->end());
+  }
+  return filters;
+}
+
 Result<ExitCode> RunSimulate(const Options& o, const Context& context) {
   const auto is_soar = IsSoar(o.protocol);
   if (!is_soar) return Fail(is_soar.error());
@@ -267,6 +286,7 @@ Result<ExitCode> RunSimulate(const Options& o, const Context& context) {
   if (!robots) return Fail(robots.error());
   auto settings = SettingsOf(o, SpokenBy(*robots, o, context.config));
   if (!settings) return Fail(std::move(settings.error()));
+  const vda5050::TopicScheme topics = settings->topics;
   const std::string_view version = vda5050::FactsOf(settings->version).name;
   schema::Registry registry(context.options.schema_directory);
   WarnOfMisspelt(o, output);
@@ -286,6 +306,11 @@ Result<ExitCode> RunSimulate(const Options& o, const Context& context) {
   }
   if (robots->size() > simulator::kMostWills) {
     output.Debug(fmt::format("more than {} robots: they have no last will", simulator::kMostWills));
+  }
+  if (!o.force) {
+    auto places = ConnectionFilters(topics, *robots);
+    if (!places) return Fail(std::move(places.error()));
+    run.places = *std::move(places);
   }
   run.stopped = [] { return g_stopped != 0; };
   run.on_lost = [&](const Error& error) { output.Warn(error.message + ": connecting again"); };
@@ -320,6 +345,7 @@ void DeclareRobots(OptionSet& set, Options& o) {
   set.AddFlag("--with-order", o.with_order, "They are under way with an order").Group(kRobots);
   add("--order-time", o.order_time, "TIME", "An order takes so long [until it is cancelled]");
   add("--for", o.duration, "TIME", "End after this time [on Ctrl-C]");
+  set.AddFlag("--force", o.force, "Take the place of a robot that is ONLINE").Group(kRobots);
 }
 
 void DeclarePlatforms(OptionSet& set, Options& o) {

@@ -12,7 +12,7 @@ namespace fleetpub::cli {
 namespace {
 
 using message::CommandStatus;
-using Fate = FleetSummary::Fate;
+using Group = FleetSummary::Group;
 using std::chrono::milliseconds;
 using std::chrono::nanoseconds;
 using std::chrono::steady_clock;
@@ -20,9 +20,9 @@ using std::chrono::steady_clock;
 constexpr std::size_t kNamed = 50;
 constexpr std::size_t kSlowNamed = 5;
 
-// In the order of FleetSummary::Fate.
-constexpr std::array<std::string_view, FleetSummary::kFates> kFateNames = {
-    "finished", "sent", "failed", "silent", "offline", "refused", "errors"};
+// In the order of FleetSummary::Group.
+constexpr std::array<std::string_view, FleetSummary::kGroups> kGroupNames = {
+    "finished", "sent", "failed", "unconfirmed", "offline", "refused", "errors"};
 
 std::string SecondsJson(nanoseconds elapsed) {
   return fmt::format("{:.3f}", static_cast<double>(elapsed.count()) / 1e6);
@@ -30,52 +30,52 @@ std::string SecondsJson(nanoseconds elapsed) {
 
 }  // namespace
 
-FleetSummary::Fate FleetSummary::FateOf(CommandStatus status) {
+FleetSummary::Group FleetSummary::FindGroup(CommandStatus status) {
   switch (status) {
     case CommandStatus::kAccepted:
     case CommandStatus::kFinished:
-      return Fate::kFinished;
+      return Group::kFinished;
     case CommandStatus::kDryRun:
     case CommandStatus::kSent:
     case CommandStatus::kPublished:
-      return Fate::kSent;
+      return Group::kSent;
     case CommandStatus::kFailed:
     case CommandStatus::kRejected:
+      return Group::kFailed;
     case CommandStatus::kRetriable:
     case CommandStatus::kVanished:
-      return Fate::kFailed;
     case CommandStatus::kTimeout:
-      return Fate::kSilent;
+      return Group::kUnconfirmed;
     case CommandStatus::kOffline:
-      return Fate::kOffline;
+      return Group::kOffline;
     case CommandStatus::kRefused:
     case CommandStatus::kInvalid:
-      return Fate::kRefused;
+      return Group::kRefused;
     case CommandStatus::kError:
-      return Fate::kError;
+      return Group::kError;
   }
-  return Fate::kError;
+  return Group::kError;
 }
 
 void FleetSummary::Add(const message::Report& report) {
-  const Fate fate = FateOf(report.status);
-  const auto index = static_cast<std::size_t>(fate);
+  const Group group = FindGroup(report.status);
+  const auto index = static_cast<std::size_t>(group);
   ++counts_[index];
   elapsed_.push_back(std::chrono::duration<float>(report.elapsed).count());
-  if (fate == Fate::kFinished) {
+  if (group == Group::kFinished) {
     const auto place = std::find_if(slowest_.begin(), slowest_.end(),
                                     [&](const Slow& slow) { return slow.first < report.elapsed; });
     slowest_.insert(place, {report.elapsed, report.target});
     if (slowest_.size() > kSlowNamed) slowest_.pop_back();
-  } else if (fate != Fate::kSent && names_[index].size() < kNamed) {
+  } else if (group != Group::kSent && names_[index].size() < kNamed) {
     names_[index].push_back(report.target);
   }
 }
 
 std::string FleetSummary::Counts() const {
   std::vector<std::string> parts;
-  for (std::size_t i = 0; i < kFates; ++i) {
-    if (counts_[i] > 0) parts.push_back(fmt::format("{} {}", counts_[i], kFateNames[i]));
+  for (std::size_t i = 0; i < kGroups; ++i) {
+    if (counts_[i] > 0) parts.push_back(fmt::format("{} {}", counts_[i], kGroupNames[i]));
   }
   return base::Join(parts, ", ");
 }
@@ -97,27 +97,27 @@ std::vector<std::string> FleetSummary::Lines(nanoseconds elapsed) const {
   std::vector<std::string> lines = {fmt::format("{} robot{}: {}  {}", robots(),
                                                 robots() == 1 ? "" : "s", Counts(),
                                                 base::FormatElapsed(elapsed))};
-  for (std::size_t i = 0; i < kFates; ++i) {
+  for (std::size_t i = 0; i < kGroups; ++i) {
     if (names_[i].empty()) continue;
     std::vector<std::string> names;
     for (const std::string& name : names_[i]) names.push_back(base::Printable(name));
     std::sort(names.begin(), names.end());
     const std::size_t more = counts_[i] - names.size();
-    lines.push_back(fmt::format("  {:<8} {}{}", kFateNames[i], base::Join(names, ", "),
+    lines.push_back(fmt::format("  {:<11} {}{}", kGroupNames[i], base::Join(names, ", "),
                                 more > 0 ? fmt::format(" and {} more", more) : ""));
   }
   std::vector<std::string> slow;
   for (const auto& [took, name] : TheSlow()) {
     slow.push_back(fmt::format("{} {}", base::Printable(name), base::FormatElapsed(took)));
   }
-  if (!slow.empty()) lines.push_back(fmt::format("  {:<8} {}", "slow", base::Join(slow, ", ")));
+  if (!slow.empty()) lines.push_back(fmt::format("  {:<11} {}", "slow", base::Join(slow, ", ")));
   return lines;
 }
 
 std::string FleetSummary::Json(nanoseconds elapsed, ExitCode code) const {
   std::string json = fmt::format(R"({{"summary":{{"robots":{})", robots());
-  for (std::size_t i = 0; i < kFates; ++i) {
-    json += fmt::format(R"(,"{}":{})", kFateNames[i], counts_[i]);
+  for (std::size_t i = 0; i < kGroups; ++i) {
+    json += fmt::format(R"(,"{}":{})", kGroupNames[i], counts_[i]);
   }
   std::vector<std::string> slow;
   for (const auto& [took, name] : TheSlow()) {

@@ -17,21 +17,21 @@ namespace fleetpub::cli {
 /// Counts results and remembers whom to name. Small, however many there are.
 class FleetSummary {
  public:
-  enum class Fate { kFinished, kSent, kFailed, kSilent, kOffline, kRefused, kError };
-  static constexpr std::size_t kFates = 7;
+  enum class Group { kFinished, kSent, kFailed, kUnconfirmed, kOffline, kRefused, kError };
+  static constexpr std::size_t kGroups = 7;
 
-  [[nodiscard]] static Fate FateOf(message::CommandStatus status);
+  [[nodiscard]] static Group FindGroup(message::CommandStatus status);
 
   void Add(const message::Report& report);
 
   [[nodiscard]] std::size_t robots() const { return elapsed_.size(); }
-  [[nodiscard]] std::size_t count(Fate fate) const {
-    return counts_[static_cast<std::size_t>(fate)];
+  [[nodiscard]] std::size_t count(Group group) const {
+    return counts_[static_cast<std::size_t>(group)];
   }
 
-  /// `965 finished, 10 failed`: those fates that there are.
+  /// `965 finished, 10 failed`: those groups that have any.
   [[nodiscard]] std::string Counts() const;
-  /// For people: a line of counts, and one for each fate that a person has to look after, naming
+  /// For people: a line of counts, and one for each group that a person has to look after, naming
   /// the first fifty of it, and for those that took much longer than the others.
   [[nodiscard]] std::vector<std::string> Lines(std::chrono::nanoseconds elapsed) const;
   /// The last object of the results (docs/manual.md).
@@ -42,8 +42,8 @@ class FleetSummary {
   /// Which of the finished took more than a second and three times the median; the slowest first.
   [[nodiscard]] std::vector<Slow> TheSlow() const;
 
-  std::array<std::size_t, kFates> counts_{};
-  std::array<std::vector<std::string>, kFates> names_;
+  std::array<std::size_t, kGroups> counts_{};
+  std::array<std::vector<std::string>, kGroups> names_;
   std::vector<float> elapsed_;  ///< seconds, of all
   std::vector<Slow> slowest_;   ///< of the finished, the slowest first
 };

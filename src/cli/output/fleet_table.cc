@@ -32,12 +32,15 @@ Cell VersionOf(const RobotView& robot) {
 }
 
 Cell Connection(const RobotView& robot) {
+  if (!robot.connection_fault.empty()) return {"not readable", Tone::kBad};
   const bool is_known = !robot.connection_state.empty();
   const Tone tone = !is_known ? Tone::kPlain : robot.IsOnline() ? Tone::kGood : Tone::kBad;
   return {TextOr(robot.connection_state, kUnknown), tone};
 }
 
+// A last will says when the robot connected, not when it broke.
 Cell Since(const RobotView& robot, base::WallTime now) {
+  if (robot.connection_state == "CONNECTION_BROKEN") return {std::string(kUnknown)};
   const auto time = base::ParseDateTime(robot.connection_timestamp);
   if (!time) return {std::string(kUnknown)};
   return {AgeText(std::max(now - *time, std::chrono::system_clock::duration::zero()))};
@@ -77,6 +80,11 @@ Cell Errors(const RobotView& robot) {
   if (worst == nullptr) return {"0"};
   const std::size_t count = robot.state->errors.size() + robot.errors_left_out;
   return {fmt::format("{} {}", count, TextOr(worst->level, kUnknown)), Tone::kBad};
+}
+
+// The name, such as `,"alsoAt":`, with the text; nothing for an empty one.
+std::string TextMember(std::string_view name, std::string_view text) {
+  return text.empty() ? "" : std::string(name) + JsonString(text);
 }
 
 std::string TextOrNull(std::string_view text) { return text.empty() ? "null" : JsonString(text); }
@@ -154,9 +162,9 @@ std::string FleetJson(const RobotView& robot) {
          (robot.errors_left_out == 0
               ? ""
               : fmt::format(R"(,"errorsLeftOut":{})", robot.errors_left_out)) +
-         (robot.state_fault.empty()
-              ? ""
-              : fmt::format(R"(,"stateFault":{})", JsonString(robot.state_fault)));
+         TextMember(R"(,"stateFault":)", robot.state_fault) +
+         TextMember(R"(,"connectionFault":)", robot.connection_fault) +
+         TextMember(R"(,"alsoAt":)", robot.also_at);
 }
 
 std::string AgeText(std::chrono::nanoseconds age) {

@@ -77,6 +77,7 @@ void Output::Line(std::string_view text) {
 }
 
 void Output::JsonLine(std::string_view json) {
+  has_lines_ = true;
   Print(stdout, base::ShownJson(json));
   Print(stdout, "\n");
 }
@@ -106,6 +107,13 @@ void Output::PrintError(const Error& error) {
   if (settings_.verbose && !error.detail.empty()) {
     Print(stderr, fmt::format("fleetpub: detail: {}\n", base::Printable(error.detail)));
   }
+}
+
+void Output::PrintFinalError(const Error& error, ExitCode code) {
+  PrintError(error);
+  if (!json() || has_lines_) return;
+  Line(fmt::format(R"({{"error":{{"exitCode":{},"message":{}}}}})", static_cast<int>(code),
+                   base::JsonString(error.message)));
 }
 
 bool Output::CanPass() const {

@@ -9,6 +9,7 @@
 
 #include "app/observer.h"
 #include "base/result.h"
+#include "cli/output/exit_code.h"
 #include "message/report.h"
 
 namespace fleetpub::cli {
@@ -53,6 +54,9 @@ class Output final : public app::Log {
   void Debug(std::string_view text) override;  ///< with `--verbose` only
   void Trace(std::string_view line);
   void PrintError(const Error& error);
+  /// The error that ends the command. With `-o json` it also is an object on standard output, unless
+  /// results there say it already.
+  void PrintFinalError(const Error& error, ExitCode code);
 
   /// Whether there is anyone to see a passing line: standard error is a terminal, and standard
   /// output no pipe, whose other end may write to the same terminal at any time.
@@ -81,6 +85,7 @@ class Output final : public app::Log {
   Settings settings_;
   bool colour_;
   bool something_was_sent_ = false;
+  bool has_lines_ = false;
 };
 
 /// One result line for a person. `target_width` aligns several.

@@ -135,7 +135,9 @@ Result<OptionSet::Asked> OptionSet::Parse(const std::string& command,
   } catch (const CLI::ParseError& error) {
     return Fail(NotTaken(*app_, command, error.what()));
   }
-  if (!app_->remaining(true).empty()) return Fail(UnknownArguments(*app_, command));
+  auto left = app_->remaining(true);
+  std::erase(left, "--");  // behind it, words may begin with a dash
+  if (!left.empty()) return Fail(UnknownArguments(*app_, command));
   return Asked::kRun;
 }
 

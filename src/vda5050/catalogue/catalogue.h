@@ -11,6 +11,9 @@
 
 namespace fleetpub::vda5050 {
 
+/// The largest angle, as the published schemas write π: a little more than the nearest double.
+inline constexpr double kMaxAngle = 3.14159265359;
+
 enum class ParameterType {
   kString,
   kFloat64,

@@ -4,7 +4,6 @@
 
 #include <charconv>
 #include <cmath>
-#include <numbers>
 
 #include "base/file.h"
 #include "base/json.h"
@@ -27,7 +26,7 @@ Result<Parameter> ParseNumber(const ParameterSpec& spec, std::string_view text) 
   if (error != std::errc() || end != digits.data() + digits.size() || !std::isfinite(value)) {
     return NotOfItsType(spec, text, "a finite number");
   }
-  if (spec.type == ParameterType::kAngle && std::abs(value) > std::numbers::pi) {
+  if (spec.type == ParameterType::kAngle && std::abs(value) > kMaxAngle) {
     return NotOfItsType(spec, text, "an angle in radians between -π and π");
   }
   // JSON allows fewer spellings than people use (`.5`, `+1`): those it has stay as they were typed.

@@ -1,12 +1,18 @@
 #include "vda5050/reports/condition.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>
+#include <map>
+#include <set>
+#include <vector>
 
 #include "base/json.h"
 #include "base/text.h"
+#include "schema/schema.h"
+#include "vda5050/model/version.h"
 #include "vda5050/reports/robot_messages.h"
 
 namespace fleetpub::vda5050 {
@@ -26,6 +32,13 @@ constexpr std::array kOperators = {
     Operator{"<", Comparison::kLess},     Operator{">=", Comparison::kAtLeast},
     Operator{">", Comparison::kMore},
 };
+
+std::string_view SignOf(Comparison comparison) {
+  if (comparison == Comparison::kEqual) return "=";
+  return std::find_if(kOperators.begin(), kOperators.end(),
+                      [comparison](const Operator& each) { return each.comparison == comparison; })
+      ->text;
+}
 
 struct Alias {
   std::string_view name;
@@ -65,6 +78,54 @@ Place FindOperator(std::string_view text) {
   return {};
 }
 
+// `>90` behind the operator of `battery=>90`.
+std::string TurnedOperator(std::string_view path, std::string_view wanted) {
+  const std::string value(base::Trimmed(wanted.substr(1)));
+  const std::string sign = std::string(1, wanted.front()) + "=";
+  return fmt::format("'{}{}{}'", base::Printable(path), sign, base::Printable(value));
+}
+
+// The number that a text such as `20%` begins with; `80` when it begins with none.
+std::string_view NumberIn(std::string_view text) {
+  const std::size_t end = text.find_first_not_of("-.0123456789");
+  const std::string_view number = text.substr(0, end);
+  return number.find_first_of("0123456789") == std::string_view::npos ? "80" : number;
+}
+
+// What the releases' schemas say of a topic's members: name ─▶ the values that are allowed, if they
+// are few.
+using Members = std::map<std::string, std::set<std::string>, std::less<>>;
+
+void AddMembers(std::string_view rules, Members& members) {
+  const auto schema = base::ParseJson(rules);
+  const Value* properties = schema ? base::FindMember(*schema, "properties") : nullptr;
+  if (properties == nullptr || !properties->IsObject()) return;
+  for (const auto& [name, property] : properties->GetObject()) {
+    auto& values = members[std::string(base::ViewOf(name))];
+    if (base::StringMember(property, "type") == "boolean") values.insert({"true", "false"});
+    const Value* choices = base::FindMember(property, "enum");
+    if (choices == nullptr) continue;
+    for (const Value& choice : choices->GetArray()) {
+      if (choice.IsString()) values.emplace(base::ViewOf(choice));
+    }
+  }
+}
+
+Members MembersOf(std::string_view topic_name) {
+  Members members;
+  for (const Version version : kVersions) {
+    const std::string name = fmt::format("vda5050/{}/{}", FactsOf(version).name, topic_name);
+    for (const schema::Embedded& embedded : schema::EmbeddedSchemas()) {
+      if (embedded.name == name) AddMembers(embedded.rules, members);
+    }
+  }
+  return members;
+}
+
+std::optional<std::string> NearestIn(std::string_view word, const auto& names) {
+  return base::Nearest(word, std::vector<std::string_view>(names.begin(), names.end()));
+}
+
 bool IsOrder(Comparison comparison) {
   return comparison != Comparison::kEqual && comparison != Comparison::kUnequal;
 }
@@ -97,14 +158,31 @@ const Value* Find(const std::string& path, const Value& message) {
   return nullptr;
 }
 
+// What robots spell in several ways is compared as it is shown.
+std::string (*NormalForm(std::string_view path))(std::string_view) {
+  if (path.starts_with('/')) path.remove_prefix(1);
+  if (path == "connectionState") return NormalisedConnectionState;
+  return path == "operatingMode" ? NormalisedMode : nullptr;
+}
+
 bool Equals(const Condition& condition, const Value& member) {
   if (!member.IsString()) return condition.value && member == *condition.value;
   const bool quoted = condition.value && condition.value->IsString();
-  return base::ViewOf(member) ==
-         (quoted ? base::ViewOf(*condition.value) : std::string_view(condition.wanted));
+  const std::string_view wanted = quoted ? base::ViewOf(*condition.value) : condition.wanted;
+  if (auto* const normal_form = NormalForm(condition.path)) {
+    return normal_form(base::ViewOf(member)) == normal_form(wanted);
+  }
+  return base::ViewOf(member) == wanted;
+}
+
+// A whole number of more than 64 bits: neither equal nor unequal to anything but a text.
+bool IsInexact(const Condition& condition) {
+  return !condition.value && !condition.wanted.empty() &&
+         condition.wanted.find_first_not_of("-0123456789") == std::string::npos;
 }
 
 bool Compares(const Condition& condition, const Value& member) {
+  if (IsInexact(condition) && !member.IsString()) return false;
   if (!IsOrder(condition.comparison)) {
     return Equals(condition, member) == (condition.comparison == Comparison::kEqual);
   }
@@ -141,22 +219,63 @@ Result<Condition> ParseCondition(std::string_view text) {
                       .value = std::nullopt};
   if (!base::IsUtf8(text)) return refuse("it is not valid UTF-8");
   if (const std::string fault = FaultOfPath(condition.path); !fault.empty()) return refuse(fault);
-  if (auto value = base::ParseJson(condition.wanted)) condition.value = *std::move(value);
+  if (auto value = base::ParseJson(condition.wanted, {.exact = true}))
+    condition.value = *std::move(value);
   const bool is_number = condition.value && condition.value->IsNumber();
+  if (condition.wanted.find_first_of("<>=!") == 0) {
+    return refuse("its operator is the wrong way round: write " +
+                  TurnedOperator(condition.path, condition.wanted));
+  }
   if (IsOrder(condition.comparison) && !is_number) {
-    return refuse(fmt::format("{} compares numbers: write '{}{}80'", found.text,
-                              base::Printable(condition.path), found.text));
+    return refuse(fmt::format("{} compares numbers: write '{}{}{}'", found.text,
+                              base::Printable(condition.path), found.text,
+                              NumberIn(condition.wanted)));
   }
   return condition;
 }
 
+Result<std::string> CheckCondition(const Condition& condition, std::string_view topic_name) {
+  const std::string& path = condition.path;
+  const Members members = MembersOf(topic_name);
+  if (path.starts_with('/') || members.empty()) return "";
+  const auto refuse = [&](std::string_view what, const std::string& nearest_path,
+                          const std::string& nearest_value) {
+    return Fail(
+        ErrorKind::kUsage,
+        fmt::format("condition '{}': {} {}: did you mean {}{}{}? '/{}' is taken as it stands",
+                    base::Printable(ToString(condition)), topic_name, what, nearest_path,
+                    SignOf(condition.comparison), base::Printable(nearest_value),
+                    base::Printable(ToString(condition))));
+  };
+  std::set<std::string_view> names;
+  for (const auto& [name, values] : members) names.insert(name);
+  for (const Alias& alias : kAliases) names.insert(alias.name);
+  if (!names.contains(path)) {
+    for (const std::string_view other : {"connection", "state", "factsheet"}) {
+      if (!MembersOf(other).contains(path)) continue;
+      return Fail(ErrorKind::kUsage,
+                  fmt::format("condition '{}': {} has no such member, {} has",
+                              base::Printable(ToString(condition)), topic_name, other));
+    }
+    const auto nearest = NearestIn(path, names);
+    if (nearest) return refuse("has no such member", *nearest, condition.wanted);
+    return fmt::format("no release's {} has a member {}", topic_name, base::Printable(path));
+  }
+  const auto member = members.find(path);
+  if (member == members.end() || member->second.empty() || IsOrder(condition.comparison)) return "";
+  const std::set<std::string>& values = member->second;
+  auto* const normal_form = NormalForm(path);
+  const std::string wanted = condition.value && condition.value->IsString()
+                                 ? std::string(base::ViewOf(*condition.value))
+                                 : condition.wanted;
+  if (values.contains(normal_form == nullptr ? wanted : normal_form(wanted))) return "";
+  const auto nearest = NearestIn(wanted, values);
+  if (nearest) return refuse("knows no such value", path, *nearest);
+  return fmt::format("{} of a {} is one of {}", path, topic_name, fmt::join(values, ", "));
+}
+
 std::string ToString(const Condition& condition) {
-  const auto* written = std::find_if(
-      kOperators.begin(), kOperators.end(),
-      [&condition](const Operator& each) { return each.comparison == condition.comparison; });
-  const std::string_view text =
-      condition.comparison == Comparison::kEqual ? std::string_view("=") : written->text;
-  return condition.path + std::string(text) + condition.wanted;
+  return condition.path + std::string(SignOf(condition.comparison)) + condition.wanted;
 }
 
 std::optional<std::string> Unmet(const Condition& condition, const Value& message) {

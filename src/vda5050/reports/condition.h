@@ -29,11 +29,20 @@ struct Condition {
 /// right form.
 [[nodiscard]] Result<Condition> ParseCondition(std::string_view text);
 
+/// What no release's schema of the topic knows would be waited for in vain. Errors:
+/// ErrorKind::kUsage when it is a slip of the pen: a member, or a value of an enumeration or a
+/// boolean member, that nearly is one. Else a warning, or "". A JSON Pointer is taken as it stands,
+/// and so is a topic without schema.
+[[nodiscard]] Result<std::string> CheckCondition(const Condition& condition,
+                                                 std::string_view topic_name);
+
 /// `PATH<VALUE`.
 [[nodiscard]] std::string ToString(const Condition& condition);
 
 /// What the message says instead (`paused is false`, `there is no /batteryState`); nothing when it
-/// satisfies the condition. A member that is not there satisfies none, not even `!=`.
+/// satisfies the condition. A member that is not there satisfies none, not even `!=`. A
+/// `connectionState` and an `operatingMode` are compared as NormalisedConnectionState and
+/// NormalisedMode spell them.
 [[nodiscard]] std::optional<std::string> Unmet(const Condition& condition,
                                                const base::JsonValue& message);
 

@@ -206,6 +206,7 @@ std::optional<Discovered> DialectFrom(const Dialect& base, std::string_view topi
                    .topic = std::string(topic),
                    .topic_name = levels->topic_name,
                    .dialect = std::nullopt,
+                   .place = levels->Place(),
                    .message = std::move(message)};
   if (const auto version = VersionSpoken(found.message.header.version, levels->major)) {
     found.dialect = DialectOf(base, *levels, found.message.header, *version);
@@ -215,7 +216,7 @@ std::optional<Discovered> DialectFrom(const Dialect& base, std::string_view topi
 
 Standing StandingOf(const Discovered& found) {
   return {.rank = RankOf(found),
-          .time = base::ParseDateTime(found.message.header.timestamp),
+          .time = TimeOf(found.message.header),
           .version = found.dialect ? std::optional(found.dialect->version) : std::nullopt};
 }
 

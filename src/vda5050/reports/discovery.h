@@ -43,6 +43,10 @@ struct TopicLevels {
   std::string interface_name;  ///< "" when the template has none
   std::string major;           ///< "" when the template has none
   std::string topic_name;      ///< `connection`
+
+  /// `uagv/v2`: under which all topics of a robot lie. Several of one robot are old ones that it
+  /// has left behind, or robots that bear one name.
+  [[nodiscard]] std::string Place() const { return interface_name + "/" + major; }
 };
 
 /// Reads a topic back. Nothing when the template cannot have made it.
@@ -57,6 +61,7 @@ struct Discovered {
   /// How to speak to it, with its own interface, topic level and, where they are peculiar, its own
   /// header texts. Nothing when it speaks a version that we do not.
   std::optional<Dialect> dialect;
+  std::string place;  ///< TopicLevels::Place
   /// Read as a connection message: `connection_state` is empty for other topics.
   ConnectionMessage message;
 };
@@ -72,10 +77,11 @@ struct Discovered {
 [[nodiscard]] std::optional<Discovered> DialectFrom(const Dialect& base, std::string_view topic,
                                                     ConnectionMessage message);
 
-/// Which of several messages of one robot is to be believed: the greater one. A connection message
-/// before others, ONLINE before HIBERNATING before the rest, then the newest timestamp, then the
-/// newest version.
+/// Which of several places of one robot is to be believed: the greater one. One at which it was
+/// heard live goes before what is retained, a connection message before others, ONLINE before
+/// HIBERNATING before the rest, then the newest timestamp, then the newest version.
 struct Standing {
+  bool is_live = false;
   int rank = -1;
   std::optional<base::WallTime> time;
   std::optional<Version> version;

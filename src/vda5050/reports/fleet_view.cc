@@ -84,10 +84,6 @@ std::size_t Abridge(RobotState& state) {
   return left_out;
 }
 
-bool IsNewer(const RobotState& state, const RobotState& than) {
-  return base::ParseDateTime(state.header.timestamp) > base::ParseDateTime(than.header.timestamp);
-}
-
 }  // namespace
 
 FleetView::FleetView(TopicScheme scheme, std::vector<RobotPattern> patterns)
@@ -125,8 +121,9 @@ const RobotView* FleetView::Deliver(std::string_view topic, std::string_view pay
   if (const auto fault = is_new ? faults_.extract(levels->robot) : decltype(faults_)::node_type()) {
     entry.view.state_fault = fault.mapped();
   }
-  const bool taken = levels->topic_name == "connection" ? TakeConnection(entry, topic, payload)
-                     : levels->topic_name == "state"    ? TakeState(entry, topic, payload, origin)
+  const bool taken = levels->topic_name == "connection" ? TakeConnection(entry, topic, payload, origin)
+                     : levels->topic_name == "state"
+                         ? TakeState(entry, topic, *levels, payload, origin)
                                                         : false;
   if (taken) return &entry.view;
   const bool has_room = faults_.size() < kMostFaults;
@@ -136,53 +133,104 @@ const RobotView* FleetView::Deliver(std::string_view topic, std::string_view pay
   return nullptr;
 }
 
-bool FleetView::TakeConnection(Entry& entry, std::string_view topic, std::string_view payload) {
-  RobotView& view = entry.view;
-  auto message = ReadConnection(payload);
-  if (message) {
-    CutHeader(message->header);
-    Cut(message->connection_state, kLongestHeaderText);
-  }
-  auto found = message ? DialectFrom(base_, topic, *std::move(message)) : std::nullopt;
+bool FleetView::TakeConnection(Entry& entry, std::string_view topic, std::string_view payload,
+                               Origin origin) {
+  auto read = ReadConnection(payload);
+  ConnectionMessage message =
+      read ? *std::move(read) : ConnectionMessage{.fault = read.error().message};
+  CutHeader(message.header);
+  Cut(message.connection_state, kLongestHeaderText);
+  auto found =
+      payload.empty() ? std::nullopt : DialectFrom(base_, topic, std::move(message));
   if (found) {
+    const bool is_live = origin == Origin::kLive;
+    if (is_live && found->place == entry.live_place && IsAway(found->message.connection_state)) {
+      entry.live_place.clear();
+    }
+    entry.has_begun_anew = entry.has_begun_anew || is_live;
     entry.connections.insert_or_assign(std::string(topic), *std::move(found));
   } else if (!payload.empty() || entry.connections.erase(std::string(topic)) == 0) {
     return false;  // no connection message, or nothing to take back
   }
-  std::vector<Discovered> all;
-  for (const auto& [of, connection] : entry.connections) all.push_back(connection);
-  const auto best = OnePerRobot(std::move(all));
-  view.connection_state = best.empty() ? "" : best.front().message.connection_state;
-  view.connection_timestamp = best.empty() ? "" : best.front().message.header.timestamp;
-  if (!best.empty()) Describe(view, best.front());
+  Choose(entry, std::nullopt);
   return true;
 }
 
-bool FleetView::TakeState(Entry& entry, std::string_view topic, std::string_view payload,
-                          Origin origin) {
+// Decides which place is shown: where it speaks, else the best connection. `speaker` is a state from
+// a place without a connection message.
+void FleetView::Choose(Entry& entry, const std::optional<Discovered>& speaker) {
   RobotView& view = entry.view;
+  std::optional<Discovered> chosen = speaker;
+  std::vector<Discovered> all;
+  for (const auto& [of, connection] : entry.connections) {
+    if (connection.place == entry.live_place) chosen = connection;
+    all.push_back(connection);
+  }
+  if (!chosen && !entry.live_place.empty() && view.state) return;  // it goes on speaking
+  if (!chosen && !all.empty()) chosen = OnePerRobot(std::move(all)).front();
+  const bool is_connection = chosen && chosen->topic_name == "connection";
+  view.connection_state = is_connection ? chosen->message.connection_state : "";
+  view.connection_timestamp = is_connection ? chosen->message.header.timestamp : "";
+  view.connection_fault = is_connection ? chosen->message.fault : "";
+  if (!chosen) return;
+  if (chosen->place != view.place) DropState(entry);
+  Describe(view, *chosen);
+  view.also_at.clear();
+  for (const auto& [of, other] : entry.connections) {
+    const bool is_online = other.message.connection_state == "ONLINE";
+    if (is_online && other.place != view.place) view.also_at = other.place;
+  }
+}
+
+bool FleetView::TakeState(Entry& entry, std::string_view topic, const TopicLevels& levels,
+                          std::string_view payload, Origin origin) {
+  RobotView& view = entry.view;
+  if (payload.empty()) return false;
+  if (origin == Origin::kRetained) {
+    const auto found = DialectFrom(base_, topic, payload);
+    if (!found || !entry.connections.empty() || view.state) return false;
+    Describe(view, *found);
+    return true;
+  }
+  const std::string place = levels.Place();
+  if (entry.live_place.empty()) entry.live_place = place;
+  if (entry.live_place != place) {
+    view.also_at = place;
+    return false;
+  }
   auto state = ReadState(payload);
   if (!state) {
-    if (payload.empty()) return false;
     view.state_fault = state.error().message;
     return !entry.connections.empty() || view.state;
   }
-  const bool is_late = origin == Origin::kRetained && view.state && !IsNewer(*state, *view.state);
+  const bool is_late = view.state && !std::exchange(entry.has_begun_anew, false) &&
+                       IsBefore(state->header, view.state->header);
   if (is_late) return false;
-  Keep(entry, Slimmed(*std::move(state)));
   view.state_fault.clear();
-  if (entry.connections.empty()) {
-    if (const auto found = DialectFrom(base_, topic, payload)) Describe(view, *found);
+  const bool is_connected =
+      std::any_of(entry.connections.begin(), entry.connections.end(),
+                  [&](const auto& each) { return each.second.place == place; });
+  if (!is_connected) {
+    Choose(entry, DialectFrom(base_, topic, ConnectionMessage{.header = state->header}));
+  } else if (view.place != place) {
+    Choose(entry, std::nullopt);
   }
+  Keep(entry, Slimmed(*std::move(state)));
   return true;
 }
 
+void FleetView::DropState(Entry& entry) {
+  kept_ -= std::exchange(entry.kept, 0);
+  abridged_ -= std::exchange(entry.is_abridged, false) ? 1U : 0U;
+  entry.view.state.reset();
+  entry.view.state_fault.clear();
+  entry.view.errors_left_out = 0;
+}
+
 void FleetView::Keep(Entry& entry, RobotState state) {
-  kept_ -= entry.kept;
-  abridged_ -= entry.is_abridged ? 1 : 0;
+  DropState(entry);
   entry.kept = SizeOf(state);
   entry.is_abridged = entry.kept > kShort && kept_ + entry.kept > kMostKept;
-  entry.view.errors_left_out = 0;
   if (entry.is_abridged) {
     entry.view.errors_left_out = Abridge(state);
     entry.kept = SizeOf(state);
@@ -197,6 +245,7 @@ void FleetView::Describe(RobotView& view, const Discovered& found) const {
   view.interface_name =
       base_.topics.interface_name.empty() ? levels->interface_name : base_.topics.interface_name;
   view.topic_level = levels->major;
+  view.place = levels->Place();
   view.version = found.dialect ? std::optional(found.dialect->version) : std::nullopt;
   view.header_version = found.message.header.version;
 }

@@ -24,7 +24,10 @@ struct RobotView {
   std::string header_version;        ///< as it writes it
   std::string connection_state;      ///< normalised; "": not known
   std::string connection_timestamp;  ///< as written; "": not known
-  /// The last one that came, without its actions, zone sets and position.
+  std::string connection_fault;      ///< why its connection message cannot be read; "": it can
+  std::string place;                 ///< TopicLevels::Place, of which all this is
+  std::string also_at;               ///< another place, at which it is ONLINE or speaks, too
+  /// The last live one that came, without its actions, zone sets and position.
   std::optional<RobotState> state;
   /// Of `state`, when it had more than could be kept (FleetView::abridged): errors beyond the one
   /// that weighs most.
@@ -47,9 +50,9 @@ class FleetView {
   [[nodiscard]] Result<std::vector<std::string>> Filters() const;
 
   /// Takes a message in. The robot that it is about; null when it tells nothing of any robot that
-  /// the patterns mean. A robot with several connection messages (two versions, or an old
-  /// one left behind) is seen as OnePerRobot decides. A retained state is only taken when it is
-  /// newer than what there is. Lives until the next call.
+  /// the patterns mean. A robot with several connection messages (two versions, or an old one left
+  /// behind) is seen where it speaks, else as OnePerRobot decides. A retained state is the past: it
+  /// tells that there is a robot, not how it is. Lives until the next call.
   const RobotView* Deliver(std::string_view topic, std::string_view payload, Origin origin);
 
   /// Robots whose last state says more than could be kept: 20 MiB for all of them together. Of such
@@ -64,13 +67,19 @@ class FleetView {
   struct Entry {
     std::map<std::string, Discovered, std::less<>> connections;  ///< by topic
     RobotView view;
+    std::string live_place;    ///< at which it speaks; "": at none
+    bool has_begun_anew = false;  ///< its next state may count and date anew
     std::size_t kept = 0;  ///< bytes of what the state says at any length
     bool is_abridged = false;
   };
 
   [[nodiscard]] bool IsMeant(const RobotAddress& robot) const;
-  bool TakeConnection(Entry& entry, std::string_view topic, std::string_view payload);
-  bool TakeState(Entry& entry, std::string_view topic, std::string_view payload, Origin origin);
+  bool TakeConnection(Entry& entry, std::string_view topic, std::string_view payload,
+                      Origin origin);
+  bool TakeState(Entry& entry, std::string_view topic, const TopicLevels& levels,
+                 std::string_view payload, Origin origin);
+  void Choose(Entry& entry, const std::optional<Discovered>& speaker);
+  void DropState(Entry& entry);
   void Keep(Entry& entry, RobotState state);
   void Describe(RobotView& view, const Discovered& found) const;
 

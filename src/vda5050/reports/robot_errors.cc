@@ -40,6 +40,9 @@ bool NamesAnotherThing(std::string_view letters, std::string_view own_key) {
 struct Named {
   bool our_item = false;
   bool another_item = false;
+  bool our_update = false;
+  bool another_update = false;
+  bool our_part = false;
   bool our_header_id = false;
   bool topic = false;
   bool our_topic = false;
@@ -64,10 +67,14 @@ void Note(const ErrorReference& reference, const SentItem& item, Named& named) {
   } else if (letters.ends_with(own_key)) {
     named.another_item = true;
   }
-  if (item.update_id && letters.ends_with("orderupdateid") &&
-      reference.value != fmt::to_string(*item.update_id)) {
-    named.another_item = true;
+  if (item.update_id && letters.ends_with("orderupdateid")) {
+    const bool is_ours = reference.value == fmt::to_string(*item.update_id);
+    (is_ours ? named.our_update : named.another_update) = true;
   }
+  named.our_part |=
+      std::any_of(item.parts.begin(), item.parts.end(), [&](const ErrorReference& part) {
+        return reference.value == part.value && letters.ends_with(base::ToLower(part.key));
+      });
   if (letters.ends_with("headerid")) {
     named.our_header_id |= std::any_of(
         item.header_ids.begin(), item.header_ids.end(),
@@ -86,18 +93,7 @@ bool IsAboutAMessage(std::string_view type) {
          letters.find("header") != std::string::npos;
 }
 
-}  // namespace
-
-Attribution AttributionOf(const RobotError& error, const SentItem& item) {
-  Named named;
-  for (const ErrorReference& reference : error.references) Note(reference, item, named);
-  const bool another_update = item.update_id && named.another_item;
-  if (named.our_item && !another_update) return Attribution::kItem;
-  const bool is_our_topic = named.topic ? named.our_topic : IsAboutAMessage(error.type);
-  if (named.our_header_id && is_our_topic && !named.another_item) return Attribution::kHeaderId;
-  return named.something ? Attribution::kOther : Attribution::kUnnamed;
-}
-
+// The same for the same error in a later state.
 std::size_t FingerprintOf(const RobotError& error) {
   std::string text = error.type + '\n' + error.description;
   for (const ErrorReference& reference : error.references) {
@@ -106,12 +102,66 @@ std::size_t FingerprintOf(const RobotError& error) {
   return std::hash<std::string>()(text);
 }
 
+void AddNew(std::vector<std::string>& texts, std::string text) {
+  constexpr std::size_t kEnough = 3;
+  const bool known = std::find(texts.begin(), texts.end(), text) != texts.end();
+  if (!known && texts.size() < kEnough) texts.push_back(std::move(text));
+}
+
+}  // namespace
+
+Attribution AttributionOf(const RobotError& error, const SentItem& item) {
+  Named named;
+  for (const ErrorReference& reference : error.references) Note(reference, item, named);
+  const bool another_update = named.another_update && !named.our_update;
+  if (named.our_item && !another_update) return Attribution::kItem;
+  const bool another = named.another_item || another_update;
+  if (named.our_part && !another) return Attribution::kPart;
+  const bool is_our_topic = named.topic ? named.our_topic : IsAboutAMessage(error.type);
+  if (named.our_header_id && is_our_topic && !another) return Attribution::kHeaderId;
+  return named.something ? Attribution::kOther : Attribution::kUnnamed;
+}
+
 std::string Told(const RobotError& error) {
   constexpr std::size_t kType = 60;
   std::string told = error.type.empty() ? "error" : Shown(error.type, kType);
   if (!error.description.empty()) told += ": " + Shown(error.description);
   if (!error.hint.empty()) told += "; hint: " + Shown(error.hint);
   return told;
+}
+
+void RelatedErrors::Remember(const std::vector<RobotError>& errors, bool retained) {
+  knows_before_ = knows_before_ || !retained;
+  for (const RobotError& error : errors) old_.push_back(FingerprintOf(error));
+}
+
+Attribution RelatedErrors::Note(const std::vector<RobotError>& errors, const SentItem& item) {
+  id_is_fresh_ = item.topic == "instantActions";
+  auto nearest = Attribution::kOther;
+  for (const RobotError& error : errors) {
+    const Attribution attribution = AttributionOf(error, item);
+    const bool is_old =
+        std::find(old_.begin(), old_.end(), FingerprintOf(error)) != old_.end();
+    if (is_old || attribution == Attribution::kOther) continue;
+    nearest = std::max(nearest, attribution);
+    AddNew(attribution >= Attribution::kPart        ? item_
+           : attribution == Attribution::kHeaderId ? header_id_
+                                                   : unnamed_,
+           Told(error));
+  }
+  return nearest;
+}
+
+std::string RelatedErrors::Text() const {
+  const auto& texts = !item_.empty() ? item_ : !header_id_.empty() ? header_id_ : unnamed_;
+  if (texts.empty()) return "";
+  const bool is_certain = knows_before_ || (id_is_fresh_ && !item_.empty());
+  return fmt::format("{}{}{}",
+                     !item_.empty()        ? ""
+                     : !header_id_.empty() ? "probably ours, by its header id: "
+                                           : "possibly related: ",
+                     base::Join(texts, "; "),
+                     is_certain ? "" : " (perhaps there before: no earlier state is known)");
 }
 
 }  // namespace fleetpub::vda5050

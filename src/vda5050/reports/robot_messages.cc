@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <chrono>
 #include <cmath>
 #include <limits>
 #include <utility>
@@ -69,11 +70,13 @@ std::optional<bool> Truth(const Value& object, std::initializer_list<std::string
   return std::nullopt;
 }
 
-std::optional<std::uint32_t> Counter(const Value& object, std::string_view name) {
+template <typename Whole = std::uint32_t>
+std::optional<Whole> Counter(const Value& object, std::string_view name) {
+  constexpr double kMost =
+      sizeof(Whole) > 4 ? 9e18 : static_cast<double>(std::numeric_limits<std::uint32_t>::max());
   const auto number = Number(object, {name});
-  const bool fits = number && *number >= 0 && *number == std::floor(*number) &&
-                    *number <= std::numeric_limits<std::uint32_t>::max();
-  return fits ? std::optional(static_cast<std::uint32_t>(*number)) : std::nullopt;
+  const bool fits = number && *number >= 0 && *number == std::floor(*number) && *number <= kMost;
+  return fits ? std::optional(static_cast<Whole>(*number)) : std::nullopt;
 }
 
 std::size_t Limit(const Value& object, std::initializer_list<std::string_view> names) {
@@ -168,13 +171,24 @@ FactsheetParameter ReadParameter(const Value& entry) {
 
 std::string ReadUpperCase(const Value& entry) { return ToUpper(TextOf(entry)); }
 
+// A list of names; some write them in one text: `NODE, INSTANT`.
+std::vector<std::string> Names(const Value* value) {
+  if (value == nullptr || !value->IsString()) return List(value, ReadUpperCase);
+  std::string text = ToUpper(base::ViewOf(*value));
+  std::replace_if(
+      text.begin(), text.end(), [](char c) { return !(c >= 'A' && c <= 'Z') && c != '_'; }, ' ');
+  auto names = base::Split(text, ' ');
+  std::erase(names, "");
+  return names;
+}
+
 FactsheetAction ReadFactsheetAction(const Value& entry) {
   const Value* parameters = Member(entry, {"actionParameters"});
   return {.type = Text(entry, {"actionType"}),
-          .scopes = List(Member(entry, {"actionScopes"}), ReadUpperCase),
+          .scopes = Names(Member(entry, {"actionScopes"})),
           .parameters = List(parameters, ReadParameter),
           .has_parameters = IsArray(parameters),
-          .blocking_types = List(Member(entry, {"blockingTypes"}), ReadUpperCase)};
+          .blocking_types = Names(Member(entry, {"blockingTypes"}))};
 }
 
 FactsheetLimits ReadLimits(const Value& limits) {
@@ -196,9 +210,8 @@ FactsheetLimits ReadLimits(const Value& limits) {
 
 template <typename T>
 Result<T> ReadPayload(std::string_view payload, T (*read)(const Value&)) {
-  const auto message = base::ParseJson(payload);
+  const auto message = ReadMessage(payload);
   if (!message) return Fail(message.error());
-  if (!message->IsObject()) return Fail(ErrorKind::kInvalid, "it is no JSON object");
   return read(*message);
 }
 
@@ -237,17 +250,38 @@ std::string Normalised(
 
 MessageHeader ReadHeader(const Value& message) {
   return {.header_id = Counter(message, "headerId"),
+          .count = Counter<std::uint64_t>(message, "headerId"),
           .timestamp = Text(message, {"timestamp"}),
           .version = Text(message, {"version"}),
           .manufacturer = Text(message, {"manufacturer"}),
           .serial_number = Text(message, {"serialNumber"})};
 }
 
+std::optional<base::WallTime> TimeOf(const MessageHeader& header) {
+  std::string text = header.timestamp;
+  std::int64_t number = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  constexpr std::int64_t kYears = 9'000'000'000'000;  // so many ms fit a WallTime
+  const bool is_number = error == std::errc() && end == text.data() + text.size();
+  if (is_number && number >= 0 && number < kYears) {
+    return base::WallTime(std::chrono::milliseconds(number));
+  }
+  constexpr std::size_t kDate = 10;
+  if (text.size() > kDate && text[kDate] == ' ') text[kDate] = 'T';
+  const std::size_t offset = text.find_first_of("Zz+-", kDate);
+  if (offset == std::string::npos) {
+    text += 'Z';
+  } else if (text.size() == offset + 5) {
+    text.insert(offset + 3, ":");  // +0100
+  }
+  return base::ParseDateTime(text);
+}
+
 bool IsBefore(const MessageHeader& a, const MessageHeader& b) {
-  if (!a.header_id || !b.header_id || *a.header_id > *b.header_id) return false;
-  const auto time_a = base::ParseDateTime(a.timestamp);
-  const auto time_b = base::ParseDateTime(b.timestamp);
-  return time_a && time_b && *time_a < *time_b;
+  const auto time_a = TimeOf(a);
+  const auto time_b = TimeOf(b);
+  if (!a.count || !b.count || !time_a || !time_b) return false;
+  return *a.count <= *b.count && *time_a <= *time_b && (*a.count < *b.count || *time_a < *time_b);
 }
 
 RobotState ReadState(const Value& message) {
@@ -271,7 +305,13 @@ RobotState ReadState(const Value& message) {
   state.order_update_id = Counter(message, "orderUpdateId");
   state.nodes_left = Length(message, "nodeStates");
   state.edges_left = Length(message, "edgeStates");
+  if (const Value* nodes = Member(message, {"nodeStates"}); IsArray(nodes)) {
+    for (const Value& node : nodes->GetArray()) {
+      if (const auto id = Counter(node, "sequenceId")) state.sequence_ids_left.push_back(*id);
+    }
+  }
   state.last_node_id = Text(message, {"lastNodeId"});
+  state.last_node_sequence_id = Counter(message, "lastNodeSequenceId");
   state.position = ReadPosition(message);
   state.zone_sets = List(Member(message, {"zoneSets"}), ReadZoneSet);
   state.requests = List(Member(message, {"zoneRequests"}), ReadRequest);
@@ -296,6 +336,13 @@ Factsheet ReadFactsheet(const Value& message) {
         List(Member(*features, {"mobileRobotActions", "agvActions"}), ReadFactsheetAction);
   }
   return factsheet;
+}
+
+Result<base::JsonDocument> ReadMessage(std::string_view payload) {
+  auto message = base::ParseJsonLeniently(payload);
+  if (!message || message->IsObject()) return message;
+  return Fail(ErrorKind::kInvalid,
+              message->IsArray() ? "it is an array, no JSON object" : "it is no JSON object");
 }
 
 Result<RobotState> ReadState(std::string_view payload) {
@@ -348,7 +395,24 @@ const FactsheetAction* FindAction(const Factsheet& factsheet, std::string_view t
 }
 
 std::string NormalisedConnectionState(std::string_view text) {
-  return Normalised<1>(text, {{{"CONNECTIONBROKEN", "CONNECTION_BROKEN"}}});
+  return Normalised<2>(
+      text, {{{"CONNECTIONBROKEN", "CONNECTION_BROKEN"}, {"DISCONNECTED", "OFFLINE"}}});
+}
+
+bool IsAway(std::string_view connection_state) {
+  return connection_state == "OFFLINE" || connection_state == "CONNECTION_BROKEN" ||
+         connection_state == "HIBERNATING";
+}
+
+std::string ConnectionText(const ConnectionMessage& connection) {
+  constexpr std::size_t kTimestamp = 40;
+  const std::string time = Shown(connection.header.timestamp, kTimestamp);
+  const std::string& state = connection.connection_state;
+  if (!connection.fault.empty()) return "not readable: " + connection.fault;
+  return (state.empty() ? "without a connectionState" : Shown(state)) +
+         (time.empty()                  ? ""
+          : state == "CONNECTION_BROKEN" ? fmt::format(" (connected at {})", time)
+                                         : " since " + time);
 }
 
 std::string NormalisedMode(std::string_view text) {

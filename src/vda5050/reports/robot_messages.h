@@ -2,7 +2,7 @@
 // read leniently. A message that breaks its schema is read as far as it can be: a missing
 // member or one of a wrong type is "not said", unknown members, statuses and modes are no obstacle,
 // a number or a truth value is taken where a text is due. Only a payload that is no JSON object
-// within base::JsonLimits cannot be read: the error says why.
+// even for base::ParseJsonLeniently cannot be read: the error says why.
 //
 // Everything is copied out of the message: the payload need not outlive the result. Texts are the
 // robot's own and untrusted: whoever shows one passes it through base::Printable.
@@ -18,6 +18,7 @@
 
 #include "base/rapidjson.h"
 #include "base/result.h"
+#include "base/time.h"
 #include "vda5050/model/robot_address.h"
 
 namespace fleetpub::vda5050 {
@@ -25,7 +26,8 @@ namespace fleetpub::vda5050 {
 /// What every message begins with.
 struct MessageHeader {
   std::optional<std::uint32_t> header_id;
-  std::string timestamp;  ///< as written
+  std::optional<std::uint64_t> count;  ///< the header id, also one that is too large to be one
+  std::string timestamp;               ///< as written
   std::string version;    ///< as written: `2.0.0`, but `v2` too
   std::string manufacturer;
   std::string serial_number;
@@ -96,7 +98,9 @@ struct RobotState {
   std::optional<std::uint32_t> order_update_id;
   std::optional<std::size_t> nodes_left;  ///< entries of `nodeStates`
   std::optional<std::size_t> edges_left;  ///< entries of `edgeStates`
+  std::vector<std::uint32_t> sequence_ids_left;  ///< of `nodeStates`
   std::string last_node_id;
+  std::optional<std::uint32_t> last_node_sequence_id;
   std::optional<RobotPosition> position;
   std::vector<ZoneSetState> zone_sets;
   std::vector<RobotRequest> requests;  ///< for zones, then for edges
@@ -105,6 +109,7 @@ struct RobotState {
 struct ConnectionMessage {
   MessageHeader header;
   std::string connection_state;  ///< normalised, see NormalisedConnectionState; empty: not said
+  std::string fault{};           ///< why it could not be read; empty: it could
 };
 
 /// An action's parameter as the factsheet describes it.
@@ -145,6 +150,8 @@ struct Factsheet {
   FactsheetLimits limits;
 };
 
+/// The payload as a JSON object.
+[[nodiscard]] Result<base::JsonDocument> ReadMessage(std::string_view payload);
 [[nodiscard]] Result<RobotState> ReadState(std::string_view payload);
 [[nodiscard]] RobotState ReadState(const base::JsonValue& message);
 [[nodiscard]] Result<ConnectionMessage> ReadConnection(std::string_view payload);
@@ -153,8 +160,14 @@ struct Factsheet {
 [[nodiscard]] Factsheet ReadFactsheet(const base::JsonValue& message);
 [[nodiscard]] MessageHeader ReadHeader(const base::JsonValue& message);
 
-/// Whether one message of a topic was made before another. Only when both header id and timestamp
-/// say so: a falling id alone is a robot that was restarted, a falling time alone its clock.
+/// When a robot says that it made a message: date-time, also without a zone (UTC, then), with a
+/// blank for the T, with an offset without colon, and a number of milliseconds. Robots are not held
+/// to agree with our clock.
+[[nodiscard]] std::optional<base::WallTime> TimeOf(const MessageHeader& header);
+
+/// Whether one message of a topic was made before another. Only when header id and timestamp say so
+/// together: a falling id alone is a robot that was restarted, a falling time alone its clock. One
+/// of them may be equal.
 [[nodiscard]] bool IsBefore(const MessageHeader& a, const MessageHeader& b);
 
 /// Empty when this header may be of a robot that goes by one of these names: it says nothing else,
@@ -176,8 +189,16 @@ struct Factsheet {
 [[nodiscard]] const FactsheetAction* FindAction(const Factsheet& factsheet, std::string_view type);
 
 /// `ONLINE`, `OFFLINE`, `HIBERNATING`, `CONNECTION_BROKEN` as 3.0 spells them, for any letter case
-/// and for `CONNECTIONBROKEN`; another text in upper case.
+/// and for `CONNECTIONBROKEN` and `DISCONNECTED` (so the schemas of 2.x call OFFLINE in their text);
+/// another text in upper case.
 [[nodiscard]] std::string NormalisedConnectionState(std::string_view text);
+
+/// OFFLINE, CONNECTION_BROKEN or HIBERNATING: such a robot answers nobody.
+[[nodiscard]] bool IsAway(std::string_view connection_state);
+
+/// `OFFLINE since 2026-…`. A last will is dated when the robot connected, not when it broke:
+/// `CONNECTION_BROKEN (connected at 2026-…)`. Printable.
+[[nodiscard]] std::string ConnectionText(const ConnectionMessage& connection);
 
 /// `AUTOMATIC`, `SEMIAUTOMATIC`, `TEACH_IN` … as 3.0 spells them, for any letter case and for
 /// `SEMI-AUTOMATIC`, `TEACHIN`, `TEACHING`; another text in upper case.

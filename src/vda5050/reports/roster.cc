@@ -23,6 +23,16 @@ std::shared_ptr<const T> Shared(std::vector<std::shared_ptr<const T>>& known, T 
   return shared;
 }
 
+RobotPlace& PlaceIn(RobotEntry& entry, const std::string& name) {
+  RobotPlace& best = entry;
+  if (best.place.empty()) best.place = name;
+  if (best.place == name) return best;
+  const auto found = std::find_if(entry.others.begin(), entry.others.end(),
+                                  [&](const RobotPlace& other) { return other.place == name; });
+  if (found != entry.others.end()) return *found;
+  return entry.others.emplace_back(RobotPlace{.place = name});
+}
+
 std::string_view FirstLevel(std::string_view path) {
   if (path.starts_with('/')) path.remove_prefix(1);
   return path.substr(0, path.find('/'));
@@ -48,10 +58,16 @@ std::string_view TopicOf(const Condition& condition) {
 bool RobotEntry::IsOnline() const { return connection && connection->connection_state == "ONLINE"; }
 
 KnownRobot RobotEntry::Known() const {
+  const auto rival = std::find_if(others.begin(), others.end(), [&](const RobotPlace& other) {
+    return IsOnline() && other.standing.rank == standing.rank &&
+           other.standing.is_live == standing.is_live;
+  });
   return {.connection = connection,
           .connection_topic = connection_topic,
+          .other_topic = rival == others.end() ? "" : rival->connection_topic,
           .factsheet = factsheet,
-          .state = std::nullopt};
+          .factsheet_fault = factsheet_fault,
+          .operating_mode = operating_mode};
 }
 
 void RobotDirectory::Add(const RobotAddress& robot, std::shared_ptr<const Dialect> base,
@@ -100,40 +116,66 @@ bool RobotDirectory::Take(RobotEntry& entry, const TopicLevels& levels, std::str
                           std::string_view payload, Origin origin) {
   // Asked for again, a broker repeats what it has.
   if (origin == Origin::kRetained && topic == entry.connection_topic) return true;
-  const auto message = base::ParseJson(payload);
-  if (!message || !message->IsObject()) {
-    if (levels.topic_name == "state" && !message && !payload.empty()) {
-      entry.state_fault = message.error().message;
-    }
+  const bool is_state = levels.topic_name == "state";
+  if (payload.empty() || (is_state && origin == Origin::kRetained)) return false;
+  RobotPlace& place = PlaceIn(entry, levels.Place());
+  const auto message = ReadMessage(payload);
+  if (is_state) {
+    TakeState(place, message);
+  } else if (!TakeOther(place, *entry.base, topic, message)) {
     return false;
   }
-  if (levels.topic_name == "state") {
-    if (origin == Origin::kRetained && entry.state_heard) return false;
-    entry.state_heard = true;
-    Judge(entry, levels.topic_name, *message);
-    return true;
-  }
-  auto found = DialectFrom(*entry.base, topic, ReadConnection(*message));
-  if (!found) return false;
-  if (levels.topic_name == "factsheet") entry.factsheet = Share(ReadFactsheet(*message));
-  Judge(entry, levels.topic_name, *message);
-  const Standing standing = StandingOf(*found);
-  if (standing <= entry.standing) return true;
-  entry.standing = standing;
-  entry.own = found->dialect ? Share(*std::move(found->dialect)) : nullptr;
-  if (levels.topic_name == "connection") {
-    entry.connection = std::move(found->message);
-    entry.connection_topic = std::move(found->topic);
+  // A robot that was away when it last was heard lives elsewhere, if anywhere.
+  place.standing.is_live =
+      (place.standing.is_live || origin == Origin::kLive) &&
+      !(place.connection && IsAway(place.connection->connection_state) && !is_state);
+  for (RobotPlace& other : entry.others) {
+    RobotPlace& best = entry;
+    const bool is_better = !best.connection || best.standing < other.standing;
+    if (other.connection && is_better) std::swap(best, other);
   }
   return true;
 }
 
-void RobotDirectory::Judge(RobotEntry& entry, std::string_view topic_name,
+void RobotDirectory::TakeState(RobotPlace& place, const Result<base::JsonDocument>& message) {
+  place.state_fault = message ? "" : message.error().message;
+  if (!message) return;
+  place.state_heard = true;
+  place.operating_mode = NormalisedMode(base::StringMember(*message, "operatingMode"));
+  Judge(place, "state", *message);
+}
+
+// Of what cannot be read the topic still tells something.
+bool RobotDirectory::TakeOther(RobotPlace& place, const Dialect& base, std::string_view topic,
+                               const Result<base::JsonDocument>& message) {
+  const std::string fault = message ? "" : message.error().message;
+  auto found = DialectFrom(base, topic,
+                           message ? ReadConnection(*message) : ConnectionMessage{.fault = fault});
+  if (!found) return false;
+  const bool is_factsheet = found->topic_name == "factsheet";
+  if (is_factsheet) {
+    place.factsheet = message ? Share(ReadFactsheet(*message)) : nullptr;
+    place.factsheet_fault = fault;
+  }
+  if (message) Judge(place, found->topic_name, *message);
+  if (found->topic_name != "connection" && place.connection) return true;
+  const bool is_live = place.standing.is_live;
+  place.standing = StandingOf(*found);
+  place.standing.is_live = is_live;
+  place.own = found->dialect ? Share(*std::move(found->dialect)) : nullptr;
+  if (found->topic_name == "connection") {
+    place.connection = std::move(found->message);
+    place.connection_topic = std::move(found->topic);
+  }
+  return true;
+}
+
+void RobotDirectory::Judge(RobotPlace& place, std::string_view topic_name,
                            const base::JsonValue& message) {
-  entry.unmet.resize(conditions_.size());
+  place.unmet.resize(conditions_.size());
   for (std::size_t i = 0; i < conditions_.size(); ++i) {
     if (TopicOf(conditions_[i]) != topic_name) continue;
-    entry.unmet[i] = Unmet(conditions_[i], message).value_or("");
+    place.unmet[i] = Unmet(conditions_[i], message).value_or("");
   }
 }
 

@@ -25,21 +25,29 @@ namespace fleetpub::vda5050 {
 /// The topic on which a condition's member is looked for: `connection`, `factsheet`, else `state`.
 [[nodiscard]] std::string_view TopicOf(const Condition& condition);
 
-/// What is known of one robot.
-struct RobotEntry {
-  std::shared_ptr<const Dialect> base;  ///< that it is spoken to in at first
-  bool automatic = false;               ///< its own dialect is wanted
-  std::shared_ptr<const Dialect> own;   ///< null: not known, or none of ours
+/// What is known of one robot at one place (TopicLevels::Place).
+struct RobotPlace {
+  std::string place;                   ///< empty: none yet
+  std::shared_ptr<const Dialect> own;  ///< null: not known, or none of ours
   std::shared_ptr<const Factsheet> factsheet;
+  std::string factsheet_fault;  ///< why it cannot be read
   std::optional<ConnectionMessage> connection;
   std::string connection_topic;
   Standing standing;  ///< of what all this was taken from; rank -1: nothing was heard
 
-  bool state_heard = false;
-  std::string state_fault;  ///< why the last message on its state topic could not be read
+  bool state_heard = false;    ///< live: a retained one is the past
+  std::string state_fault;     ///< why the last message on its state topic could not be read
+  std::string operating_mode;  ///< of its last state; normalised
   /// One for each condition: what is said instead (`paused is false`), or "" when it is satisfied;
   /// nothing until its topic was heard.
   std::vector<std::optional<std::string>> unmet;
+};
+
+/// What is known of one robot: at the place that is to be believed, and of the others.
+struct RobotEntry : RobotPlace {
+  std::shared_ptr<const Dialect> base;  ///< that it is spoken to in at first
+  bool automatic = false;               ///< its own dialect is wanted
+  std::vector<RobotPlace> others;       ///< mostly none
 
   [[nodiscard]] bool WasHeard() const { return standing.rank >= 0; }
   [[nodiscard]] bool IsOnline() const;
@@ -77,7 +85,10 @@ class RobotDirectory {
   RobotEntry* Find(const RobotAddress& robot, const TopicScheme& scheme);
   bool Take(RobotEntry& entry, const TopicLevels& levels, std::string_view topic,
             std::string_view payload, Origin origin);
-  void Judge(RobotEntry& entry, std::string_view topic_name, const base::JsonValue& message);
+  void TakeState(RobotPlace& place, const Result<base::JsonDocument>& message);
+  bool TakeOther(RobotPlace& place, const Dialect& base, std::string_view topic,
+                 const Result<base::JsonDocument>& message);
+  void Judge(RobotPlace& place, std::string_view topic_name, const base::JsonValue& message);
   std::shared_ptr<const Dialect> Share(Dialect dialect);
   std::shared_ptr<const Factsheet> Share(Factsheet factsheet);
 

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <numbers>
 
 #include "base/json.h"
 #include "base/text.h"
@@ -27,7 +26,7 @@ std::string FaultOfValue(const ParameterSpec& spec, const Value& value) {
     case ParameterType::kAngle:
       if (value.IsString()) return "must be a number, not a string: robots refuse quoted numbers";
       if (!value.IsNumber()) return "must be a number";
-      return std::abs(value.GetDouble()) <= std::numbers::pi
+      return std::abs(value.GetDouble()) <= kMaxAngle
                  ? ""
                  : "must be an angle in radians between -π and π";
     case ParameterType::kStringArray:

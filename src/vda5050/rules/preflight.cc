@@ -59,33 +59,27 @@ bool IsOnly(std::span<const InstantAction> actions, std::string_view type) {
 
 // ── connection ──
 
-std::string Since(const MessageHeader& header) {
-  constexpr std::size_t kTimestamp = 40;
-  return header.timestamp.empty() ? "" : " since " + Shown(header.timestamp, kTimestamp);
-}
-
-void CheckStopHibernation(Check& check, const std::string& state) {
-  if (state == "HIBERNATING") return;
-  if (state == "ONLINE") {
+void CheckStopHibernation(Check& check, const ConnectionMessage& connection) {
+  if (connection.connection_state == "HIBERNATING") return;
+  if (connection.connection_state == "ONLINE") {
     check.Warn(check.name + " is ONLINE: there is no hibernation to stop");
   } else {
     check.findings.unreachable = true;
-    check.Refuse(fmt::format("{} is {}, not HIBERNATING", check.name, state));
+    check.Refuse(fmt::format("{} is {}, not HIBERNATING", check.name, ConnectionText(connection)));
   }
 }
 
 void CheckConnection(Check& check, const ConnectionMessage& connection) {
-  const std::string state = connection.connection_state.empty()
-                                ? "without a connectionState"
-                                : Shown(connection.connection_state);
-  if (IsOnly(check.actions, "stopHibernation")) return CheckStopHibernation(check, state);
-  if (state == "ONLINE") return;
+  if (IsOnly(check.actions, "stopHibernation")) return CheckStopHibernation(check, connection);
+  if (connection.connection_state == "ONLINE") return;
   check.findings.unreachable = true;
   const std::string sentence =
-      fmt::format("{} is {}{}", check.name, state, Since(connection.header));
+      connection.fault.empty()
+          ? fmt::format("{} is {}", check.name, ConnectionText(connection))
+          : fmt::format("{}'s connection message cannot be read: {}", check.name, connection.fault);
   if (IsOnly(check.actions, "startPause")) {
     check.Warn(sentence + "; startPause is sent all the same");
-  } else if (state == "HIBERNATING") {
+  } else if (connection.connection_state == "HIBERNATING") {
     check.RefuseUnless(sentence, "wake it with stopHibernation");
   } else {
     check.Refuse(sentence);
@@ -134,17 +128,18 @@ void CheckTopics(Check& check) {
 
 // ── operating mode ──
 
-void CheckMode(Check& check, const RobotState& state) {
-  const auto* const rule = std::find_if(kModes.begin(), kModes.end(), [&](const ModeRule& entry) {
-    return entry.mode == state.operating_mode;
-  });
+void CheckMode(Check& check, std::string_view mode) {
+  const auto* const rule = std::find_if(kModes.begin(), kModes.end(),
+                                        [&](const ModeRule& entry) { return entry.mode == mode; });
   if (rule == kModes.end()) return;
   const bool is_allowed =
       rule->obeys == Obeys::kCancelOrder && IsOnly(check.actions, "cancelOrder");
   if (is_allowed) return;
-  check.Refuse(
+  std::string sentence =
       fmt::format("{} is in {}, in which it obeys {}", check.name, rule->mode,
-                  rule->obeys == Obeys::kNothing ? "no instant action" : "cancelOrder alone"));
+                  rule->obeys == Obeys::kNothing ? "no instant action" : "cancelOrder alone");
+  if (IsOnly(check.actions, "startPause")) return check.Warn(std::move(sentence));
+  check.Refuse(sentence);
 }
 
 // ── factsheet ──
@@ -191,10 +186,22 @@ void CheckBlockingType(Check& check, const InstantAction& action, const Factshee
                      "use --blocking-type " + Shown(base::Join(listed.blocking_types, " or ")));
 }
 
+// Which every robot shall support (3.0 §6.2.3), or which stands in no factsheet as it asks for it:
+// a factsheet that leaves them out must not stand in the way of stopping.
+bool IsRequiredOfAll(std::string_view type) {
+  constexpr std::array<std::string_view, 4> kTypes = {"startPause", "stopPause", "cancelOrder",
+                                                      "factsheetRequest"};
+  return std::find(kTypes.begin(), kTypes.end(), type) != kTypes.end();
+}
+
 void CheckListing(Check& check, const Factsheet& factsheet, const InstantAction& action) {
   if (factsheet.actions.empty()) return;
   const auto type = NameIn(check.dialect.version, action.type);
   const FactsheetAction* listed = FindAction(factsheet, type);
+  if (listed == nullptr && IsRequiredOfAll(action.type)) {
+    return check.Warn(fmt::format("{}'s factsheet does not list {}, which every robot shall know",
+                                  check.name, Shown(type)));
+  }
   if (listed == nullptr) {
     return check.Refuse(fmt::format("{}'s factsheet does not list {}", check.name, Shown(type)));
   }
@@ -256,7 +263,16 @@ PreflightFindings CheckRobot(const RobotAddress& robot, const Dialect& dialect,
   CheckConnection(check, *known.connection);
   const bool is_exempt = !dialect.header_version.empty();
   if (is_exempt || CheckVersion(check, known.connection->header.version)) CheckTopics(check);
-  if (known.state) CheckMode(check, *known.state);
+  if (!known.other_topic.empty()) {
+    check.Warn(
+        fmt::format("{} is ONLINE at {} and at {}: the first one is taken for the living one",
+                    check.name, Shown(known.connection_topic), Shown(known.other_topic)));
+  }
+  CheckMode(check, known.operating_mode);
+  if (!known.factsheet_fault.empty()) {
+    check.Warn(fmt::format("{}'s factsheet cannot be read, so nothing is held against it: {}",
+                           check.name, known.factsheet_fault));
+  }
   if (known.factsheet) {
     for (const InstantAction& action : actions) CheckListing(check, *known.factsheet, action);
     CheckLimits(check, known.factsheet->limits, payload_bytes);

@@ -21,8 +21,10 @@ namespace fleetpub::vda5050 {
 struct KnownRobot {
   std::optional<ConnectionMessage> connection;
   std::string connection_topic;  ///< where that message stood; empty: where the dialect expects it
+  std::string other_topic;       ///< where another one stands that may as well be the living one
   std::shared_ptr<const Factsheet> factsheet;  ///< robots of one make share it; may be null
-  std::optional<RobotState> state;
+  std::string factsheet_fault;                 ///< why it cannot be read
+  std::string operating_mode;                  ///< of a live state, normalised; empty: not known
 };
 
 /// One sentence each, with the reason and the option that overrides it, without a full stop at its
@@ -39,7 +41,7 @@ struct PreflightFindings {
 /// dialect's topics, does its mode allow instant actions (the table of operatingMode), does its
 /// factsheet list the actions with scope INSTANT and with these parameters, do its limits hold.
 /// `payload_bytes` is the message's length, 0 when it is not known. startPause is not refused for
-/// the robot's connection state, only warned about.
+/// the robot's connection state or mode, only warned about.
 [[nodiscard]] PreflightFindings CheckRobot(const RobotAddress& robot, const Dialect& dialect,
                                            std::span<const InstantAction> actions,
                                            const KnownRobot& known, std::size_t payload_bytes = 0);

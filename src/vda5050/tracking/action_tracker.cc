@@ -21,22 +21,10 @@ using message::CommandStatus;
 
 constexpr std::size_t kLongestMessage = 500;
 
-// A robot with one of these answers nobody.
-bool IsAway(std::string_view connection_state) {
-  return connection_state == "OFFLINE" || connection_state == "CONNECTION_BROKEN" ||
-         connection_state == "HIBERNATING";
-}
-
 void Append(std::string& text, std::string_view part) {
   if (part.empty()) return;
   if (!text.empty()) text += "; ";
   text += part;
-}
-
-void AddNew(std::vector<std::string>& texts, std::string text) {
-  constexpr std::size_t kEnough = 3;
-  const bool known = std::find(texts.begin(), texts.end(), text) != texts.end();
-  if (!known && texts.size() < kEnough) texts.push_back(std::move(text));
 }
 
 class ActionTracker final : public message::ResponseTracker {
@@ -79,8 +67,7 @@ class ActionTracker final : public message::ResponseTracker {
   void OnState(const RobotState& state);
   void OnConnection(const ConnectionMessage& message, bool retained);
   void OnListed(const ActionState& entry, const RobotState& state);
-  void OnAbsent(const RobotState& state);
-  void NoteErrors(const RobotState& state);
+  void OnAbsent(const RobotState& state, bool is_named_by_error);
   void NoteEndedOnes(const RobotState& state);
 
   [[nodiscard]] const ActionState* OwnEntry(const RobotState& state);
@@ -105,7 +92,6 @@ class ActionTracker final : public message::ResponseTracker {
 
   std::vector<std::uint32_t> header_ids_;  // of each time it was published
   // What the robot said before publishing.
-  std::vector<std::size_t> old_errors_;       // fingerprints
   std::optional<std::string> status_before_;  // it knew this actionId already
   std::vector<std::string> ended_ids_;        // what clearInstantActions is to remove
   // What it said since.
@@ -117,28 +103,25 @@ class ActionTracker final : public message::ResponseTracker {
   std::string status_;
   std::string result_;
   bool listed_as_instant_ = false;
-  std::optional<MessageHeader> listed_at_;    // by the state that listed it last
-  std::vector<std::string> own_errors_;       // told, of those that name our actionId
-  std::vector<std::string> probable_errors_;  // our header id
-  std::vector<std::string> unnamed_errors_;
-  bool names_us_now_ = false;  // an error of the current state
+  bool listed_ = false;  // by a state
+  RelatedErrors errors_;
 };
 
 void ActionTracker::Receive(const message::Incoming& message) {
   if (progress_.ended) return;
   if (message.topic == topics_.connection) {
-    const auto connection =
-        reception_.Take<ConnectionMessage>("connection message", message.payload, ReadConnection);
-    if (connection) OnConnection(*connection, message.retained);
+    if (const auto connection = reception_.TakeConnection(message)) {
+      OnConnection(*connection, message.retained);
+    }
   } else if (message.topic == topics_.state) {
     if (message.retained && WasPublished()) return;  // subscribed anew: old by definition
-    const auto state = reception_.Take<RobotState>("state", message.payload, ReadState);
+    const auto state = reception_.TakeState(message);
     if (state && WasPublished()) OnState(*state);
     if (state && !WasPublished()) RememberBefore(*state, message.retained);
   } else if (message.topic == topics_.factsheet && ending_.factsheet) {
     // The old one arrives with the retain flag upon subscribing.
     if (message.retained || !WasPublished()) return;
-    if (reception_.Take<Factsheet>("factsheet", message.payload, ReadFactsheet)) {
+    if (reception_.TakeFactsheet(message)) {
       progress_.seen = true;
       End(CommandStatus::kFinished, "its factsheet arrived");
     }
@@ -147,10 +130,11 @@ void ActionTracker::Receive(const message::Incoming& message) {
 }
 
 void ActionTracker::RememberBefore(const RobotState& state, bool retained) {
-  for (const RobotError& error : state.errors) old_errors_.push_back(FingerprintOf(error));
+  errors_.Remember(state.errors, retained);
   if (const ActionState* entry = FindActionState(state, id_, type_)) status_before_ = entry->status;
+  if (retained) return;
   if (!state.operating_mode.empty()) first_mode_ = mode_ = state.operating_mode;
-  if (!retained) NoteEndedOnes(state);
+  NoteEndedOnes(state);
 }
 
 void ActionTracker::OnState(const RobotState& state) {
@@ -158,32 +142,13 @@ void ActionTracker::OnState(const RobotState& state) {
   last_timestamp_ = state.header.timestamp;
   if (!state.operating_mode.empty()) mode_ = state.operating_mode;
   if (first_mode_.empty()) first_mode_ = mode_;
-  NoteErrors(state);
+  const auto nearest = errors_.Note(
+      state.errors,
+      {.topic = "instantActions", .id_key = "actionId", .id = id_, .header_ids = header_ids_});
   if (const ActionState* entry = OwnEntry(state)) {
     OnListed(*entry, state);
   } else {
-    OnAbsent(state);
-  }
-}
-
-void ActionTracker::NoteErrors(const RobotState& state) {
-  names_us_now_ = false;
-  for (const RobotError& error : state.errors) {
-    const auto attribution = AttributionOf(
-        error,
-        {.topic = "instantActions", .id_key = "actionId", .id = id_, .header_ids = header_ids_});
-    if (attribution == Attribution::kOther) continue;
-    const auto fingerprint = FingerprintOf(error);
-    if (std::find(old_errors_.begin(), old_errors_.end(), fingerprint) != old_errors_.end()) {
-      continue;
-    }
-    if (attribution == Attribution::kItem) {
-      names_us_now_ = true;
-      AddNew(own_errors_, Told(error));
-    } else {
-      AddNew(attribution == Attribution::kHeaderId ? probable_errors_ : unnamed_errors_,
-             Told(error));
-    }
+    OnAbsent(state, nearest == Attribution::kItem);
   }
 }
 
@@ -209,7 +174,7 @@ void ActionTracker::OnListed(const ActionState& entry, const RobotState& state) 
   const auto& instant = state.instant_action_states;
   listed_as_instant_ = std::any_of(instant.begin(), instant.end(),
                                    [&](const ActionState& other) { return other.id == id_; });
-  listed_at_ = state.header;
+  listed_ = true;
   if (status_ == "FAILED") {
     std::string message = FailureText(result_);
     if (ListsAsFinished(state)) Append(message, "the same state lists it as FINISHED too");
@@ -218,6 +183,7 @@ void ActionTracker::OnListed(const ActionState& entry, const RobotState& state) 
   if (wait_for_ == WaitFor::kAccepted) {
     return End(CommandStatus::kAccepted, fmt::format("the robot lists it as {}", Shown(status_)));
   }
+  if (status_ == "FINISHED" && ending_.factsheet) return;  // it has not come
   if (status_ == "FINISHED" || ending_.listed) return End(CommandStatus::kFinished, Shown(result_));
   if (status_ == "RETRIABLE") {
     std::string message = fmt::format(
@@ -229,9 +195,8 @@ void ActionTracker::OnListed(const ActionState& entry, const RobotState& state) 
   }
 }
 
-void ActionTracker::OnAbsent(const RobotState& state) {
-  const bool is_refused = !own_errors_.empty() || !probable_errors_.empty();
-  if (names_us_now_ || (is_refused && !progress_.seen)) {
+void ActionTracker::OnAbsent(const RobotState& state, bool is_named_by_error) {
+  if (is_named_by_error || (errors_.AreOurs() && !progress_.seen)) {
     progress_.seen = true;
     return End(CommandStatus::kRejected, FailureText(""));
   }
@@ -258,10 +223,10 @@ bool ActionTracker::ListsAsFinished(const RobotState& state) const {
                      is_finished);
 }
 
-// Only after it was listed, and only by a state that has the array and was not made before: the
-// network may deliver an older one twice.
+// Only after it was listed, and only by a state that has the array. Who waits for a factsheet goes
+// on doing so.
 bool ActionTracker::IsGone(const RobotState& state) const {
-  if (!listed_at_ || IsBefore(state.header, *listed_at_)) return false;
+  if (!listed_ || (ending_.factsheet && status_ == "FINISHED")) return false;
   if (FindActionState(state, id_) != nullptr) return false;  // as an action of another type
   return listed_as_instant_ ? state.has_instant_action_states : state.has_action_states;
 }
@@ -285,7 +250,6 @@ bool ActionTracker::EndedOnesAreGone(const RobotState& state) const {
 void ActionTracker::OnConnection(const ConnectionMessage& message, bool retained) {
   connection_ = message.connection_state;
   if (retained || !WasPublished()) return;
-  if (listed_at_) listed_at_ = MessageHeader();  // a new session may count and date anew
   if (!ending_.connection_state.empty() && connection_ == ending_.connection_state) {
     progress_.seen = true;
     return End(CommandStatus::kFinished, fmt::format("the robot is {}", connection_));
@@ -304,13 +268,7 @@ void ActionTracker::End(CommandStatus status, const std::string& message) {
 // The robot's result, and the errors that are nearest to being about us.
 std::string ActionTracker::FailureText(std::string_view result) const {
   std::string text = Shown(result);
-  if (!own_errors_.empty()) {
-    Append(text, base::Join(own_errors_, "; "));
-  } else if (!probable_errors_.empty()) {
-    Append(text, "probably ours, by its header id: " + base::Join(probable_errors_, "; "));
-  } else if (!unnamed_errors_.empty()) {
-    Append(text, "possibly related: " + base::Join(unnamed_errors_, "; "));
-  }
+  Append(text, errors_.Text());
   Append(text, ModeNote());
   return text.empty() ? "the robot gave no reason" : text;
 }
@@ -324,14 +282,18 @@ std::string ActionTracker::ModeNote() const {
 }
 
 std::string ActionTracker::LastSaid(std::string_view robot) const {
-  if (listed_at_) return fmt::format("the action last was {}", Shown(status_));
+  if (listed_) return fmt::format("the action last was {}", Shown(status_));
   return fmt::format("{} has {}", robot,
-                     states_ == 0 ? "sent no state since" : "not listed the action");
+                     states_ > 0                      ? "not listed the action"
+                     : reception_.passed_over() > 0 ? "sent no state that counts"
+                                                    : "sent no state since");
 }
 
 void ActionTracker::TellPending() {
+  progress_.unreadable = reception_.passed_over() > 0;
   std::string text = LastSaid("the robot");
-  if (listed_at_) Append(text, Shown(result_));
+  if (listed_) Append(text, Shown(result_));
+  if (ending_.factsheet) Append(text, "no factsheet has come");
   if (states_ > 0 && !last_timestamp_.empty()) {
     Append(text, "its last state is of " + Shown(last_timestamp_));
   }
@@ -340,10 +302,9 @@ void ActionTracker::TellPending() {
                              Shown(*status_before_)));
   }
   if (IsAway(connection_)) Append(text, fmt::format("it is {}", connection_));
-  Append(text, reception_.passed_over());
-  const bool has_reason = !own_errors_.empty() || !probable_errors_.empty() ||
-                          !unnamed_errors_.empty() || !ModeNote().empty();
-  if (has_reason) Append(text, FailureText(""));
+  Append(text, reception_.Text());
+  Append(text, errors_.Text());
+  Append(text, ModeNote());
   progress_.message = Shown(text, kLongestMessage);
 }
 

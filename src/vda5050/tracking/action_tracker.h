@@ -13,7 +13,8 @@
 //   connection lost                               kOffline
 //
 // A message whose header names another robot confirms nothing, nor does an entry of another action
-// type, nor what cannot be read; each is told while we wait. FINISHED and FAILED in one state are
+// type, nor what cannot be read (each is counted and told), nor a state that arrives after a newer
+// one. FINISHED and FAILED in one state are
 // FAILED.
 //
 // Never by the type of an error alone: errors of earlier attempts persist. Retained messages and

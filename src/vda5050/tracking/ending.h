@@ -6,14 +6,14 @@
 
 namespace fleetpub::vda5050 {
 
-/// FINISHED always is an end; these are others.
+/// FINISHED is an end, but for a factsheet that has not come; these are others.
 struct Ending {
   std::string_view action_type;
   /// This connectionState, delivered live after publishing, says that it is done. Empty: none does.
   std::string_view connection_state;
   /// The connection may be lost and come back meanwhile: OFFLINE and CONNECTION_BROKEN are no end.
   bool may_reconnect = false;
-  /// A live factsheet after publishing says that it is done.
+  /// A live factsheet after publishing says that it is done, and nothing else does.
   bool factsheet = false;
   /// The state that lists it is the answer itself.
   bool listed = false;

@@ -14,6 +14,7 @@
 #include "vda5050/messages/user_message.h"
 #include "vda5050/reports/robot_errors.h"
 #include "vda5050/reports/robot_messages.h"
+#include "vda5050/tracking/order_progress.h"
 #include "vda5050/tracking/reception.h"
 
 namespace fleetpub::vda5050 {
@@ -31,9 +32,12 @@ struct Item {
   std::string topic;
   std::string id_key;
   std::string id;
-  std::optional<std::uint32_t> update_id;
-  /// What this state says of it; nothing: it does not show it.
+  /// Told of a live state that came before.
+  std::function<void(const RobotState&)> before;
+  /// What a state says of it; nothing: it does not show it.
   std::function<std::optional<Progress>(const RobotState&)> look;
+  std::optional<std::uint32_t> update_id = {};
+  std::vector<ErrorReference> parts = {};
 };
 
 class ItemTracker final : public message::ResponseTracker {
@@ -51,9 +55,11 @@ class ItemTracker final : public message::ResponseTracker {
   }
 
   void Published(std::uint32_t header_id) override {
+    if (header_ids_.empty()) {
+      reception_.Forget();
+      told_ = "the robot has sent no state since";
+    }
     header_ids_.push_back(header_id);
-    reception_.Forget();
-    told_ = "the robot has sent no state since";
     if (!progress_.ended) Tell();
   }
 
@@ -62,9 +68,10 @@ class ItemTracker final : public message::ResponseTracker {
     if (message.topic == connection_topic_) {
       OnConnection(message);
     } else if (message.topic == state_topic_) {
-      const auto state = reception_.Take<RobotState>("state", message.payload, ReadState);
+      const auto state = reception_.TakeState(message);
       if (state && header_ids_.empty()) {
-        for (const RobotError& error : state->errors) old_errors_.push_back(FingerprintOf(error));
+        errors_.Remember(state->errors, message.retained);
+        if (!message.retained) item_.before(*state);
       } else if (state) {
         OnState(*state);
       }
@@ -75,61 +82,64 @@ class ItemTracker final : public message::ResponseTracker {
   [[nodiscard]] const Progress& progress() const override { return progress_; }
 
  private:
-  // A new error comes before what the state shows: a robot that refuses an order or a zone set of
-  // an id that it has goes on showing the old one. Once ours is shown, errors are of its way.
+  // A new error that names ours comes before what the state shows: a robot that refuses an order or
+  // a zone set of an id that it has goes on showing the old one. Once ours is shown, errors are of
+  // its way; so are those of its nodes and actions in the state that shows it first.
   void OnState(const RobotState& state) {
-    if (!progress_.seen) {
-      const std::string refusal = RefusalIn(state);
-      if (!refusal.empty()) return End(CommandStatus::kRejected, refusal);
+    const auto nearest = errors_.Note(state.errors, {.topic = item_.topic,
+                                                     .id_key = item_.id_key,
+                                                     .id = item_.id,
+                                                     .header_ids = header_ids_,
+                                                     .update_id = item_.update_id,
+                                                     .parts = item_.parts});
+    auto shown = item_.look(state);
+    const bool is_shown = shown && shown->seen;
+    const bool is_refused =
+        nearest == Attribution::kItem || nearest == Attribution::kHeaderId ||
+        (nearest == Attribution::kPart && !is_shown);
+    if (!progress_.seen && is_refused) return End(CommandStatus::kRejected, "");
+    if (!shown && progress_.seen) {
+      return End(CommandStatus::kVanished, fmt::format("the robot's state no longer shows {} {}",
+                                                       item_.id_key, Shown(item_.id)));
     }
-    if (auto shown = item_.look(state)) {
-      progress_ = std::move(*shown);
-      told_ = progress_.message;
-    } else if (progress_.seen) {
-      End(CommandStatus::kVanished,
-          fmt::format("the robot's state no longer shows {} {}", item_.id_key, Shown(item_.id)));
-    } else {
+    if (!shown) {
       told_ = fmt::format("the robot's state does not show {} {}; it is of {}", item_.id_key,
                           Shown(item_.id), Shown(state.header.timestamp));
+      return;
     }
-  }
-
-  [[nodiscard]] std::string RefusalIn(const RobotState& state) const {
-    std::string told;
-    for (const RobotError& error : state.errors) {
-      if (IsOurs(error)) told += (told.empty() ? "" : "; ") + Told(error);
-    }
-    return told;
-  }
-
-  [[nodiscard]] bool IsOurs(const RobotError& error) const {
-    const auto attribution = AttributionOf(error, {.topic = item_.topic,
-                                                   .id_key = item_.id_key,
-                                                   .id = item_.id,
-                                                   .header_ids = header_ids_,
-                                                   .update_id = item_.update_id});
-    if (attribution != Attribution::kItem && attribution != Attribution::kHeaderId) return false;
-    const auto fingerprint = FingerprintOf(error);
-    return std::find(old_errors_.begin(), old_errors_.end(), fingerprint) == old_errors_.end();
+    if (shown->ended) return End(shown->status, shown->message);
+    progress_.seen = progress_.seen || shown->seen;
+    told_ = shown->message;
   }
 
   void OnConnection(const message::Incoming& message) {
-    const auto connection =
-        reception_.Take<ConnectionMessage>("connection message", message.payload, ReadConnection);
+    const auto connection = reception_.TakeConnection(message);
     if (!connection || message.retained || header_ids_.empty()) return;
     const std::string& state = connection->connection_state;
-    if (state != "OFFLINE" && state != "CONNECTION_BROKEN" && state != "HIBERNATING") return;
-    End(CommandStatus::kOffline, fmt::format("the robot became {} while we waited", state));
+    if (!IsAway(state)) return;
+    End(CommandStatus::kOffline,
+        fmt::format("the robot became {} while we waited; {}", state, told_));
   }
 
   void Tell() {
-    progress_.message = told_;
-    const std::string& passed_over = reception_.passed_over();
-    if (!passed_over.empty()) progress_.message += "; " + passed_over;
+    progress_.unreadable = reception_.passed_over() > 0;
+    progress_.message = WithErrors(told_);
+    if (const std::string text = reception_.Text(); !text.empty()) {
+      progress_.message += "; " + text;
+    }
   }
 
-  void End(CommandStatus status, std::string message) {
-    progress_ = {.seen = true, .ended = true, .status = status, .message = std::move(message)};
+  void End(CommandStatus status, const std::string& message) {
+    const bool is_well = !message::TroubleOf(status);
+    progress_ = {.seen = true,
+                 .ended = true,
+                 .status = status,
+                 .message = is_well && !errors_.AreOurs() ? message : WithErrors(message)};
+  }
+
+  [[nodiscard]] std::string WithErrors(const std::string& message) const {
+    const std::string errors = errors_.Text();
+    return message + (message.empty() || errors.empty() ? "" : "; ") + errors;
   }
 
   Item item_;
@@ -139,7 +149,7 @@ class ItemTracker final : public message::ResponseTracker {
   Progress progress_;
   std::string told_ = "not sent yet";      // of the robot's last word, while it is no end
   std::vector<std::uint32_t> header_ids_;  // of each time it was published
-  std::vector<std::size_t> old_errors_;    // fingerprints of what stood there before
+  RelatedErrors errors_;
 };
 
 // Several actions in one message: ends with the last of them, or with the first that goes wrong.
@@ -183,6 +193,7 @@ class EveryAction final : public message::ResponseTracker {
         return;
       }
       progress_.seen = progress_.seen && own.seen;
+      progress_.unreadable = progress_.unreadable || own.unreadable;
       if (!own.ended || progress_.ended) progress_.message = own.message;
       progress_.ended = progress_.ended && own.ended;
       progress_.status = own.ended ? own.status : CommandStatus::kTimeout;
@@ -197,85 +208,15 @@ Progress Done(CommandStatus status, std::string message = {}) {
   return {.seen = true, .ended = true, .status = status, .message = std::move(message)};
 }
 
-// What an order needs to be recognised as done.
-struct OrderEnd {
-  struct Action {
-    std::string id;
-    std::string type;
-  };
-  std::string last_node;
-  std::vector<Action> actions;
-};
-
-OrderEnd EndOf(const Value& order) {
-  OrderEnd end;
-  for (const std::string_view list : {"nodes", "edges"}) {
-    const Value* legs = FindArray(order, list);
-    if (legs == nullptr) continue;
-    for (const Value& leg : legs->GetArray()) {
-      if (list == "nodes") end.last_node = StringMember(leg, "nodeId");
-      const Value* actions = FindArray(leg, "actions");
-      if (actions == nullptr) continue;
-      for (const Value& action : actions->GetArray()) {
-        end.actions.push_back({std::string(StringMember(action, "actionId")),
-                               std::string(StringMember(action, "actionType"))});
-      }
-    }
-  }
-  return end;
-}
-
-Progress OrderProgress(const RobotState& state, const OrderEnd& end) {
-  Progress progress{.seen = true};
-  std::string failed;
-  std::string other;
-  std::size_t open = 0;
-  for (const auto& [id, type] : end.actions) {
-    const ActionState* action = FindActionState(state, id);
-    if (action == nullptr) continue;
-    const bool is_ours = FindActionState(state, id, type) != nullptr;
-    if (!is_ours) {
-      other = fmt::format("; it lists the actionId of {} as another action, {}", Shown(type),
-                          Shown(action->type));
-    }
-    if (action->status == "FAILED") {
-      failed += fmt::format("{}action {} failed", failed.empty() ? "" : "; ",
-                            Shown(action->type.empty() ? id : action->type));
-      if (!action->result.empty()) failed += ": " + Shown(action->result);
-    } else if (action->status != "FINISHED" || !is_ours) {
-      ++open;
-    }
-  }
-  const std::size_t legs = state.nodes_left.value_or(1) + state.edges_left.value_or(1);
-  if (legs > 0 || open > 0) {
-    progress.message =
-        fmt::format("under way: {} nodes and {} actions to go, last node {}{}",
-                    state.nodes_left.value_or(0), open, Shown(state.last_node_id), other);
-    return progress;
-  }
-  if (!failed.empty()) return Done(CommandStatus::kFailed, failed);
-  if (state.last_node_id == end.last_node) return Done(CommandStatus::kFinished);
-  return Done(CommandStatus::kFailed,
-              fmt::format("the order ended at node {}, before its last node {}",
-                          Shown(state.last_node_id), Shown(end.last_node)));
-}
-
 Item OrderItem(const Value& order, WaitFor wait_for) {
-  Item item{.topic = "order",
-            .id_key = "orderId",
-            .id = std::string(StringMember(order, "orderId")),
-            .update_id = 0,
-            .look = {}};
-  const Value* update = FindMember(order, "orderUpdateId");
-  if (update != nullptr && update->IsUint()) item.update_id = update->GetUint();
-  item.look = [id = item.id, update_id = *item.update_id, end = EndOf(order),
-               wait_for](const RobotState& state) -> std::optional<Progress> {
-    if (state.order_id != id || state.order_update_id.value_or(0) < update_id) return std::nullopt;
-    if (wait_for == WaitFor::kAccepted)
-      return Done(CommandStatus::kAccepted, "the robot has the order");
-    return OrderProgress(state, end);
-  };
-  return item;
+  const auto progress = std::make_shared<OrderProgress>(order, wait_for);
+  return {.topic = "order",
+          .id_key = "orderId",
+          .id = progress->id(),
+          .before = [progress](const RobotState& state) { progress->Before(state); },
+          .look = [progress](const RobotState& state) { return progress->Look(state); },
+          .update_id = progress->update_id(),
+          .parts = progress->parts()};
 }
 
 CommandStatus StatusOf(WaitFor wait_for) {
@@ -285,17 +226,22 @@ CommandStatus StatusOf(WaitFor wait_for) {
 Item ZoneSetItem(const Value& message, WaitFor wait_for) {
   const Value* set = FindMember(message, "zoneSet");
   const std::string id = set == nullptr ? "" : std::string(StringMember(*set, "zoneSetId"));
+  const auto find = [id](const RobotState& state) {
+    return std::find_if(state.zone_sets.begin(), state.zone_sets.end(),
+                        [&](const ZoneSetState& known) { return known.id == id; });
+  };
+  const auto had_it = std::make_shared<bool>(false);
   return {.topic = "zoneSet",
           .id_key = "zoneSetId",
           .id = id,
-          .update_id = {},
-          .look = [id, wait_for](const RobotState& state) -> std::optional<Progress> {
-            for (const ZoneSetState& known : state.zone_sets) {
-              if (known.id != id) continue;
-              return Done(StatusOf(wait_for),
-                          fmt::format("the robot lists it as {}", Shown(known.status)));
-            }
-            return std::nullopt;
+          .before =
+              [=](const RobotState& state) { *had_it = find(state) != state.zone_sets.end(); },
+          .look = [=](const RobotState& state) -> std::optional<Progress> {
+            const auto known = find(state);
+            if (known == state.zone_sets.end()) return std::nullopt;
+            return Done(StatusOf(wait_for),
+                        fmt::format("the robot lists it as {}{}", Shown(known->status),
+                                    *had_it ? "; it had one of this id before" : ""));
           }};
 }
 
@@ -312,17 +258,34 @@ Result<Item> ResponseItem(const Value& message, WaitFor wait_for) {
                 fmt::format("no state of a robot shows that a request is {}: leave out --wait",
                             base::Printable(grant)));
   }
+  const auto status_in = [id](const RobotState& state) -> std::optional<std::string> {
+    for (const RobotRequest& request : state.requests) {
+      if (request.id == id) return request.status;
+    }
+    return std::nullopt;
+  };
+  const auto last = std::make_shared<std::optional<std::string>>();
   return Item{.topic = "responses",
               .id_key = "requestId",
               .id = id,
-              .update_id = {},
-              .look = [id, grant, wait_for](const RobotState& state) -> std::optional<Progress> {
-                for (const RobotRequest& request : state.requests) {
-                  if (request.id != id || request.status != grant) continue;
+              .before = [=](const RobotState& state) { *last = status_in(state); },
+              .look = [=](const RobotState& state) -> std::optional<Progress> {
+                const auto status = status_in(state);
+                if (status == grant) {
                   return Done(StatusOf(wait_for),
                               fmt::format("the robot has the request as {}", grant));
                 }
-                return std::nullopt;
+                if (status) {
+                  *last = status;
+                  return Progress{.message = "the robot has the request as " + Shown(*status)};
+                }
+                if (!*last) return std::nullopt;
+                if (grant == "REVOKED") {
+                  return Done(StatusOf(wait_for), "the robot has removed the request");
+                }
+                return Done(CommandStatus::kVanished,
+                            "the robot no longer shows the request, which last was " +
+                                Shown(**last));
               }};
 }
 

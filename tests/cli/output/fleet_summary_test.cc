@@ -29,8 +29,8 @@ TEST(FleetSummary, NamesThoseThatAPersonHasToLookAfter) {
   Add(summary, "KIT/3", CommandStatus::kTimeout, milliseconds(5));
   Add(summary, "KIT/5", CommandStatus::kOffline, milliseconds(0));
   EXPECT_THAT(summary.Lines(milliseconds(42)),
-              ElementsAre("5 robots: 1 finished, 2 failed, 1 silent, 1 offline  42 ms",
-                          "  failed   KIT/2, KIT/4", "  silent   KIT/3", "  offline  KIT/5"));
+              ElementsAre("5 robots: 1 finished, 2 failed, 1 unconfirmed, 1 offline  42 ms",
+                          "  failed      KIT/2, KIT/4", "  unconfirmed KIT/3", "  offline     KIT/5"));
 }
 
 TEST(FleetSummary, NamesTheSlowOnesAmongTheFinished) {
@@ -39,7 +39,7 @@ TEST(FleetSummary, NamesTheSlowOnesAmongTheFinished) {
   Add(summary, "KIT/2", CommandStatus::kFinished, milliseconds(1'100));
   EXPECT_THAT(summary.Lines(milliseconds(1)), SizeIs(1)) << "not three times the median";
   Add(summary, "KIT/3", CommandStatus::kFinished, milliseconds(1'300));
-  EXPECT_EQ(summary.Lines(milliseconds(1)).back(), "  slow     KIT/3 1.3 s");
+  EXPECT_EQ(summary.Lines(milliseconds(1)).back(), "  slow        KIT/3 1.3 s");
 }
 
 TEST(FleetSummary, BoundsItsLists) {

@@ -65,7 +65,7 @@ TEST(Condition, TellsWhatTheMessageSaysInstead) {
       {"paused=TRUE", "paused is true"},
       {"paused=1", "paused is true"},
       {"paused>0", "paused is true"},
-      {"operatingMode=automatic", "operatingMode is \"AUTOMATIC\""},
+      {"operatingMode=manual", "operatingMode is \"AUTOMATIC\""},
       {"orderId=\"43\"", "orderId is \"42\""},
       {"orderId>41", "orderId is \"42\""},
       {"orderUpdateId=\"7\"", "orderUpdateId is 7"},
@@ -111,6 +111,10 @@ TEST(Condition, IsRefusedWithTheRightForm) {
       {"battery>=full", "compares numbers: write 'battery>=80'"},
       {"battery<", "compares numbers"},
       {"battery<\"8\"", "compares numbers"},
+      {"battery<20%", "write 'battery<20'"},
+      {"battery=>90", "write 'battery>=90'"},
+      {"x=<-1.5", "write 'x<=-1.5'"},
+      {"paused=!true", "write 'paused!=true'"},
       {"a=\xFF", "not valid UTF-8"},
   };
   for (const auto& [text, reason] : cases) {
@@ -119,6 +123,67 @@ TEST(Condition, IsRefusedWithTheRightForm) {
     EXPECT_EQ(condition.error().kind, ErrorKind::kUsage);
     EXPECT_THAT(condition.error().message, HasSubstr(reason));
   }
+}
+
+TEST(Unmet, DoesNotCompareWholeNumbersThatADoubleConfuses) {
+  const auto message =
+      *base::ParseJson(R"({"code":12345678901234567890124,"text":"123456789012345678901234"})");
+  EXPECT_TRUE(Unmet(*ParseCondition("code=12345678901234567890123"), message));
+  EXPECT_TRUE(Unmet(*ParseCondition("code!=12345678901234567890123"), message));
+  EXPECT_FALSE(Unmet(*ParseCondition("text=123456789012345678901234"), message));
+}
+
+TEST(CheckCondition, RefusesSlipsOfThePen) {
+  const std::tuple<const char*, const char*, const char*> cases[] = {
+      {"pausd=true", "state", "paused=true"},
+      {"bateryy<20", "state", "battery<20"},
+      {"lastNodeid=n1", "state", "lastNodeId=n1"},
+      {"paused=ture", "state", "paused=true"},
+      {"operatingMode!=AUTOMATC", "state", "operatingMode!=AUTOMATIC"},
+      {"conectionState=ONLINE", "connection", "connectionState=ONLINE"},
+      {"connectionState=ONLIN", "connection", "connectionState=ONLINE"},
+  };
+  for (const auto& [text, topic, meant] : cases) {
+    const auto doubt = CheckCondition(*ParseCondition(text), topic);
+    ASSERT_FALSE(doubt) << text;
+    EXPECT_EQ(doubt.error().kind, ErrorKind::kUsage);
+    EXPECT_THAT(doubt.error().message, HasSubstr(std::string("did you mean ") + meant));
+  }
+}
+
+TEST(CheckCondition, SaysWhichTopicHasTheMember) {
+  const auto doubt = CheckCondition(*ParseCondition("connectionState=ONLINE"), "state");
+  ASSERT_FALSE(doubt);
+  EXPECT_THAT(doubt.error().message, HasSubstr("connection has"));
+}
+
+TEST(CheckCondition, WarnsOfWhatNoReleaseKnows) {
+  const auto doubt = [](std::string_view text, std::string_view topic) {
+    return CheckCondition(*ParseCondition(text), topic).value_or("refused");
+  };
+  EXPECT_THAT(doubt("wobble=3", "state"), HasSubstr("wobble"));
+  EXPECT_THAT(doubt("operatingMode=DANCING", "state"), HasSubstr("AUTOMATIC"));
+  for (const char* text : {"paused=true", "paused!=false", "battery<20", "/pausd=true", "x>=1",
+                           "operatingMode=automatic", "agvPosition=null", "headerId>3",
+                           "mobileRobotPosition!=1", "orderId=\"\"", "localized=true"}) {
+    EXPECT_EQ(doubt(text, "state"), "") << text;
+  }
+  EXPECT_EQ(doubt("connectionState=connectionbroken", "connection"), "");
+  EXPECT_EQ(doubt("version=3.0.0", "connection"), "");
+  EXPECT_EQ(doubt("anything=1", "a topic without schema"), "");
+}
+
+TEST(Unmet, TakesTheSpellingsThatRobotsUse) {
+  const auto is_met = [](std::string_view condition, std::string_view message) {
+    return !Unmet(*ParseCondition(condition), *base::ParseJson(message));
+  };
+  EXPECT_TRUE(is_met("connectionState=ONLINE", R"({"connectionState":"online"})"));
+  EXPECT_TRUE(
+      is_met("connectionState=CONNECTION_BROKEN", R"({"connectionState":"ConnectionBroken"})"));
+  EXPECT_TRUE(is_met("/connectionState=offline", R"({"connectionState":"DISCONNECTED"})"));
+  EXPECT_FALSE(is_met("connectionState!=OFFLINE", R"({"connectionState":"DISCONNECTED"})"));
+  EXPECT_TRUE(is_met("operatingMode=TEACH_IN", R"({"operatingMode":"TEACHIN"})"));
+  EXPECT_FALSE(is_met("orderId=o", R"({"orderId":"O"})")) << "an id is what it is";
 }
 
 }  // namespace

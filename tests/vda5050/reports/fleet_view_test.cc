@@ -91,23 +91,58 @@ TEST_F(FleetViewTest, ForgetsAConnectionThatIsDeleted) {
   EXPECT_THAT(Live("vda5050/v3/KIT/1/connection", ""), IsNull());
 }
 
-TEST_F(FleetViewTest, TakesARetainedStateOnlyWhenItIsNewer) {
+TEST_F(FleetViewTest, ShowsNobodyByARetainedState) {
+  const RobotView* robot = Retained("uagv/v2/KIT/1/state", State("2.1.0", R"("paused":true)", 5));
+  ASSERT_THAT(robot, NotNull()) << "there is a robot";
+  EXPECT_EQ(robot->version, Version::k210);
+  EXPECT_FALSE(robot->state) << "how it is, nobody knows";
+  EXPECT_FALSE(robot->HasSpoken());
+  Live("uagv/v2/KIT/1/state", State("2.1.0", R"("paused":false)", 1));
+  Retained("uagv/v2/KIT/1/state", State("2.1.0", R"("paused":true)", 9));
+  EXPECT_EQ(view_.robots().front()->state->paused, false);
+}
+
+TEST_F(FleetViewTest, TakesNoOlderStateThatArrivesLate) {
   const auto paused = [&] { return view_.robots().front()->state->paused; };
-  Retained("uagv/v2/KIT/1/state", State("2.1.0", R"("paused":true)", 5));
+  Live("uagv/v2/KIT/1/state", State("2.1.0", R"("paused":true)", 5));
+  EXPECT_THAT(Live("uagv/v2/KIT/1/state", State("2.1.0", R"("paused":false)", 4)), IsNull());
   EXPECT_EQ(paused(), true);
-  EXPECT_THAT(Retained("uagv/v2/KIT/1/state", State("2.1.0", R"("paused":false)", 4)), IsNull());
-  EXPECT_EQ(paused(), true);
-  Retained("uagv/v2/KIT/1/state", State("2.1.0", R"("paused":false)", 6));
-  EXPECT_EQ(paused(), false);
-  Live("uagv/v2/KIT/1/state", State("2.1.0", R"("paused":true)", 1));
-  EXPECT_EQ(paused(), true);
+  Live("uagv/v2/KIT/1/connection", Connection("2.1.0", "ONLINE", 3));
+  Live("uagv/v2/KIT/1/state", State("2.1.0", R"("paused":false)", 3));
+  EXPECT_EQ(paused(), false) << "it has begun anew";
+}
+
+TEST_F(FleetViewTest, ShowsARobotWhereItSpeaksAndNamesTheOtherPlace) {
+  Retained("uagv/v2/KIT/1/connection", Connection("2.1.0", "ONLINE", 50));
+  Retained("vda5050/v3/KIT/1/connection", Connection("3.0.0", "ONLINE", 1));
+  EXPECT_EQ(view_.robots().front()->also_at, "vda5050/v3");
+  Live("vda5050/v3/KIT/1/state", State("3.0.0", R"("operatingMode":"AUTOMATIC")", 2));
+  const RobotView* robot = view_.robots().front();
+  EXPECT_EQ(robot->version, Version::k300);
+  EXPECT_EQ(robot->also_at, "uagv/v2");
+  EXPECT_EQ(robot->connection_timestamp, "2026-01-02T03:04:01.000Z");
+  EXPECT_THAT(Live("uagv/v2/KIT/1/state", State("2.1.0", R"("operatingMode":"MANUAL")", 51)),
+              IsNull());
+  EXPECT_EQ(robot->state->operating_mode, "AUTOMATIC") << "nothing is mixed";
+  Live("vda5050/v3/KIT/1/connection", Connection("3.0.0", "OFFLINE", 3));
+  EXPECT_EQ(robot->version, Version::k210);
+  EXPECT_FALSE(robot->state);
+}
+
+TEST_F(FleetViewTest, TellsThatAConnectionCannotBeRead) {
+  const RobotView* robot =
+      Retained("uagv/v2/KIT/1/connection", R"([{"connectionState":"ONLINE"}])");
+  ASSERT_THAT(robot, NotNull());
+  EXPECT_NE(robot->connection_fault, "");
+  EXPECT_FALSE(robot->IsOnline());
+  Live("uagv/v2/KIT/1/connection", Connection("2.1.0", "ONLINE"));
+  EXPECT_EQ(view_.robots().front()->connection_fault, "");
 }
 
 TEST_F(FleetViewTest, PassesOverWhatTellsNothing) {
-  for (const char* topic : {"vda5050/v3/KIT/1/connection", "vda5050/v3/KIT/1/state"}) {
-    for (const char* payload : {"", "{", "[]", "\xFF"}) {
-      EXPECT_THAT(Live(topic, payload), IsNull()) << topic << payload;
-    }
+  EXPECT_THAT(Live("vda5050/v3/KIT/1/connection", ""), IsNull());
+  for (const char* payload : {"", "{", "[]", "\xFF"}) {
+    EXPECT_THAT(Live("vda5050/v3/KIT/1/state", payload), IsNull()) << payload;
   }
   EXPECT_THAT(Live("vda5050/v3/KIT/1/order", State("3.0.0", R"("a":1)")), IsNull());
   EXPECT_THAT(Live("a/b/c", Connection("3.0.0", "ONLINE")), IsNull());

@@ -1,11 +1,13 @@
 #include "vda5050/reports/robot_errors.h"
 
-#include <gtest/gtest.h>
+#include <gmock/gmock.h>
 
 #include <array>
 
 namespace fleetpub::vda5050 {
 namespace {
+
+using ::testing::HasSubstr;
 
 constexpr std::string_view kId = "3f2c8a2e-7b51-4c4e-9d0a-5a4f0f6d1c22";
 constexpr std::string_view kOther = "00000000-7b51-4c4e-9d0a-5a4f0f6d1c22";
@@ -91,16 +93,53 @@ TEST(AttributionOf, CallsAnErrorWithoutAnyIdUnnamed) {
   EXPECT_EQ(Of("lowBattery", {{"nodeId", "n1"}}), Attribution::kOther);
 }
 
-TEST(FingerprintOf, TellsErrorsApart) {
-  const RobotError error{.type = "E", .description = "d", .references = {{"k", "v"}}};
-  RobotError same = error;
-  same.level = "FATAL";  // an error that grows is still the same
-  EXPECT_EQ(FingerprintOf(same), FingerprintOf(error));
-  const RobotError others[] = {{.type = "F", .description = "d", .references = {{"k", "v"}}},
-                               {.type = "E", .description = "e", .references = {{"k", "v"}}},
-                               {.type = "E", .description = "d", .references = {{"k", "w"}}},
-                               {.type = "E", .description = "d"}};
-  for (const RobotError& other : others) EXPECT_NE(FingerprintOf(other), FingerprintOf(error));
+TEST(AttributionOf, KnowsTheActionsNodesAndEdgesOfAnOrder) {
+  const std::vector<ErrorReference> parts = {
+      {"nodeId", "n-1"}, {"edgeId", "e-1"}, {"actionId", "a-1"}};
+  const auto of = [&](std::vector<ErrorReference> references) {
+    return AttributionOf(Error("E", std::move(references)), {.topic = "order",
+                                                             .id_key = "orderId",
+                                                             .id = "o-7",
+                                                             .header_ids = kHeaderIds,
+                                                             .update_id = 2,
+                                                             .parts = parts});
+  };
+  for (const ErrorReference& part : parts) EXPECT_EQ(of({part}), Attribution::kPart) << part.key;
+  EXPECT_EQ(of({{"order.nodes.node_id", "n-1"}}), Attribution::kPart);
+  EXPECT_EQ(of({{"nodeId", "n-2"}}), Attribution::kOther);
+  EXPECT_EQ(of({{"nodeId", "e-1"}}), Attribution::kOther);
+  EXPECT_EQ(of({{"nodeId", "n-1"}, {"orderId", "o-1"}}), Attribution::kOther);
+}
+
+TEST(RelatedErrors, AreThoseThatAreNew) {
+  const SentItem item{.topic = "order", .id_key = "orderId", .id = "o-7", .header_ids = {}};
+  const RobotError old{.type = "E", .description = "d", .references = {{"orderId", "o-7"}}};
+  RelatedErrors errors;
+  errors.Remember({old}, false);
+  RobotError grown = old;
+  grown.level = "FATAL";  // still the same
+  EXPECT_EQ(errors.Note({grown}, item), Attribution::kOther);
+  EXPECT_EQ(errors.Text(), "");
+  for (const RobotError& other :
+       {RobotError{.type = "F", .description = "d", .references = {{"orderId", "o-7"}}},
+        RobotError{.type = "E", .description = "e", .references = {{"orderId", "o-7"}}},
+        RobotError{.type = "E", .description = "d", .references = {{"id", "o-7"}}}}) {
+    EXPECT_EQ(errors.Note({grown, other}, item), Attribution::kItem) << other.type;
+  }
+  EXPECT_TRUE(errors.AreOurs());
+}
+
+TEST(RelatedErrors, SayWhenNoStateFromBeforeIsKnown) {
+  const std::vector<RobotError> unnamed = {{.type = "orderUpdateError"}};
+  for (const bool is_known : {true, false}) {
+    RelatedErrors errors;
+    errors.Remember({}, !is_known);  // a retained one does not tell all
+    EXPECT_EQ(errors.Note(unnamed, {.topic = "order", .id_key = "orderId", .id = "o-7"}),
+              Attribution::kUnnamed);
+    EXPECT_FALSE(errors.AreOurs());
+    EXPECT_THAT(errors.Text(), HasSubstr("possibly related: orderUpdateError"));
+    EXPECT_EQ(errors.Text().find("before") == std::string::npos, is_known);
+  }
 }
 
 TEST(Told, HasTypeDescriptionAndHint) {
@@ -128,6 +167,11 @@ TEST(AttributionOf, KnowsAnOrderByItsIdAndItsUpdate) {
   EXPECT_EQ(of({{"orderId", "o-7"}, {"orderUpdateId", "2"}}), Attribution::kItem);
   EXPECT_EQ(of({{"orderId", "o-7"}, {"orderUpdateId", "1"}}), Attribution::kOther);
   EXPECT_EQ(of({{"orderId", "o-6"}, {"orderUpdateId", "2"}}), Attribution::kOther);
+  // What the robot has, beside what it refuses.
+  EXPECT_EQ(
+      of({{"order.orderId", "o-7"}, {"order.orderUpdateId", "2"}, {"state.orderUpdateId", "5"}}),
+      Attribution::kItem);
+  EXPECT_EQ(of({{"orderId", "o-7"}, {"activeOrderId", "o-1"}}), Attribution::kItem);
   EXPECT_EQ(of({{"topic", "orders"}, {"headerId", "18"}}), Attribution::kHeaderId);
   EXPECT_EQ(of({{"topic", "instantActions"}, {"headerId", "18"}}), Attribution::kOther);
 }

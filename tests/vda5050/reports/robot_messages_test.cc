@@ -153,21 +153,52 @@ TEST(ReadState, KeepsWhatIsNotSaidApartFromFalse) {
   EXPECT_EQ(state.operating_mode, "");
 }
 
-TEST(IsBefore, WantsHeaderIdAndTimestampToSaySo) {
-  const std::string_view now = "2026-01-02T03:04:05.678Z";
-  const std::string_view earlier = "2026-01-02T03:04:04.678Z";
-  const auto header = [](std::optional<std::uint32_t> header_id, std::string_view timestamp) {
-    return MessageHeader{.header_id = header_id, .timestamp = std::string(timestamp)};
+bool IsBefore(std::string_view id_a, std::string_view time_a, std::string_view id_b,
+              std::string_view time_b) {
+  const auto header = [](std::string_view id, std::string_view time) {
+    return StateOf(fmt::format(R"({{"headerId":{},"timestamp":{}}})", id, time)).header;
   };
-  const MessageHeader reference = header(7, now);
-  EXPECT_TRUE(IsBefore(header(6, earlier), reference));
-  EXPECT_TRUE(IsBefore(header(7, earlier), reference));
-  EXPECT_FALSE(IsBefore(reference, reference));
-  EXPECT_FALSE(IsBefore(header(0, now), reference));      // restarted
-  EXPECT_FALSE(IsBefore(header(8, earlier), reference));  // its clock was set back
-  EXPECT_FALSE(IsBefore(header(std::nullopt, earlier), reference));
-  EXPECT_FALSE(IsBefore(header(6, "yesterday"), reference));
-  EXPECT_FALSE(IsBefore(header(6, earlier), MessageHeader()));
+  return vda5050::IsBefore(header(id_a, time_a), header(id_b, time_b));
+}
+
+TEST(IsBefore, WantsHeaderIdAndTimestampToSaySo) {
+  constexpr std::string_view kNow = R"("2026-01-02T03:04:05.678Z")";
+  constexpr std::string_view kEarlier = R"("2026-01-02T03:04:04.678Z")";
+  EXPECT_TRUE(IsBefore("6", kEarlier, "7", kNow));
+  EXPECT_TRUE(IsBefore("7", kEarlier, "7", kNow));
+  EXPECT_TRUE(IsBefore("6", kNow, "7", kNow)) << "some write whole seconds";
+  EXPECT_FALSE(IsBefore("7", kNow, "7", kNow));
+  EXPECT_FALSE(IsBefore("0", kNow, "7", kEarlier)) << "restarted";
+  EXPECT_FALSE(IsBefore("8", kEarlier, "7", kNow)) << "its clock was set back";
+  EXPECT_FALSE(IsBefore("null", kEarlier, "7", kNow));
+  EXPECT_FALSE(IsBefore("6", R"("yesterday")", "7", kNow));
+  EXPECT_FALSE(IsBefore("6", kEarlier, "null", "null"));
+}
+
+TEST(IsBefore, ReadsWhatRobotsWrite) {
+  EXPECT_TRUE(IsBefore("1767323044678", "1", "1767323045678", "2")) << "ids beyond 32 bits";
+  for (const auto& [earlier, later] :
+       {std::pair(R"("2026-01-02T03:04:04")", R"("2026-01-02T03:04:05")"),
+        std::pair(R"("2026-01-02 03:04:04.1")", R"("2026-01-02 03:04:04.2")"),
+        std::pair(R"("2026-01-02T03:04:04+0100")", R"("2026-01-02T03:04:04Z")"),
+        std::pair("1767323044678", "1767323045678")}) {
+    EXPECT_TRUE(IsBefore("6", earlier, "7", later)) << earlier;
+    EXPECT_FALSE(IsBefore("6", later, "7", earlier)) << earlier;
+  }
+}
+
+TEST(ReadState, ReadsWhatCanOnlyMeanOneThing) {
+  const auto read = [](std::string_view payload) {
+    const auto state = ReadState(payload);
+    return state ? state->order_id + "/" + state->operating_mode : state.error().message;
+  };
+  EXPECT_EQ(read(std::string_view("{\"orderId\":\"o\"}\0\0\0", 16)), "o/");
+  EXPECT_EQ(read("{\"orderId\":\"F\xFC\xDF\"}"), "F\uFFFD\uFFFD/");
+  EXPECT_EQ(read(R"({"orderId":"o","orderId":"p","batteryState":{"batteryCharge":NaN}})"), "p/");
+  for (const std::string_view payload :
+       {R"([{"orderId":"o"}])", R"({"orderId":"o")", R"({"orderId":"o"} {})", "o"}) {
+    EXPECT_FALSE(ReadState(payload)) << payload;
+  }
 }
 
 TEST(FindActionState, LooksInBothArrays) {
@@ -229,7 +260,8 @@ TEST(ReadConnection, NormalisesTheConnectionState) {
       {"connectionBroken", "CONNECTION_BROKEN"},
       {"CONNECTION_BROKEN", "CONNECTION_BROKEN"},
       {"Hibernating", "HIBERNATING"},
-      {"DISCONNECTED", "DISCONNECTED"},
+      {"DISCONNECTED", "OFFLINE"},
+      {"SLEEPING", "SLEEPING"},
   };
   for (const auto& [text, normal] : cases) {
     const auto message = ReadConnection("{\"connectionState\":\"" + std::string(text) + "\"}");

@@ -48,8 +48,10 @@ TEST_F(RosterTest, FindsWhomItAdmitsEachInItsOwnDialect) {
   EXPECT_EQ(directory.Deliver("uagv/v2/ABC/0001/connection", Connection("2.1.0", "ONLINE"),
                               Origin::kRetained),
             nullptr);
-  EXPECT_EQ(directory.Deliver("uagv/v2/KIT/0002/connection", "no JSON", Origin::kRetained),
-            nullptr);
+  const auto* broken =
+      directory.Deliver("uagv/v2/KIT/0002/connection", "no JSON", Origin::kRetained);
+  ASSERT_NE(broken, nullptr);
+  EXPECT_NE(broken->connection->fault, "") << "there is a robot, and why it is not known how";
   EXPECT_EQ(directory.online(), 1U);
 }
 
@@ -99,7 +101,54 @@ TEST_F(RosterTest, JudgesConditionsByTheTopicThatTheyAreAbout) {
   EXPECT_EQ(entry->unmet[0], "");
   directory.Deliver("uagv/v2/KIT/0001/state", Message("2.1.0", R"("paused":false)"),
                     Origin::kRetained);
-  EXPECT_EQ(entry->unmet[0], "") << "what was retained is older than what was heard";
+  EXPECT_EQ(entry->unmet[0], "") << "what was retained is the past";
+}
+
+TEST_F(RosterTest, DecidesNothingByARetainedState) {
+  RobotDirectory directory = Open();
+  const auto* entry = directory.Deliver("uagv/v2/KIT/0001/connection",
+                                        Connection("2.1.0", "ONLINE"), Origin::kRetained);
+  directory.Deliver("uagv/v2/KIT/0001/state",
+                    Message("2.1.0", R"("paused":true,"operatingMode":"MANUAL")"),
+                    Origin::kRetained);
+  EXPECT_FALSE(entry->state_heard);
+  EXPECT_FALSE(entry->unmet[0].has_value());
+  EXPECT_EQ(entry->Known().operating_mode, "");
+  directory.Deliver("uagv/v2/KIT/0001/state",
+                    Message("2.1.0", R"("paused":true,"operatingMode":"manual")"), Origin::kLive);
+  EXPECT_EQ(entry->Known().operating_mode, "MANUAL") << "which the check heeds";
+}
+
+TEST_F(RosterTest, BelievesThePlaceAtWhichARobotSpeaks) {
+  RobotDirectory directory = Open();
+  directory.Deliver("vda5050/v3/KIT/0001/factsheet", Message("3.0.0", R"("protocolLimits":{})"),
+                    Origin::kRetained);
+  const auto* entry = directory.Deliver("uagv/v2/KIT/0001/connection",
+                                        Connection("2.1.0", "ONLINE", 30), Origin::kRetained);
+  directory.Deliver("vda5050/v3/KIT/0001/connection", Connection("3.0.0", "ONLINE", 1),
+                    Origin::kRetained);
+  EXPECT_EQ(entry->Spoken()->version, Version::k210) << "the newer, while nothing tells them apart";
+  EXPECT_EQ(entry->Known().other_topic, "vda5050/v3/KIT/0001/connection");
+  EXPECT_EQ(entry->factsheet, nullptr) << "nothing is mixed";
+  directory.Deliver("vda5050/v3/KIT/0001/state", Message("3.0.0", R"("paused":true)", 2),
+                    Origin::kLive);
+  EXPECT_EQ(entry->Spoken()->version, Version::k300);
+  EXPECT_NE(entry->factsheet, nullptr);
+  EXPECT_EQ(entry->Known().other_topic, "");
+  EXPECT_EQ(entry->unmet[0], "");
+  EXPECT_EQ(entry->unmet[1], "version is \"3.0.0\"");
+  EXPECT_EQ(directory.online(), 1U);
+}
+
+TEST_F(RosterTest, SaysWhyAFactsheetCannotBeRead) {
+  RobotDirectory directory = Open();
+  directory.Deliver("uagv/v2/KIT/0001/connection", Connection("2.1.0", "ONLINE"),
+                    Origin::kRetained);
+  const auto* entry =
+      directory.Deliver("uagv/v2/KIT/0001/factsheet", R"({"protocolLimits":)", Origin::kRetained);
+  ASSERT_NE(entry, nullptr);
+  EXPECT_EQ(entry->Spoken()->version, Version::k210);
+  EXPECT_NE(entry->Known().factsheet_fault, "");
 }
 
 }  // namespace

@@ -108,9 +108,13 @@ TEST_F(ResponseTracker, EndsAFactsheetRequestByALiveFactsheet) {
   EXPECT_TRUE(Now().seen);
 }
 
-TEST_F(ResponseTracker, EndsAFactsheetRequestByFinishedToo) {
+TEST_F(ResponseTracker, DoesNotEndAFactsheetRequestWithoutTheFactsheet) {
   FollowAndPublish("factsheetRequest");
   HearActions(Entry(kId, "FINISHED"));
+  HearActions("");
+  EXPECT_EQ(Ending(), "WAITING");
+  EXPECT_THAT(Told(), ::testing::HasSubstr("no factsheet"));
+  Hear("factsheet", R"({"version":"3.0.0"})");
   EXPECT_EQ(Ending(), "FINISHED");
 }
 
@@ -155,6 +159,30 @@ TEST_F(ResponseTracker, DoesNotTakeAnEmptyListForAClearedOne) {
   HearActions("");
   HearState(R"("actionStates":[])");
   EXPECT_EQ(Ending(), "WAITING");
+}
+
+TEST_F(ResponseTracker, TakesNoClearedListFromAnOlderState) {
+  FollowAndPublish("clearInstantActions");
+  const auto state = [&](int id, std::string_view time, std::string_view entries) {
+    HearState(fmt::format(R"("headerId":{},"timestamp":"{}","instantActionStates":[{}])", id, time,
+                          entries));
+  };
+  state(70, "2026-01-02T03:04:09.5Z", Entry(kOther, "FINISHED"));
+  state(69, "2026-01-02T03:04:09.4Z", "");
+  EXPECT_EQ(Ending(), "WAITING");
+  state(71, "2026-01-02T03:04:09.6Z", "");
+  EXPECT_EQ(Ending(), "FINISHED");
+}
+
+TEST_F(ResponseTracker, KnowsTheWordsForACoordinatedEnd) {
+  for (const std::string_view word : {"DISCONNECTED", "offline", "Disconnected"}) {
+    FollowAndPublish("shutdown");
+    HearConnection(word);
+    EXPECT_EQ(Ending(), "FINISHED") << word;
+    FollowAndPublish("startPause");
+    HearConnection(word);
+    EXPECT_EQ(Ending(), "OFFLINE") << word;
+  }
 }
 
 // ── accepted ──
