@@ -8,12 +8,14 @@
 #include <cstdlib>
 #include <map>
 
+#include "app/batch_line.h"
+#include "app/targets.h"
 #include "base/json.h"
 #include "base/text.h"
 #include "base/time.h"
-#include "cli/batch_line.h"
+#include "cli/options/target_options.h"
+#include "cli/output/output.h"
 #include "cli/parser/option_set.h"
-#include "cli/targets.h"
 #include "delivery/validate.h"
 #include "ledger/ledger_support.h"
 #include "mqtt/broker_url.h"
@@ -64,12 +66,11 @@ TEST(AnyRobotAddress, MeansThatRobotAloneWhereverItIsReadBack) {
     RC_ASSERT(set.Parse("pause", arguments) == cli::OptionSet::Asked::kRun);
     RC_ASSERT(options.words == std::vector{word});
     cli::Output output({.quiet = true});
-    const auto read =
-        cli::ParseTargetSpec(options.words, {cli::GlobalOptions(), output, config::Config()});
+    const auto read = app::ParseTargetSpec(options.words, config::Config(), output);
     RC_ASSERT(read.has_value());
     RC_ASSERT(read->patterns.empty() && read->set.empty());
     RC_ASSERT(read->robots == std::vector{robot});
-    const auto in_batch = cli::AsWritten(word);
+    const auto in_batch = app::AsWritten(word);
     RC_ASSERT(in_batch.has_value() && in_batch->robot == robot);
   }));
 }

@@ -2,8 +2,10 @@
 
 #include <memory>
 
+#include "app/send_command.h"
+#include "cli/environment.h"
+#include "cli/output/sending_observer.h"
 #include "cli/parser/option_set.h"
-#include "cli/robot_sending.h"
 #include "vda5050/rules/preflight.h"
 #include "vda5050/tracking/action_tracker.h"
 
@@ -14,7 +16,7 @@ using vda5050::Dialect;
 using vda5050::InstantAction;
 using vda5050::RobotAddress;
 
-class InstantMessage final : public RobotMessage {
+class InstantMessage final : public app::RobotMessage {
  public:
   InstantMessage(InstantAction action, bool has_given_id)
       : action_(std::move(action)), has_given_id_(has_given_id) {
@@ -37,7 +39,7 @@ class InstantMessage final : public RobotMessage {
     return vda5050::CheckRobot(robot, dialect, {&named, 1}, known, bytes);
   }
 
-  [[nodiscard]] Result<std::unique_ptr<message::ResponseTracker>> Confirm(
+  [[nodiscard]] Result<std::unique_ptr<message::ResponseTracker>> Track(
       const RobotAddress& robot, const Dialect& dialect, const message::Command& command,
       vda5050::WaitFor wait_for) const override {
     const message::ActionRef& action = command.actions.front();
@@ -66,32 +68,45 @@ void DeclareInstantSendingOptions(OptionSet& set, InstantSendingOptions& options
   DeclareVdaOptions(set, options.instant.vda);
 }
 
+Result<ExitCode> SendToRobots(const app::CommandRequest& request, const app::SendSettings& settings,
+                              const Context& context) {
+  using Show = SendingObserver::Show;
+  SendingObserver observer(context.output,
+                           request.targets.IsSet() ? Show::kResultsAndProgress : Show::kResults);
+  auto sent = app::SendCommand(request, settings, MakeEnvironment(context), observer);
+  if (!sent) return Fail(std::move(sent.error()));
+  return observer.Conclude();
+}
+
 Result<ExitCode> SendInstantAction(const InstantSendingOptions& options, std::string_view type,
                                    std::vector<vda5050::Parameter> parameters,
                                    const Context& context) {
-  const auto waiting = WaitingOf(options.waiting);
+  const auto waiting = ParseWaitingOptions(options.waiting);
   if (!waiting) return Fail(waiting.error());
-  auto targets = TargetsOf(options.targets, context);
+  auto target_request = ParseTargetOptions(options.targets);
+  if (!target_request) return Fail(std::move(target_request.error()));
+  auto targets = app::ResolveTargets(*std::move(target_request), context.config, context.output);
   if (!targets) return Fail(std::move(targets.error()));
-  auto resolver = DialectResolver::For(options.instant.vda, context.config);
+  auto resolver = app::DialectResolver::For(options.instant.vda, context.config);
   if (!resolver) return Fail(std::move(resolver.error()));
   const auto action = ActionOf(options.instant, type, std::move(parameters),
                                targets->IsSet() ? 2 : targets->include.robots.size());
   if (!action) return Fail(action.error());
   const auto header_id = HeaderIdOf(options.instant.header_id);
   if (!header_id) return Fail(header_id.error());
+  const auto settings = ParseSendingOptions(options.sending);
+  if (!settings) return Fail(settings.error());
   return SendToRobots({.targets = *std::move(targets),
                        .resolver = *std::move(resolver),
-                       .needs_consent = ConsentFor(type),
+                       .needs_consent = app::DecideConsent(type),
                        .header_id = *header_id,
                        .make_message =
                            [&] {
                              return std::make_unique<InstantMessage>(
                                  *action, options.instant.id.has_value());
                            },
-                       .options = options.sending,
                        .waiting = *waiting},
-                      context);
+                      *settings, context);
 }
 
 }  // namespace fleetpub::cli

@@ -5,12 +5,14 @@
 #include <string_view>
 #include <vector>
 
+#include "app/send_command.h"
 #include "base/result.h"
+#include "cli/options/global_options.h"
+#include "cli/options/sending_options.h"
+#include "cli/options/target_options.h"
 #include "cli/options/vda_options.h"
 #include "cli/options/wait_options.h"
 #include "cli/output/exit_code.h"
-#include "cli/sending.h"
-#include "cli/targets.h"
 #include "vda5050/catalogue/parameter.h"
 
 namespace fleetpub::cli {
@@ -26,6 +28,11 @@ struct InstantSendingOptions {
 };
 
 void DeclareInstantSendingOptions(OptionSet& set, InstantSendingOptions& options);
+
+/// Prints a result for each robot as it becomes known, and a summary when a word stands for several.
+[[nodiscard]] Result<ExitCode> SendToRobots(const app::CommandRequest& request,
+                                            const app::SendSettings& settings,
+                                            const Context& context);
 
 [[nodiscard]] Result<ExitCode> SendInstantAction(const InstantSendingOptions& options,
                                                  std::string_view type,

@@ -7,14 +7,12 @@
 #include "base/text.h"
 #include "base/time.h"
 #include "cli/parser/option_set.h"
-#include "cli/targets.h"
-#include "mqtt/paho/paho_transport.h"
 
 namespace fleetpub::cli {
 
 using std::chrono::milliseconds;
 
-void DeclareTopicOptions(OptionSet& set, VdaOptions& options) {
+void DeclareTopicOptions(OptionSet& set, app::VdaOptions& options) {
   set.AddOption("--interface", options.interface_name, "First topic level [any]")
       .Type("NAME")
       .Variable("FLEETPUB_INTERFACE")
@@ -32,45 +30,37 @@ void DeclareFleetOptions(OptionSet& set, FleetOptions& options) {
   DeclareTopicOptions(set, options.vda);
 }
 
-std::string NameOf(const FleetOptions& options) {
-  return options.words.empty() ? "all" : base::Printable(base::Join(options.words, " "));
-}
-
-Result<vda5050::FleetView> FleetViewOf(const FleetOptions& options, const Context& context) {
-  const auto dialect = DialectOf(Configured(options.vda, context.config));
-  if (!dialect) return Fail(dialect.error());
-  auto words = ParseTargetSpec(options.words, context);
-  if (!words) return Fail(std::move(words.error()));
-  auto patterns = std::move(words->patterns);
-  for (const vda5050::RobotAddress& robot : words->robots) {
-    patterns.push_back(vda5050::RobotPattern::Of(robot));
-  }
-  return vda5050::FleetView(dialect->topics, std::move(patterns));
-}
-
-std::string AbridgedWarning(std::size_t robots) {
-  return fmt::format(
-      "robots say more than is kept: of {} of them the worst error is shown, texts are cut with "
-      "…, and requests are left out. try: fewer TARGETs",
-      robots);
-}
-
-delivery::ConnectHook ConnectHookOf(mqtt::ConnectOptions options) {
-  return [options = std::move(options)](mqtt::Deadline deadline) {
-    mqtt::ConnectOptions timely = options;
-    const auto left = std::chrono::ceil<milliseconds>(deadline - std::chrono::steady_clock::now());
-    timely.connect_timeout = std::clamp(left, milliseconds(1), options.connect_timeout);
-    return mqtt::ConnectPaho(timely);
-  };
-}
-
-Result<delivery::RetainedOptions> DiscoverOf(const std::string& text) {
+Result<delivery::RetainedOptions> ParseDiscover(const std::string& text) {
   const auto quiet = base::ParseDuration(text, milliseconds(1));
   if (!quiet) return Fail(quiet.error());
   delivery::RetainedOptions options;
   options.quiet = *quiet;
   options.most = std::max(options.most, *quiet);
   return options;
+}
+
+void DeclareFleetDiscoveryOptions(OptionSet& set, FleetDiscoveryOptions& options) {
+  DeclareFleetOptions(set, options.fleet);
+  set.AddOption("--state-wait", options.state_wait,
+                fmt::format("How long to wait for the states of robots that are online [{}]",
+                            options.state_wait))
+      .Type("TIME")
+      .Group("Waiting");
+  set.AddOption("--discover", options.discover,
+                "Silence in ms after which a retained message is not there [300]")
+      .Type("MS")
+      .Group("Waiting");
+}
+
+Result<app::FleetRequest> ParseFleetDiscoveryOptions(const FleetDiscoveryOptions& options) {
+  auto discover = ParseDiscover(options.discover);
+  if (!discover) return Fail(std::move(discover.error()));
+  const auto state_wait = base::ParseDuration(options.state_wait);
+  if (!state_wait) return Fail(state_wait.error());
+  return app::FleetRequest{.words = options.fleet.words,
+                           .vda = options.fleet.vda,
+                           .discover = *discover,
+                           .state_wait = *state_wait};
 }
 
 }  // namespace fleetpub::cli

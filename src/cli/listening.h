@@ -1,48 +1,45 @@
-// What the commands that listen have in common: whose topics, and a connection that comes back.
+// What the commands that listen have in common: whose topics, and how long.
 #pragma once
 
-#include <chrono>
 #include <string>
 #include <vector>
 
+#include "app/fleet_discovery.h"
 #include "base/result.h"
 #include "cli/options/global_options.h"
 #include "cli/options/vda_options.h"
-#include "delivery/connect_hook.h"
 #include "delivery/retained.h"
-#include "vda5050/model/robot_pattern.h"
-#include "vda5050/reports/fleet_view.h"
 
 namespace fleetpub::cli {
 
 class OptionSet;
 
 /// `--interface` and `--topic-template`.
-void DeclareTopicOptions(OptionSet& set, VdaOptions& options);
+void DeclareTopicOptions(OptionSet& set, app::VdaOptions& options);
 
 /// Options of `fleet` and `watch`.
 struct FleetOptions {
   std::vector<std::string> words;  ///< none: all
-  VdaOptions vda;
+  app::VdaOptions vda;
 };
 
 /// The robots and the topics' options.
 void DeclareFleetOptions(OptionSet& set, FleetOptions& options);
 
-/// The words as a person reads them; `all` without any.
-[[nodiscard]] std::string NameOf(const FleetOptions& options);
-
-/// An empty view for these options. Errors: ErrorKind::kUsage.
-[[nodiscard]] Result<vda5050::FleetView> FleetViewOf(const FleetOptions& options,
-                                                     const Context& context);
-
-/// What to say when so many robots' states could not be kept whole (FleetView::abridged).
-[[nodiscard]] std::string AbridgedWarning(std::size_t robots);
-
-/// Connects as these options say; at most the connect timeout and the deadline.
-[[nodiscard]] delivery::ConnectHook ConnectHookOf(mqtt::ConnectOptions options);
-
 /// `--discover`: a number of milliseconds. Errors: ErrorKind::kUsage.
-[[nodiscard]] Result<delivery::RetainedOptions> DiscoverOf(const std::string& text);
+[[nodiscard]] Result<delivery::RetainedOptions> ParseDiscover(const std::string& text);
+
+/// Options of those that look around once.
+struct FleetDiscoveryOptions {
+  FleetOptions fleet;
+  std::string discover = "300";
+  std::string state_wait = "2s";
+};
+
+void DeclareFleetDiscoveryOptions(OptionSet& set, FleetDiscoveryOptions& options);
+
+/// Errors: ErrorKind::kUsage.
+[[nodiscard]] Result<app::FleetRequest> ParseFleetDiscoveryOptions(
+    const FleetDiscoveryOptions& options);
 
 }  // namespace fleetpub::cli

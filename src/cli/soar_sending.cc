@@ -6,6 +6,8 @@
 
 #include "base/text.h"
 #include "base/time.h"
+#include "cli/environment.h"
+#include "cli/output/sending_observer.h"
 #include "cli/parser/option_set.h"
 #include "soar/acknowledgement_tracker.h"
 
@@ -50,9 +52,11 @@ Result<ExitCode> SendSoarMessage(const SoarSendingOptions& options, soar::Messag
   if (!waiting) return Fail(waiting.error());
 
   message::Command command = soar::BuildMessage(type, *destination, *sender, payload);
-  Outgoing outgoing;
+  const auto settings = ParseSendingOptions(options.sending);
+  if (!settings) return Fail(settings.error());
+  std::optional<delivery::WaitOptions> wait;
   if (waiting->wait_for) {
-    outgoing.wait = waiting->wait;
+    wait = waiting->wait;
     command.tracker = soar::TrackAcknowledgements(
         {.message_id = command.actions.front().id,
          .topics = waiting->topics.empty()
@@ -63,8 +67,11 @@ Result<ExitCode> SendSoarMessage(const SoarSendingOptions& options, soar::Messag
          .count = waiting->count,
          .on_level = LevelTeller(destination->name, context.output)});
   }
-  outgoing.commands.push_back(std::move(command));
-  return SendCommands(std::move(outgoing), options.sending, context);
+  SendingObserver observer(context.output, SendingObserver::Show::kResults);
+  auto sent =
+      app::SendPrepared({std::move(command)}, *settings, wait, MakeEnvironment(context), observer);
+  if (!sent) return Fail(std::move(sent.error()));
+  return observer.Conclude();
 }
 
 }  // namespace fleetpub::cli

@@ -4,9 +4,10 @@
 #include <string_view>
 
 #include "base/result.h"
+#include "cli/options/global_options.h"
+#include "cli/options/sending_options.h"
 #include "cli/options/soar_options.h"
 #include "cli/output/exit_code.h"
-#include "cli/sending.h"
 
 namespace fleetpub::cli {
 

@@ -30,6 +30,16 @@ constexpr std::size_t kMostIdle = 5'000;
 
 }  // namespace
 
+void ReportNotSent(std::span<const message::Command> commands, const Error& error,
+                   const ReportSink& sink) {
+  for (const message::Command& command : commands) {
+    message::Report report = message::ReportOn(command);
+    report.error = error.kind;
+    report.message = "not sent: " + error.message;
+    sink(report);
+  }
+}
+
 CommandSession::CommandSession(std::unique_ptr<mqtt::Transport>& transport, ledger::Ledger& ledger,
                                const SendOptions& send, const WaitOptions& wait, SessionHooks hooks)
     : transport_(transport),
@@ -279,8 +289,15 @@ void CommandSession::TellEnded() {
   for (const message::Report& ended : std::exchange(ended_, {})) hooks_.report(ended);
 }
 
+// Puts the reports' statuses into the audit trail.
 void CommandSession::Record(std::span<const message::Report> reports) {
-  auto recorded = RecordOutcomes(reports, ledger_);
+  std::vector<ledger::Outcome> outcomes;
+  outcomes.reserve(reports.size());
+  for (const message::Report& report : reports) {
+    if (report.ledger_row == 0) continue;  // it came to nothing before it was recorded
+    outcomes.push_back({report.ledger_row, std::string(NameOf(report.status)), report.message});
+  }
+  auto recorded = ledger_.RecordOutcomes(outcomes);
   if (!recorded && trouble_) trouble_ = std::move(recorded);
 }
 

@@ -17,10 +17,17 @@
 #include "delivery/connect_hook.h"
 #include "delivery/pending_commands.h"
 #include "delivery/publish_pipeline.h"
-#include "delivery/send.h"
 #include "message/command.h"
+#include "message/report.h"
 
 namespace fleetpub::delivery {
+
+/// Called with each report as it becomes known.
+using ReportSink = std::function<void(const message::Report&)>;
+
+/// Tells that nothing was sent to these, and why.
+void ReportNotSent(std::span<const message::Command> commands, const Error& error,
+                   const ReportSink& sink);
 
 struct SessionHooks {
   ReportSink report;

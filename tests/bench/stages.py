@@ -17,8 +17,8 @@ import sys
 # stage → its functions (of `A|B` the first that is there), and a stage that is within it. What else is below main is `rest`; what is not, `start`.
 STAGES = {
     "start": ([], None),
-    "arguments": (["cli::Call::Read", "cli::Call::Configure", "cli::TargetsOf", "cli::RosterOf"], None),
-    "build": (["cli::CommandMaker::Judge", "cli::RobotSender::Next|cli::CommandMaker::Make"], "validate"),
+    "arguments": (["cli::Call::Read", "cli::Call::Configure", "app::ResolveTargets", "app::MakeDirectory"], None),
+    "build": (["app::CommandFactory::Validate", "CommandSender::Next|app::CommandFactory::Build"], "validate"),
     "validate": (["dispatch::Validate"], None),
     "open ledger": (["cli::OpenLedger"], None),
     "connect": (["mqtt::ConnectPaho"], None),
@@ -30,7 +30,7 @@ STAGES = {
                  "mqtt::PahoTransport::AwaitAcknowledgements"], None),
     "outcome": (["ledger::SqliteLedger::RecordOutcomes"], None),
     "report": (["cli::Reporter::Show"], None),
-    "close": (["mqtt::PahoTransport::Disconnect", "cli::RobotSender::~RobotSender|mqtt::PahoTransport::~PahoTransport",
+    "close": (["mqtt::PahoTransport::Disconnect", "mqtt::PahoTransport::~PahoTransport",
                "ledger::SqliteLedger::~SqliteLedger"], None),
     "rest": ([], None),
 }

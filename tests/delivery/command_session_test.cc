@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 
 #include "support/fake_ledger.h"
+#include "support/fake_tracker.h"
 #include "support/fake_transport.h"
 
 namespace fleetpub::delivery {
@@ -97,28 +98,17 @@ TEST_F(Streaming, ConnectsAgainAndSendsNothingTwice) {
   EXPECT_THAT(reports_, ElementsAre("#1 SENT "));
 }
 
-// Awaits its robot, or is at its end once it has left.
-class OfOneRobot final : public message::ResponseTracker {
- public:
-  OfOneRobot(int robot, bool ends) : topic_("state/" + std::to_string(robot)), ends_(ends) {}
-  std::vector<std::string> Topics() const override { return {topic_}; }
-  void Published(std::uint32_t /*header_id*/) override {
-    if (ends_)
-      progress_ = {.seen = true, .ended = true, .status = message::CommandStatus::kFinished};
-  }
-  void Receive(const message::Incoming& /*message*/) override {}
-  const message::Progress& progress() const override { return progress_; }
-
- private:
-  std::string topic_;
-  bool ends_;
-  message::Progress progress_;
-};
+std::shared_ptr<message::ResponseTracker> Tracker(int robot, bool ends) {
+  using testing::FakeTracker;
+  return std::make_shared<FakeTracker>(
+      "state/" + std::to_string(robot),
+      ends ? FakeTracker::Ends::kOncePublished : FakeTracker::Ends::kNever);
+}
 
 TEST_F(Streaming, GoesOnWaitingWhenAnAcknowledgementIsLost) {
   const auto stream = Open({.qos = mqtt::Qos::kAtLeastOnce});
   std::vector<message::Command> commands = Commands(1);
-  commands.front().tracker = std::make_shared<OfOneRobot>(0, false);
+  commands.front().tracker = Tracker(0, false);
   fake_->await_error = Error{ErrorKind::kBroker, "broker: connection lost"};
   EXPECT_FALSE(stream->Send(commands));
   EXPECT_THAT(reports_, IsEmpty()) << "the robot may have it, and say so";
@@ -134,7 +124,7 @@ TEST_F(Streaming, EndsSubscriptionsThatNobodyAwaits) {
   const auto stream = Open();
   const auto send = [&](int robot, bool ends) {
     std::vector<message::Command> commands = Commands(1);
-    commands.front().tracker = std::make_shared<OfOneRobot>(robot, ends);
+    commands.front().tracker = Tracker(robot, ends);
     ASSERT_TRUE(stream->Send(commands));
   };
   send(-1, false);
@@ -153,7 +143,7 @@ TEST_F(Streaming, LetsOneForbiddenTopicStopNobodyElse) {
   fake_->forbidden = "state/1";
   std::vector<message::Command> commands = Commands(3);
   for (int robot = 0; robot < 3; ++robot) {
-    commands[static_cast<std::size_t>(robot)].tracker = std::make_shared<OfOneRobot>(robot, true);
+    commands[static_cast<std::size_t>(robot)].tracker = Tracker(robot, true);
   }
   EXPECT_FALSE(stream->Send(commands));
   EXPECT_THAT(reports_, ElementsAre("#0 FINISHED ", "#1 ERROR not sent: broker refuses state/1",

@@ -1,5 +1,5 @@
 // A line of a batch. What it makes has been validated, and is JSON whatever id and time it gets.
-#include "cli/batch_line.h"
+#include "app/batch_line.h"
 
 #include "base/json.h"
 #include "fuzz/fuzz.h"
@@ -7,8 +7,8 @@
 using namespace fleetpub;
 
 FUZZ(text) {
-  static cli::LineParser parser({}, "");
-  cli::LineOrigin origin;
+  static app::LineParser parser({}, "");
+  app::LineOrigin origin;
   const auto line = parser.Parse(text, origin);
   if (!line) {
     fuzz::Require(!line.error().message.empty());

@@ -1,12 +1,16 @@
 // A connection to a broker that is not there, through the production interface.
 #pragma once
 
+#include <algorithm>
 #include <chrono>
+#include <deque>
 #include <functional>
+#include <map>
 #include <set>
 #include <string>
 #include <vector>
 
+#include "delivery/topic_filter.h"
 #include "mqtt/transport.h"
 #include "support/journal.h"
 
@@ -28,8 +32,9 @@ class FakeTransport : public mqtt::Transport {
   bool is_distant = false;
   std::optional<Error> await_error;
   std::optional<Error> ready_error;
-  std::size_t largest = 1'000'000;  ///< payload that is admitted
-  std::string forbidden;            ///< the filter that may not be subscribed
+  std::size_t largest = 1'000'000;              ///< payload that is admitted
+  std::string forbidden;                        ///< the filter that may not be subscribed
+  std::map<std::string, std::string> retained;  ///< payloads by topic, for whoever subscribes
 
   [[nodiscard]] const std::vector<mqtt::Message>& published() const { return published_; }
   [[nodiscard]] const std::set<std::string>& subscribed() const { return subscribed_; }
@@ -41,6 +46,13 @@ class FakeTransport : public mqtt::Transport {
       if (filter == forbidden) return Fail(ErrorKind::kBroker, "broker refuses " + filter);
     }
     subscribed_.insert(filters.begin(), filters.end());
+    for (const auto& [topic, payload] : retained) {
+      if (std::any_of(filters.begin(), filters.end(), [&name = topic](const std::string& filter) {
+            return delivery::Matches(filter, name);
+          })) {
+        incoming_.push_back({.topic = topic, .payload = payload, .retained = true});
+      }
+    }
     return {};
   }
   Status Unsubscribe(std::span<const std::string> filters, mqtt::Deadline /*deadline*/) override {
@@ -88,7 +100,10 @@ class FakeTransport : public mqtt::Transport {
 
   int in_flight() const override { return static_cast<int>(in_flight_.size()); }
   Result<std::optional<mqtt::Message>> Receive(mqtt::Deadline /*deadline*/) override {
-    return std::optional<mqtt::Message>();
+    if (incoming_.empty()) return std::optional<mqtt::Message>();
+    std::optional<mqtt::Message> next = std::move(incoming_.front());
+    incoming_.pop_front();
+    return next;
   }
   void Cork(bool /*on*/) override {}
   void WakeOn(std::span<const int> /*descriptors*/) override {}
@@ -98,6 +113,7 @@ class FakeTransport : public mqtt::Transport {
   Journal& journal_;
   mqtt::ServerInfo server_;
   std::set<std::string> subscribed_;
+  std::deque<mqtt::Message> incoming_;
   std::vector<mqtt::Message> published_;
   std::vector<int> in_flight_;
 };

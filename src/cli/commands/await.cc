@@ -6,15 +6,16 @@
 #include <map>
 #include <memory>
 
+#include "app/robot_discovery.h"
+#include "app/targets.h"
 #include "base/json.h"
 #include "base/text.h"
 #include "base/time.h"
+#include "cli/environment.h"
 #include "cli/listening.h"
 #include "cli/output/interrupt.h"
 #include "cli/parser/option_set.h"
 #include "cli/parser/subcommand.h"
-#include "cli/roll_call.h"
-#include "cli/targets.h"
 #include "delivery/subscription.h"
 #include "mqtt/paho/paho_transport.h"
 #include "vda5050/reports/condition.h"
@@ -32,7 +33,7 @@ struct Options {
   std::string topic;
   std::vector<std::string> conditions;
   std::string timeout = "10m";
-  VdaOptions vda;
+  app::VdaOptions vda;
 };
 
 struct Wish {
@@ -48,9 +49,9 @@ struct Wish {
 Status Listen(const Options& o, const RobotAddress& robot, const config::Config& config,
               Wish& wish) {
   // A version that the configuration names is none that the robot must keep to here.
-  VdaOptions vda = Configured(o.vda, config, robot);
+  app::VdaOptions vda = app::Configured(o.vda, config, robot);
   vda.version = o.vda.version;
-  const auto dialect = DialectOf(vda);
+  const auto dialect = app::ParseDialect(vda);
   if (!dialect) return Fail(dialect.error());
   const vda5050::TopicScheme& scheme = dialect->topics;
   if (std::find(wish.schemes.begin(), wish.schemes.end(), scheme) == wish.schemes.end()) {
@@ -87,20 +88,20 @@ void WarnOfTopic(const std::string& topic, Output& output) {
 
 // Those that the word means; a pattern's are those that the broker knows now.
 Result<std::vector<RobotAddress>> RobotsMeant(const Options& o, const Context& context) {
-  auto words = ParseTargetSpec({o.target}, context);
+  auto words = app::ParseTargetSpec({o.target}, context.config, context.output);
   if (!words) return Fail(std::move(words.error()));
   if (words->patterns.empty()) return std::move(words->robots);
-  const auto dialect = DialectOf(Configured(o.vda, context.config));
+  const auto dialect = app::ParseDialect(app::Configured(o.vda, context.config));
   if (!dialect) return Fail(dialect.error());
   const auto connect = ConnectOptionsOf(context);
   if (!connect) return Fail(connect.error());
   const auto transport = mqtt::ConnectPaho(*connect);
   if (!transport) return Fail(transport.error());
-  auto robots = AllRobots(**transport, dialect->topics, {});
+  auto robots = app::ListAllRobots(**transport, dialect->topics, {});
   (*transport)->Disconnect();
   std::erase_if(robots,
                 [&](const RobotAddress& robot) { return !words->patterns.front().Matches(robot); });
-  WarnOfNames(robots, context.output);
+  app::WarnOfEscapedNames(robots, context.output);
   if (!robots.empty()) return robots;
   return Fail(ErrorKind::kPreflight,
               fmt::format("the broker knows no robot {}", base::Printable(o.target)));
@@ -150,7 +151,7 @@ class Awaiter {
         [&](const Error& error) { output.Warn(error.message + ": connecting again"); },
         [&] { output.Warn("connected again"); }};
     // To connect may take its own time, however short the wait.
-    auto listener = delivery::Subscription::Open(wish_.filters, ConnectHookOf(*connect), hooks,
+    auto listener = delivery::Subscription::Open(wish_.filters, MakeConnectHook(*connect), hooks,
                                                  std::max(end, start_ + connect->connect_timeout));
     if (!listener) return Fail(std::move(listener.error()));
     for (const RobotAddress& robot : wish_.robots) left_[robot];

@@ -6,22 +6,23 @@
 #include <algorithm>
 #include <memory>
 
+#include "app/batch_input.h"
+#include "app/dry_run.h"
+#include "app/targets.h"
 #include "base/line_reader.h"
 #include "base/text.h"
 #include "base/time.h"
-#include "cli/batch_input.h"
+#include "cli/environment.h"
 #include "cli/listening.h"
+#include "cli/options/sending_options.h"
 #include "cli/options/soar_options.h"
 #include "cli/options/vda_options.h"
 #include "cli/options/wait_options.h"
-#include "cli/output/dry_run.h"
+#include "cli/output/exit_code.h"
 #include "cli/output/stop_signal.h"
 #include "cli/parser/option_set.h"
 #include "cli/parser/subcommand.h"
-#include "cli/sending.h"
-#include "cli/targets.h"
-#include "delivery/command_session.h"
-#include "delivery/rate_limiter.h"
+#include "delivery/send_all.h"
 #include "mqtt/paho/paho_transport.h"
 
 namespace fleetpub::cli {
@@ -31,8 +32,6 @@ using message::Command;
 using message::Report;
 using std::chrono::steady_clock;
 
-// So many wait for their robots at once: more are not read.
-constexpr std::size_t kMostWaiting = 10'000;
 constexpr std::size_t kLargestBatch = 1'000;
 
 struct Options {
@@ -43,27 +42,47 @@ struct Options {
   std::string source = "fleetpub";
   WaitingOptions waiting;
   SendingOptions sending;
-  VdaOptions vda;
+  app::VdaOptions vda;
 };
 
 // What the options ask for.
 struct Plan {
-  LineDefaults defaults;
+  app::LineDefaults defaults;
   delivery::WaitOptions wait;
   delivery::SendOptions send;
-  delivery::RateLimiter pace;
-  bool is_paced = false;
+  delivery::RateLimiter rate;
+  bool is_limited = false;
   std::chrono::milliseconds reconnect{};
   bool stop_on_error = false;
 
-  [[nodiscard]] AfterBadLine after_bad_line() const {
-    return stop_on_error ? AfterBadLine::kPause : AfterBadLine::kGoOn;
+  [[nodiscard]] app::AfterBadLine after_bad_line() const {
+    return stop_on_error ? app::AfterBadLine::kPause : app::AfterBadLine::kGoOn;
   }
-  [[nodiscard]] bool ReadsAhead() const { return !stop_on_error && !is_paced; }
+  [[nodiscard]] bool ReadsAhead() const { return !stop_on_error && !is_limited; }
+};
+
+// Prints results and remembers the worst.
+class BatchResults {
+ public:
+  explicit BatchResults(Output& output) : output_(output) {}
+
+  // The report's reference is its line's.
+  void Show(const message::Report& report) {
+    const ExitCode code = CodeOf(report);
+    worst_ = Worse(worst_, code);
+    output_.JsonLine("{" + report.reference + R"(,"exitCode":)" +
+                     std::to_string(static_cast<int>(code)) +
+                     ReportJson(report).replace(0, 1, ","));
+  }
+  [[nodiscard]] ExitCode worst() const { return worst_; }
+
+ private:
+  Output& output_;
+  ExitCode worst_ = ExitCode::kDone;
 };
 
 // What is to be said of lines before anything is sent.
-void Tell(const LineGroup& group, BatchResults& results, Output& output) {
+void Tell(const app::LineGroup& group, BatchResults& results, Output& output) {
   for (const std::string& warning : group.warnings) output.Warn(warning);
   for (const Report& bad : group.bad) results.Show(bad);
 }
@@ -87,7 +106,7 @@ class Batch {
     if (!transport) return Fail(transport.error());
     transport_ = std::move(*transport);
     if (!plan_.defaults.wait_for) {
-      WarnOfSilentRefusals(connect_.version, plan_.send.qos, context_.output);
+      app::WarnOfSilentRefusals(connect_.version, plan_.send.qos, context_.output);
     }
     delivery::CommandSession session(transport_, **ledger, plan_.send, plan_.wait, HooksFor());
     while (!IsDone(session)) {
@@ -111,7 +130,7 @@ class Batch {
                   ++sent_;
                   context_.output.SomethingWasSent();
                 },
-            .connect = ConnectHookOf(connect_),
+            .connect = MakeConnectHook(connect_),
             .lost =
                 [this](const Error& error) {
                   context_.output.Warn(error.message + ": connecting again");
@@ -126,16 +145,16 @@ class Batch {
   // What arrives behind a signal is not sent.
   [[nodiscard]] bool MayRead(const delivery::CommandSession& session) const {
     return !input_.ended() && stopped_.empty() && !StopSignal::Noted() && !session.lost() &&
-           session.waiting() < kMostWaiting;
+           session.waiting() < delivery::kMostWaiting;
   }
 
   void SendWhatIsThere(delivery::CommandSession& session) {
-    const auto allowed = plan_.pace.Available(steady_clock::now());
+    const auto allowed = plan_.rate.Available(steady_clock::now());
     const std::size_t most = std::min(allowed, plan_.send.batch);
-    const LineGroup group = input_.Take(most);
+    const app::LineGroup group = input_.Take(most);
     // While the ledger waits for the disk and the broker for us, the next lines are made ready.
     if (plan_.ReadsAhead() && group.commands.size() >= most) input_.ReadAhead(most);
-    plan_.pace.Consume(group.commands.size(), steady_clock::now());
+    plan_.rate.Consume(group.commands.size(), steady_clock::now());
     Tell(group, results_, context_.output);
     // A line with many targets may make more than a batch holds.
     std::span<const Command> left = group.commands;
@@ -173,8 +192,8 @@ class Batch {
     if (session.lost() && stopped_.empty()) deadline = lost_at_ + plan_.reconnect;
     if (MayRead(session)) {
       const auto now = steady_clock::now();
-      if (plan_.pace.Next() > now) {
-        deadline = std::min(deadline, plan_.pace.Next());
+      if (plan_.rate.Next() > now) {
+        deadline = std::min(deadline, plan_.rate.Next());
       } else if (input_.Ready()) {
         deadline = now;
       } else {
@@ -203,7 +222,7 @@ class Batch {
   const mqtt::ConnectOptions& connect_;
   const Context& context_;
   BatchResults results_;
-  BatchInput input_;
+  app::BatchInput input_;
   StopSignal stop_;
   std::unique_ptr<mqtt::Transport> transport_;
   std::size_t sent_ = 0;
@@ -214,21 +233,21 @@ class Batch {
 
 Result<ExitCode> ShowOnly(base::LineReader reader, const Plan& plan, const Context& context) {
   BatchResults results(context.output);
-  BatchInput input(std::move(reader), plan.defaults, plan.after_bad_line(),
-                   context.options.schema_directory);
-  auto dry_run = DryRun::Open(context);
+  app::BatchInput input(std::move(reader), plan.defaults, plan.after_bad_line(),
+                        context.options.schema_directory);
+  auto dry_run = app::DryRun::Open(MakeEnvironment(context).ledger);
   if (!dry_run) return Fail(std::move(dry_run.error()));
   while (!input.ended() && !(plan.stop_on_error && results.worst() != ExitCode::kDone)) {
     input.Await();
-    const LineGroup group = input.Take(plan.send.batch);
+    const app::LineGroup group = input.Take(plan.send.batch);
     Tell(group, results, context.output);
     for (const Command& command : group.commands) {
       const auto report = dry_run->Report(command);
       if (report) {
         results.Show(*report);
       } else {
-        results.Show(
-            BadLineReport(command.reference, {.id = {}, .target = command.target}, report.error()));
+        results.Show(app::BadLineReport(command.reference, {.id = {}, .target = command.target},
+                                        report.error()));
       }
     }
     if (auto flushed = context.output.Flush(); !flushed) return Fail(std::move(flushed.error()));
@@ -243,17 +262,17 @@ Result<Plan> PlanOf(const Options& options, const config::Config& config) {
                 "batch does not ask robots for their version: name it with --vda, or with vda in "
                 "each line");
   }
-  auto resolver = DialectResolver::For(options.vda, config);
+  auto resolver = app::DialectResolver::For(options.vda, config);
   if (!resolver) return Fail(std::move(resolver.error()));
-  plan.defaults.address =
-      [&config, resolver = *std::move(resolver)](std::string_view word) -> Result<AddressedRobot> {
-    auto robot = RobotOf(std::string(word), config);
+  plan.defaults.address = [&config, resolver = *std::move(resolver)](
+                              std::string_view word) -> Result<app::AddressedRobot> {
+    auto robot = app::ResolveRobot(std::string(word), config);
     if (!robot) return Fail(std::move(robot.error()));
     return resolver.Named(*std::move(robot));
   };
   WaitingOptions waiting_options = options.waiting;
   waiting_options.timeout.clear();  // it also holds for lines that wait on their own account
-  const auto waiting = WaitingOf(waiting_options);
+  const auto waiting = ParseWaitingOptions(waiting_options);
   if (!waiting) return Fail(waiting.error());
   plan.defaults.wait_for = waiting->wait_for;
   plan.defaults.names_end = !options.waiting.wait_for.empty();
@@ -268,16 +287,15 @@ Result<Plan> PlanOf(const Options& options, const config::Config& config) {
   auto sender = SenderOf(soar);
   if (!sender) return Fail(std::move(sender.error()));
   plan.defaults.soar = std::move(*sender);
-  const auto qos = QosOf(options.sending.qos);
-  if (!qos) return Fail(qos.error());
-  plan.send.qos = *qos;
+  const auto settings = ParseSendingOptions(options.sending);
+  if (!settings) return Fail(settings.error());
+  plan.send.qos = settings->qos;
   // Each batch waits for the disk once. While nobody waits for a robot's answer, and no
   // acknowledgement comes, it may be as large as what a default broker queues.
-  if (*qos == mqtt::Qos::kAtMostOnce && !plan.defaults.wait_for) plan.send.batch = kLargestBatch;
-  const auto pace = ParseRate(options.sending.rate);
-  if (!pace) return Fail(pace.error());
-  plan.pace = *pace;
-  plan.is_paced = !options.sending.rate.empty();
+  if (settings->qos == mqtt::Qos::kAtMostOnce && !plan.defaults.wait_for)
+    plan.send.batch = kLargestBatch;
+  plan.rate = settings->rate;
+  plan.is_limited = !options.sending.rate.empty();
   const auto reconnect = base::ParseDuration(options.reconnect);
   if (!reconnect) return Fail(reconnect.error());
   plan.reconnect = *reconnect;

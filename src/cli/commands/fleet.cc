@@ -5,7 +5,8 @@
 
 #include "base/text.h"
 #include "base/time.h"
-#include "cli/gathering.h"
+#include "cli/environment.h"
+#include "cli/listening.h"
 #include "cli/output/fleet_table.h"
 #include "cli/parser/option_set.h"
 #include "cli/parser/subcommand.h"
@@ -29,8 +30,10 @@ void Show(const FleetView& view, Output& output) {
   PrintTable(FleetColumns(), rows, output);
 }
 
-Result<ExitCode> RunFleet(const GatheringOptions& options, const Context& context) {
-  const auto view = GatherFleet(options, context);
+Result<ExitCode> RunFleet(const FleetDiscoveryOptions& options, const Context& context) {
+  const auto asked = ParseFleetDiscoveryOptions(options);
+  if (!asked) return Fail(asked.error());
+  const auto view = app::DiscoverFleet(*asked, MakeEnvironment(context), context.output);
   if (!view) return Fail(view.error());
   for (const RobotView* robot : view->robots()) {
     if (robot->also_at.empty()) continue;
@@ -46,8 +49,8 @@ Result<ExitCode> RunFleet(const GatheringOptions& options, const Context& contex
 }  // namespace
 
 Run DeclareFleet(OptionSet& set) {
-  const auto options = std::make_shared<GatheringOptions>();
-  DeclareGatheringOptions(set, *options);
+  const auto options = std::make_shared<FleetDiscoveryOptions>();
+  DeclareFleetDiscoveryOptions(set, *options);
   return [options](const Context& context) { return RunFleet(*options, context); };
 }
 

@@ -9,10 +9,11 @@
 #include "base/json.h"
 #include "base/text.h"
 #include "base/time.h"
+#include "cli/instant_sending.h"
+#include "cli/options/target_options.h"
 #include "cli/options/vda_options.h"
 #include "cli/parser/option_set.h"
 #include "cli/parser/subcommand.h"
-#include "cli/robot_sending.h"
 #include "vda5050/messages/user_message.h"
 
 namespace fleetpub::cli {
@@ -24,7 +25,7 @@ using vda5050::RobotAddress;
 // What both commands take.
 struct UserMessageOptions {
   std::string header_id;
-  VdaOptions vda;
+  app::VdaOptions vda;
   SendingOptions sending;
   WaitingOptions waiting;
 };
@@ -43,7 +44,7 @@ struct RespondOptions : UserMessageOptions {
   std::string lease_expiry;
 };
 
-class UserMessage final : public RobotMessage {
+class UserMessage final : public app::RobotMessage {
  public:
   UserMessage(std::string_view topic, std::shared_ptr<const base::JsonDocument> message,
               vda5050::HeaderMismatch foreign)
@@ -65,7 +66,7 @@ class UserMessage final : public RobotMessage {
     return vda5050::CheckRobot(robot, dialect, actions, known, bytes);
   }
 
-  [[nodiscard]] Result<std::unique_ptr<message::ResponseTracker>> Confirm(
+  [[nodiscard]] Result<std::unique_ptr<message::ResponseTracker>> Track(
       const RobotAddress& robot, const Dialect& dialect, const message::Command& /*command*/,
       vda5050::WaitFor wait_for) const override {
     return vda5050::TrackUserMessage(robot, dialect, topic_, *message_, wait_for);
@@ -95,15 +96,19 @@ Result<ExitCode> Send(std::string_view topic, const TargetOptions& target_option
   if (topic == "order" && waiting_options.wait && waiting_options.wait_for.empty()) {
     waiting_options.wait_for = "accepted";
   }
-  auto waiting = WaitingOf(waiting_options);
+  auto waiting = ParseWaitingOptions(waiting_options);
   if (!waiting) return Fail(std::move(waiting.error()));
-  auto targets = TargetsOf(target_options, context);
+  auto request = ParseTargetOptions(target_options);
+  if (!request) return Fail(std::move(request.error()));
+  auto targets = app::ResolveTargets(*std::move(request), context.config, context.output);
   if (!targets) return Fail(std::move(targets.error()));
-  auto resolver = DialectResolver::For(options.vda, context.config);
+  auto resolver = app::DialectResolver::For(options.vda, context.config);
   if (!resolver) return Fail(std::move(resolver.error()));
   if (const auto said = vda5050::VersionSaidBy(message)) resolver->Assume(*said);
   const auto header_id = HeaderIdOf(options.header_id);
   if (!header_id) return Fail(header_id.error());
+  const auto settings = ParseSendingOptions(options.sending);
+  if (!settings) return Fail(settings.error());
 
   if (waiting->wait_for) {  // what cannot be waited for costs no connection
     const RobotAddress anybody{"KIT", "0001"};
@@ -117,12 +122,11 @@ Result<ExitCode> Send(std::string_view topic, const TargetOptions& target_option
   return SendToRobots(
       {.targets = *std::move(targets),
        .resolver = *std::move(resolver),
-       .needs_consent = NeedsConsent::kYes,
+       .needs_consent = app::NeedsConsent::kYes,
        .header_id = *header_id,
        .make_message = [=] { return std::make_unique<UserMessage>(topic, shared, foreign); },
-       .options = options.sending,
        .waiting = *waiting},
-      context);
+      *settings, context);
 }
 
 Result<base::JsonDocument> ReadMessage(const std::string& file) {
@@ -195,7 +199,7 @@ Result<ExitCode> RunRespond(const RespondOptions& options, const Context& contex
     if (!lease) return Fail(lease.error());
     response.lease_expiry = *lease;
   }
-  const auto robot = RobotOf(options.target, context.config);  // request ids are its own
+  const auto robot = app::ResolveRobot(options.target, context.config);  // request ids are its own
   if (!robot) return Fail(robot.error());
   TargetOptions target;
   target.words = {robot->ToString()};

@@ -7,7 +7,8 @@
 
 #include "base/json.h"
 #include "base/text.h"
-#include "cli/gathering.h"
+#include "cli/environment.h"
+#include "cli/listening.h"
 #include "cli/output/table.h"
 #include "cli/parser/option_set.h"
 #include "cli/parser/subcommand.h"
@@ -43,8 +44,10 @@ std::string About(const RobotRequest& request) {
   return fmt::format("edge {}{}", Shown(request.edge_id), place);
 }
 
-Result<ExitCode> RunRequests(const GatheringOptions& options, const Context& context) {
-  const auto view = GatherFleet(options, context);
+Result<ExitCode> RunRequests(const FleetDiscoveryOptions& options, const Context& context) {
+  const auto asked = ParseFleetDiscoveryOptions(options);
+  if (!asked) return Fail(asked.error());
+  const auto view = app::DiscoverFleet(*asked, MakeEnvironment(context), context.output);
   if (!view) return Fail(view.error());
   std::vector<Row> rows;
   for (const vda5050::RobotView* robot : view->robots()) {
@@ -77,10 +80,10 @@ Result<ExitCode> RunRequests(const GatheringOptions& options, const Context& con
 }  // namespace
 
 Run DeclareRequests(OptionSet& set) {
-  const auto options = std::make_shared<GatheringOptions>();
+  const auto options = std::make_shared<FleetDiscoveryOptions>();
   // Requests stand in states only, which a robot may send no more often than every 30 s.
   options->state_wait = "35s";
-  DeclareGatheringOptions(set, *options);
+  DeclareFleetDiscoveryOptions(set, *options);
   return [options](const Context& context) { return RunRequests(*options, context); };
 }
 

@@ -7,6 +7,7 @@
 #include <csignal>
 #include <memory>
 
+#include "app/targets.h"
 #include "base/text.h"
 #include "base/time.h"
 #include "cli/commands/soar_simulate.h"
@@ -15,7 +16,6 @@
 #include "cli/options/vda_options.h"
 #include "cli/parser/option_set.h"
 #include "cli/parser/subcommand.h"
-#include "cli/targets.h"
 #include "simulator/runner.h"
 #include "vda5050/catalogue/catalogue.h"
 #include "vda5050/reports/discovery.h"
@@ -142,23 +142,23 @@ Status SetDrop(const Options& o, simulator::Settings& settings) {
 }
 
 // As this robot, or each of them, is configured; never `auto`, which is for robots that are there.
-VdaOptions SpokenBy(const std::vector<RobotAddress>& robots, const Options& o,
-                    const config::Config& config) {
-  const VdaOptions given{.version = o.version,
-                         .interface_name = o.interface_name,
-                         .topic_template = o.topic_template,
-                         .actions_key = o.actions_key};
-  VdaOptions vda =
-      robots.size() == 1 ? Configured(given, config, robots.front()) : Configured(given, config);
+app::VdaOptions SpokenBy(const std::vector<RobotAddress>& robots, const Options& o,
+                         const config::Config& config) {
+  const app::VdaOptions given{.version = o.version,
+                              .interface_name = o.interface_name,
+                              .topic_template = o.topic_template,
+                              .actions_key = o.actions_key};
+  app::VdaOptions vda = robots.size() == 1 ? app::Configured(given, config, robots.front())
+                                           : app::Configured(given, config);
   if (vda.IsAutomatic()) vda.version.clear();
   return vda;
 }
 
-Result<simulator::Settings> SettingsOf(const Options& o, const VdaOptions& vda) {
+Result<simulator::Settings> SettingsOf(const Options& o, const app::VdaOptions& vda) {
   if (o.version == "auto") {
     return Fail(ErrorKind::kUsage, "--vda auto is for robots that are there: name a version");
   }
-  const auto dialect = DialectOf(vda);
+  const auto dialect = app::ParseDialect(vda);
   if (!dialect) return Fail(dialect.error());
   simulator::Settings settings;
   settings.version = dialect->version;
@@ -187,7 +187,7 @@ Result<std::vector<RobotAddress>> Robots(const Options& o, const Context& contex
   const auto count = NumberOf(o.count, "--count", kMostRobots);
   if (!count) return Fail(count.error());
   if (*count == 0) return Fail(ErrorKind::kUsage, "--count must be above zero");
-  const auto targets = RobotsOf(o.targets, context);
+  const auto targets = app::ResolveRobots(o.targets, context.config, context.output);
   if (!targets) return Fail(targets.error());
   std::vector<RobotAddress> robots;
   for (const RobotAddress& target : *targets) {

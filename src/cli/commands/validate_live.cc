@@ -9,6 +9,7 @@
 #include "base/json.h"
 #include "base/text.h"
 #include "base/time.h"
+#include "cli/environment.h"
 #include "cli/listening.h"
 #include "cli/output/stop_signal.h"
 #include "cli/parser/option_set.h"
@@ -116,7 +117,7 @@ class Inspector {
 Result<vda5050::ConformanceOptions> ConformanceOptionsOf(const LiveOptions& options,
                                                          const LiveRequest& request) {
   vda5050::ConformanceOptions conformance;
-  const auto dialect = DialectOf(options.vda);
+  const auto dialect = app::ParseDialect(options.vda);
   if (!dialect) return Fail(dialect.error());
   conformance.scheme = dialect->topics;
   auto pattern = vda5050::ParseRobotPattern(request.pattern.empty() ? "*/*" : request.pattern);
@@ -172,7 +173,7 @@ Result<ExitCode> ValidateLive(const LiveOptions& options, const LiveRequest& req
   const StopSignal stop;
   Output& output = context.output;
   auto listener = delivery::Subscription::Open(
-      *std::move(filters), ConnectHookOf(*connect),
+      *std::move(filters), MakeConnectHook(*connect),
       {[&](const Error& error) { output.Warn(error.message + ": connecting again"); },
        [&] { output.Warn("connected again"); }},
       *end);

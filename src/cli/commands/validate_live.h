@@ -17,7 +17,7 @@ struct LiveOptions {
   bool live = false;
   std::string duration;
   std::int64_t count = 0;  ///< 0: no end
-  VdaOptions vda;          ///< interface and topic template
+  app::VdaOptions vda;     ///< interface and topic template
 };
 
 /// What `validate` is told besides.

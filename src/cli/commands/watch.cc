@@ -8,16 +8,17 @@
 #include <optional>
 #include <utility>
 
+#include "app/targets.h"
 #include "base/json.h"
 #include "base/text.h"
 #include "base/time.h"
 #include "base/width.h"
+#include "cli/environment.h"
 #include "cli/listening.h"
 #include "cli/output/fleet_table.h"
 #include "cli/output/screen.h"
 #include "cli/parser/option_set.h"
 #include "cli/parser/subcommand.h"
-#include "cli/targets.h"
 #include "delivery/subscription.h"
 
 namespace fleetpub::cli {
@@ -63,7 +64,7 @@ class LineDisplay final : public Display {
     const std::size_t sum = std::hash<std::string>{}(line);
     const auto [last, is_first] = sums_.try_emplace(robot.robot, sum);
     if (!is_first && std::exchange(last->second, sum) == sum) return;
-    if (is_first) WarnOfNames({&robot.robot, 1}, output_);
+    if (is_first) app::WarnOfEscapedNames({&robot.robot, 1}, output_);
     const auto now = base::WallTime::clock::now();
     output_.Line(json ? fmt::format(R"({{"time":"{}",{}}})", base::FormatTimestamp(now), line)
                       : fmt::format("{}  {}", base::FormatLocal(now), line));
@@ -75,7 +76,7 @@ class LineDisplay final : public Display {
 
   Result<bool> Refresh(const FleetView& view) override {
     if (view.abridged() > 0 && !std::exchange(has_warned_, true)) {
-      output_.Warn(AbridgedWarning(view.abridged()));
+      output_.Warn(app::AbridgedWarning(view.abridged()));
     }
     if (auto ok = output_.Flush(); !ok) return Fail(std::move(ok.error()));
     return true;
@@ -128,7 +129,7 @@ class ScreenDisplay final : public Display {
     for (std::size_t i = 0; i < shown; ++i) table.push_back(FleetRow(*robots[i], now));
 
     const std::string trouble =
-        trouble_.empty() && view.abridged() > 0 ? AbridgedWarning(view.abridged()) : trouble_;
+        trouble_.empty() && view.abridged() > 0 ? app::AbridgedWarning(view.abridged()) : trouble_;
     const auto line = [&, width = columns](Tone tone, std::string_view text) {
       return output_.Toned(tone, base::Shortened(width, text));
     };
@@ -171,8 +172,9 @@ std::unique_ptr<Display> DisplayFor(const Options& o, const mqtt::ConnectOptions
     EndQuietlyOnSignals();
     return std::make_unique<LineDisplay>(context.output);
   }
-  return std::make_unique<ScreenDisplay>(
-      fmt::format("{}   {}", connect.brokers.front().ToString(), NameOf(o.fleet)), context.output);
+  return std::make_unique<ScreenDisplay>(fmt::format("{}   {}", connect.brokers.front().ToString(),
+                                                     app::FormatFleetName(o.fleet.words)),
+                                         context.output);
 }
 
 // Takes in what comes until the deadline.
@@ -196,7 +198,7 @@ Result<steady_clock::time_point> EndOf(const std::string& duration) {
 }
 
 Result<ExitCode> RunWatch(const Options& o, const Context& context) {
-  auto view = FleetViewOf(o.fleet, context);
+  auto view = app::MakeFleetView(o.fleet.words, o.fleet.vda, context.config, context.output);
   if (!view) return Fail(std::move(view.error()));
   auto filters = view->Filters();
   if (!filters) return Fail(std::move(filters.error()));
@@ -207,7 +209,7 @@ Result<ExitCode> RunWatch(const Options& o, const Context& context) {
 
   std::unique_ptr<Display> display;
   auto listener = delivery::Subscription::Open(
-      *std::move(filters), ConnectHookOf(*connect),
+      *std::move(filters), MakeConnectHook(*connect),
       {[&](const Error& error) { display->Lost(error); }, [&] { display->Again(); }}, *end);
   if (!listener) return Fail(std::move(listener.error()));
   display = DisplayFor(o, *connect, context);

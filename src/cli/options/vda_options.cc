@@ -49,7 +49,7 @@ Status CheckUtf8(std::string_view option, std::string_view text) {
 
 }  // namespace
 
-void DeclareVdaOptions(OptionSet& set, VdaOptions& o) {
+void DeclareVdaOptions(OptionSet& set, app::VdaOptions& o) {
   const auto add = [&](const char* names, std::string& value, const char* type, const char* help) {
     return set.AddOption(names, value, help).Type(type).Group(kVda);
   };
@@ -85,31 +85,6 @@ void DeclareInstantOptions(OptionSet& set, InstantOptions& o) {
   add("--descriptor", o.descriptor, "TEXT", "Free text on the action");
   add("--blocking-type", o.blocking_type, "TYPE", "NONE, SOFT, HARD; 3.0 allows NONE only [NONE]");
   add("--header-id", o.header_id, "N", "The headerId, above the topic's last [the next]");
-}
-
-Result<vda5050::Dialect> DialectOf(const VdaOptions& o) {
-  vda5050::Dialect dialect;
-  dialect.assumed = o.version.empty();
-  if (!dialect.assumed && !o.IsAutomatic()) {
-    const auto version = vda5050::ParseVersion(o.version);
-    if (!version) return Fail(version.error());
-    dialect.version = *version;
-  }
-  if (!o.actions_key.empty() && o.actions_key != "actions" && o.actions_key != "instantActions") {
-    return Fail(ErrorKind::kUsage, fmt::format("--actions-key is actions or instantActions, not "
-                                               "'{}'",
-                                               base::Printable(o.actions_key)));
-  }
-  for (const std::string& text : {o.header_version, o.header_manufacturer, o.header_serial}) {
-    if (auto ok = CheckUtf8("--header-...", text); !ok) return Fail(ok.error());
-  }
-  dialect.topics.interface_name = o.interface_name;
-  if (!o.topic_template.empty()) dialect.topics.topic_template = o.topic_template;
-  dialect.actions_key = o.actions_key;
-  dialect.header_version = o.header_version;
-  dialect.header_manufacturer = o.header_manufacturer;
-  dialect.header_serial = o.header_serial;
-  return dialect;
 }
 
 Result<vda5050::InstantAction> ActionOf(const InstantOptions& o, std::string_view type,

@@ -7,24 +7,13 @@
 #include <string>
 #include <vector>
 
+#include "app/dialect_resolver.h"
 #include "base/result.h"
 #include "vda5050/messages/instant_actions.h"
 
 namespace fleetpub::cli {
 
 class OptionSet;
-
-struct VdaOptions {
-  std::string version;  ///< empty: 3.0.0, assumed; `auto`: as each robot's own messages say
-  std::string interface_name;
-  std::string topic_template;
-  std::string actions_key;
-  std::string header_version;
-  std::string header_manufacturer;
-  std::string header_serial;
-
-  [[nodiscard]] bool IsAutomatic() const { return version == "auto"; }
-};
 
 /// What one instant action may be given on the command line, besides its parameters.
 struct InstantOptions {
@@ -33,13 +22,11 @@ struct InstantOptions {
   std::string descriptor;
   std::string blocking_type;
   std::string header_id;
-  VdaOptions vda;
+  app::VdaOptions vda;
 };
 
-void DeclareVdaOptions(OptionSet& set, VdaOptions& options);
+void DeclareVdaOptions(OptionSet& set, app::VdaOptions& options);
 void DeclareInstantOptions(OptionSet& set, InstantOptions& options);
-
-[[nodiscard]] Result<vda5050::Dialect> DialectOf(const VdaOptions& options);
 
 /// The action that the options describe, without an id when none was given. `targets` is how many
 /// robots get it.

@@ -12,7 +12,7 @@ namespace {
 
 constexpr const char* kWaiting = "Waiting";
 
-Result<std::optional<vda5050::WaitFor>> WaitForOf(const WaitingOptions& options) {
+Result<std::optional<vda5050::WaitFor>> ParseWaitFor(const WaitingOptions& options) {
   using Result = fleetpub::Result<std::optional<vda5050::WaitFor>>;
   if (options.wait_for.empty()) {
     return options.wait ? Result(vda5050::WaitFor::kFinished) : Result(std::nullopt);
@@ -56,9 +56,9 @@ void DeclareWaitingOptions(OptionSet& set, WaitingOptions& options) {
       .Group(kWaiting);
 }
 
-Result<Waiting> WaitingOf(const WaitingOptions& options) {
-  Waiting waiting;
-  const auto wait_for = WaitForOf(options);
+Result<app::Waiting> ParseWaitingOptions(const WaitingOptions& options) {
+  app::Waiting waiting;
+  const auto wait_for = ParseWaitFor(options);
   if (!wait_for) return Fail(wait_for.error());
   waiting.wait_for = *wait_for;
   if (!waiting.wait_for && (!options.timeout.empty() || options.resend > 0)) {
@@ -75,7 +75,7 @@ Result<Waiting> WaitingOf(const WaitingOptions& options) {
   }
   waiting.check = options.check || (waiting.wait_for && !options.no_check);
   waiting.no_check = options.no_check;
-  const auto discover = DiscoverOf(options.discover);
+  const auto discover = ParseDiscover(options.discover);
   if (!discover) return Fail(discover.error());
   waiting.discover = *discover;
   return waiting;

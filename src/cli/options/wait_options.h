@@ -1,14 +1,10 @@
 // The options of waiting for the robot's word, and of checking beforehand.
 #pragma once
 
-#include <chrono>
-#include <optional>
 #include <string>
 
+#include "app/command_factory.h"
 #include "base/result.h"
-#include "delivery/pending_commands.h"
-#include "delivery/retained.h"
-#include "vda5050/tracking/action_tracker.h"
 
 namespace fleetpub::cli {
 
@@ -28,16 +24,7 @@ struct WaitingOptions {
 void DeclareWaitOptions(OptionSet& set, WaitingOptions& options);
 void DeclareWaitingOptions(OptionSet& set, WaitingOptions& options);
 
-/// What these options ask for.
-struct Waiting {
-  std::optional<vda5050::WaitFor> wait_for;  ///< nothing: do not wait
-  delivery::WaitOptions wait;
-  bool check = false;
-  bool no_check = false;  ///< said outright
-  delivery::RetainedOptions discover;
-};
-
 /// Errors: ErrorKind::kUsage.
-[[nodiscard]] Result<Waiting> WaitingOf(const WaitingOptions& options);
+[[nodiscard]] Result<app::Waiting> ParseWaitingOptions(const WaitingOptions& options);
 
 }  // namespace fleetpub::cli

@@ -7,6 +7,7 @@
 #include <string>
 #include <string_view>
 
+#include "app/observer.h"
 #include "base/result.h"
 #include "cli/output/exit_code.h"
 #include "message/report.h"
@@ -25,7 +26,7 @@ void Print(std::FILE* session, std::string_view text);
 /// The columns of the terminal behind a descriptor; without limit when it is none.
 [[nodiscard]] std::size_t TerminalWidth(int descriptor);
 
-class Output {
+class Output final : public app::Log {
  public:
   struct Settings {
     Format format = Format::kText;
@@ -47,10 +48,10 @@ class Output {
   /// The same when it is only for people: suppressed by `--quiet`.
   void PeopleLine(std::string_view text);
 
-  void Warn(std::string_view text);
+  void Warn(std::string_view text) override;
   /// What happens meanwhile; on standard error, suppressed by `--quiet`.
-  void Info(std::string_view text);
-  void Debug(std::string_view text);  ///< with `--verbose` only
+  void Info(std::string_view text) override;
+  void Debug(std::string_view text) override;  ///< with `--verbose` only
   void Trace(std::string_view line);
   void PrintError(const Error& error);
   /// The error that ends the command. With `-o json` it also is an object on standard output, unless

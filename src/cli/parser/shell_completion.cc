@@ -9,8 +9,8 @@
 #include <set>
 #include <span>
 
+#include "app/recent_targets.h"
 #include "base/text.h"
-#include "cli/commanded.h"
 #include "cli/output/output.h"
 #include "cli/parser/command_line.h"
 #include "ledger/postgres/postgres_url.h"
@@ -80,7 +80,9 @@ void SchemaNames(const Typed& typed, Candidates& found) {
 std::vector<std::string> Commanded(const Typed& typed, std::string_view protocol) {
   if (ledger::IsUrl(typed.call.options.ledger)) return {};
   Output quiet({.quiet = true});
-  return RecentTargets(Context{typed.call.options, quiet, typed.call.config}, protocol);
+  const Context context{typed.call.options, quiet, typed.call.config};
+  return app::FindRecentTargets([&](ledger::OpenMode mode) { return OpenLedger(context, mode); },
+                                protocol);
 }
 
 void Robots(const Typed& typed, Candidates& found) {

@@ -1,0 +1,66 @@
+#include "app/dry_run.h"
+
+#include <fmt/format.h>
+
+#include <utility>
+
+#include "base/text.h"
+
+namespace fleetpub::app {
+
+Result<DryRun> DryRun::Open(const LedgerHook& open) {
+  auto ledger = open(ledger::OpenMode::kReadOnly);
+  if (!ledger) return Fail(std::move(ledger.error()));
+  return DryRun(std::move(*ledger));
+}
+
+DryRun::DryRun(std::unique_ptr<ledger::Ledger> ledger) : ledger_(std::move(ledger)) {}
+
+Result<message::Report> DryRun::Report(const message::Command& command) {
+  message::Report report = message::ReportOn(command);
+  report.status = message::CommandStatus::kDryRun;
+  if (command.payload.counted) {
+    const auto id = NextId(command);
+    if (!id) return Fail(id.error());
+    report.header_id = *id;
+  }
+  report.payload =
+      command.payload.Render(report.header_id.value_or(0), base::WallTime::clock::now());
+  return report;
+}
+
+Result<std::uint32_t> DryRun::NextId(const message::Command& command) {
+  auto found = next_ids_.find(command.topic);
+  if (found == next_ids_.end()) {
+    auto next = ledger_->PeekNext(command.topic);
+    if (!next) return next;
+    found = next_ids_.emplace(command.topic, *next).first;
+  }
+  if (!command.header_id) return found->second++;
+  if (*command.header_id < found->second) {
+    return Fail(ErrorKind::kUsage,
+                fmt::format("--header-id {} is not above the last one on {}: the next is {}",
+                            *command.header_id, command.topic, found->second));
+  }
+  found->second = *command.header_id + 1;
+  return *command.header_id;
+}
+
+Status ShowDryRun(delivery::CommandSource& source, const Environment& environment,
+                  Observer& observer) {
+  auto dry_run = DryRun::Open(environment.ledger);
+  if (!dry_run) return Fail(std::move(dry_run.error()));
+  while (source.left() > 0) {
+    const auto commands = source.Next(delivery::SendOptions{}.batch);
+    if (!commands) return Fail(commands.error());
+    for (const message::Command& command : *commands) {
+      const auto report = dry_run->Report(command);
+      if (!report) return Fail(report.error());
+      observer.Debug(fmt::format("would be published to {}", base::Printable(command.topic)));
+      observer.Report(*report);
+    }
+  }
+  return {};
+}
+
+}  // namespace fleetpub::app

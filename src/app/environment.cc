@@ -1,0 +1,18 @@
+#include "app/environment.h"
+
+#include <fmt/format.h>
+
+#include <utility>
+
+namespace fleetpub::app {
+
+Result<Link> Connect(const Environment& environment, Log& log) {
+  auto connection = environment.connection();
+  if (!connection) return Fail(std::move(connection.error()));
+  auto transport = connection->open(std::chrono::steady_clock::now() + connection->timeout);
+  if (!transport) return Fail(std::move(transport.error()));
+  log.Debug(fmt::format("connected to {}", (*transport)->server().broker.ToString()));
+  return Link{*std::move(connection), *std::move(transport)};
+}
+
+}  // namespace fleetpub::app

@@ -1,0 +1,123 @@
+#include "app/fleet_discovery.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <set>
+
+#include "app/targets.h"
+#include "base/text.h"
+#include "base/time.h"
+#include "delivery/retained.h"
+
+namespace fleetpub::app {
+namespace {
+
+using std::chrono::steady_clock;
+using vda5050::FleetView;
+using vda5050::RobotAddress;
+using vda5050::RobotView;
+
+// Online robots that have not said how they are.
+std::set<RobotAddress> Silent(const FleetView& view) {
+  std::set<RobotAddress> silent;
+  for (const RobotView* robot : view.robots()) {
+    if (robot->IsOnline() && !robot->HasSpoken()) silent.insert(robot->robot);
+  }
+  return silent;
+}
+
+const RobotView* Take(const mqtt::Message& message, FleetView& view) {
+  const auto origin = message.retained ? vda5050::Origin::kRetained : vda5050::Origin::kLive;
+  return view.Deliver(message.topic, message.payload, origin);
+}
+
+// What the robots that are online say, until all have spoken; or, if none is known, until one does.
+Status AwaitStates(mqtt::Transport& transport, mqtt::Deadline end, FleetView& view) {
+  auto silent = Silent(view);
+  const bool nobody = view.size() == 0;
+  while (steady_clock::now() < end && (nobody ? view.size() == 0 : !silent.empty())) {
+    const auto message = transport.Receive(end);
+    if (!message) return Fail(message.error());
+    if (!*message) continue;
+    const RobotView* robot = Take(**message, view);
+    if (robot != nullptr && robot->HasSpoken()) silent.erase(robot->robot);
+  }
+  return {};
+}
+
+Status ReadFleet(mqtt::Transport& transport, const delivery::RetainedOptions& discover,
+                 std::chrono::milliseconds state_wait, FleetView& view) {
+  const auto filters = view.Filters();
+  if (!filters) return Fail(filters.error());
+  const auto start = steady_clock::now();
+  auto ok = delivery::ReadAllRetained(
+      transport, *filters, discover, [&](const mqtt::Message& message) { Take(message, view); },
+      [&] { return view.size(); });
+  if (ok) ok = AwaitStates(transport, start + state_wait, view);
+  return ok;
+}
+
+Error NoRobot(const std::string& broker, const std::vector<std::string>& words) {
+  return {ErrorKind::kPreflight,
+          fmt::format("{} knows no robot{}: none has left a connection message, and none sent a "
+                      "state",
+                      broker, words.empty() ? "" : " " + FormatFleetName(words))};
+}
+
+}  // namespace
+
+std::string FormatFleetName(const std::vector<std::string>& words) {
+  return words.empty() ? "all" : base::Printable(base::Join(words, " "));
+}
+
+Result<FleetView> MakeFleetView(const std::vector<std::string>& words, const VdaOptions& vda,
+                                const config::Config& config, Log& log) {
+  const auto dialect = ParseDialect(Configured(vda, config));
+  if (!dialect) return Fail(dialect.error());
+  auto spec = ParseTargetSpec(words, config, log);
+  if (!spec) return Fail(std::move(spec.error()));
+  auto patterns = std::move(spec->patterns);
+  for (const RobotAddress& robot : spec->robots) {
+    patterns.push_back(vda5050::RobotPattern::Of(robot));
+  }
+  return FleetView(dialect->topics, std::move(patterns));
+}
+
+std::string AbridgedWarning(std::size_t robots) {
+  return fmt::format(
+      "robots say more than is kept: of {} of them the worst error is shown, texts are cut with "
+      "…, and requests are left out. try: fewer TARGETs",
+      robots);
+}
+
+Result<FleetView> DiscoverFleet(const FleetRequest& request, const Environment& environment,
+                                Log& log) {
+  auto view = MakeFleetView(request.words, request.vda, environment.config, log);
+  if (!view) return Fail(std::move(view.error()));
+  const auto link = Connect(environment, log);
+  if (!link) return Fail(link.error());
+  delivery::RetainedOptions discover = request.discover;
+  discover.subscribe = link->connection.timeout;
+  if (auto ok = ReadFleet(*link->transport, discover, request.state_wait, *view); !ok) {
+    return Fail(std::move(ok.error()));
+  }
+  const std::string broker = link->transport->server().broker.ToString();
+  link->transport->Disconnect();
+  if (view->size() == 0) return Fail(NoRobot(broker, request.words));
+  std::vector<RobotAddress> found;
+  for (const RobotView* robot : view->robots()) found.push_back(robot->robot);
+  WarnOfEscapedNames(found, log);
+  if (view->abridged() > 0) log.Warn(AbridgedWarning(view->abridged()));
+  if (const std::size_t silent = Silent(*view).size();
+      silent > 0 && request.state_wait.count() > 0) {
+    log.Warn(fmt::format(
+        "{} of {} robots sent no state within {}; they repeat it at least every 30 s{}", silent,
+        view->size(), base::FormatElapsed(request.state_wait),
+        request.state_wait < std::chrono::seconds(35) ? ": --state-wait 35s waits for it" : ""));
+  }
+  return view;
+}
+
+}  // namespace fleetpub::app

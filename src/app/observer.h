@@ -1,0 +1,50 @@
+// What a use case tells while it runs. Who called it decides what a person gets to see.
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "base/result.h"
+#include "message/report.h"
+#include "vda5050/model/robot_address.h"
+
+namespace fleetpub::app {
+
+/// Sentences for people.
+class Log {
+ public:
+  Log() = default;
+  Log(const Log&) = default;
+  Log& operator=(const Log&) = default;
+  virtual ~Log() = default;
+
+  virtual void Warn(std::string_view text) = 0;
+  /// What happens meanwhile.
+  virtual void Info(std::string_view text) = 0;
+  virtual void Debug(std::string_view text) = 0;
+};
+
+/// Whoever sends commands.
+class Observer : public Log {
+ public:
+  /// Whether all of these are meant; `set` is the word that stands for them. Errors: they are not.
+  [[nodiscard]] virtual Status Consent(std::span<const vda5050::RobotAddress> robots,
+                                       std::string_view set) = 0;
+  /// It is known which targets get the message; a report on each follows.
+  virtual void Chosen(std::span<const std::string> targets) = 0;
+  /// From now on messages leave, so many in all.
+  virtual void WillSend(std::size_t total) = 0;
+  /// One more has left.
+  virtual void Sent() = 0;
+  /// What became of one command, as it becomes known.
+  virtual void Report(const message::Report& report) = 0;
+  /// Of each target, when nothing at all was sent: the error that says why is returned.
+  virtual void NothingSent(const message::Report& report) = 0;
+  /// Called every 100 ms at least while messages travel; empty: not wanted.
+  [[nodiscard]] virtual std::function<void()> tick() { return {}; }
+};
+
+}  // namespace fleetpub::app

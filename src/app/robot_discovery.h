@@ -1,0 +1,73 @@
+// Asks the broker which robots there are and what each has said of itself, and chooses those that a
+// command is for.
+#pragma once
+
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "app/dialect_resolver.h"
+#include "app/targets.h"
+#include "base/result.h"
+#include "delivery/retained.h"
+#include "mqtt/transport.h"
+#include "vda5050/reports/roster.h"
+
+namespace fleetpub::app {
+
+using ListedRobot = std::map<vda5050::RobotAddress, vda5050::RobotEntry>::value_type;
+
+/// Robots of a directory. Valid as long as that.
+struct Chosen {
+  std::vector<const ListedRobot*>
+      robots;  ///< named ones in their order, then the found ones by name
+  std::vector<const ListedRobot*> unheard;  ///< whether --where is true of them is not known
+};
+
+/// Robots that the patterns have found and an exception spares.
+using Excluded = std::set<vda5050::RobotAddress>;
+
+/// A directory with the robots that are named outright, of which nothing is known yet. `targets`,
+/// `resolver` and `excluded`, which fills as robots are found, must outlive it. Errors:
+/// ErrorKind::kUsage.
+[[nodiscard]] Result<vda5050::RobotDirectory> MakeDirectory(const Targets& targets,
+                                                            const DialectResolver& resolver,
+                                                            Excluded& excluded);
+
+struct DiscoveryOptions {
+  bool check = false;  ///< of all; else only of those whose dialect is wanted
+  delivery::RetainedOptions discover;
+};
+
+/// Gathers what is retained of the directory's robots and of those that the patterns find, and, where
+/// a condition needs them, the states of those that are online. Errors: ErrorKind::kBroker, kUsage
+/// (a topic template).
+[[nodiscard]] Status DiscoverRobots(mqtt::Transport& transport, const Targets& targets,
+                                    const DiscoveryOptions& options,
+                                    vda5050::RobotDirectory& directory, Log& log);
+
+/// The first exception that spares nobody of those that the patterns have found: a misspelt one
+/// would command whom it should spare. One that the configuration names may just be away.
+[[nodiscard]] std::optional<std::string> UnusedExclusion(const Targets& targets,
+                                                         const Excluded& excluded,
+                                                         const config::Config& config);
+
+/// Those that are meant, and satisfy the conditions. Robots without a connection message are meant
+/// only when they are named outright. Warns of robots that are offline and whose state is not
+/// known. Nobody at all is not an error.
+[[nodiscard]] Chosen Choose(const Targets& targets, const vda5050::RobotDirectory& directory,
+                            Log& log);
+
+/// Why nobody was chosen: what was heard instead. ErrorKind::kPreflight, or the connection's.
+[[nodiscard]] Error NobodyChosen(mqtt::Transport& transport, const Targets& targets,
+                                 const DialectResolver& resolver,
+                                 const vda5050::RobotDirectory& directory,
+                                 const delivery::RetainedOptions& discover);
+
+/// The names of all robots that the broker knows. Nothing when it cannot be asked.
+[[nodiscard]] std::vector<vda5050::RobotAddress> ListAllRobots(
+    mqtt::Transport& transport, const vda5050::TopicScheme& scheme,
+    const delivery::RetainedOptions& discover);
+
+}  // namespace fleetpub::app

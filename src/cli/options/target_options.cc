@@ -1,0 +1,62 @@
+#include "cli/options/target_options.h"
+
+#include "base/time.h"
+#include "cli/parser/option_set.h"
+
+namespace fleetpub::cli {
+namespace {
+
+Result<std::vector<vda5050::Condition>> ParseConditions(const std::vector<std::string>& texts) {
+  std::vector<vda5050::Condition> conditions;
+  for (const std::string& text : texts) {
+    auto condition = vda5050::ParseCondition(text);
+    if (!condition) {
+      condition.error().message = "--where: " + condition.error().message;
+      return Fail(std::move(condition.error()));
+    }
+    conditions.push_back(*std::move(condition));
+  }
+  return conditions;
+}
+
+}  // namespace
+
+void DeclareTargetOptions(OptionSet& set, TargetOptions& o) {
+  constexpr const char* kTargets = "Targets";
+  set.AddOption("targets", o.words,
+                "Robots: manufacturer/serialNumber, alias, @group, 'KIT/*', - (standard input)")
+      .Type("TARGET");
+  set.AddFlag("--all", o.all, "All robots that the broker knows").Group(kTargets);
+  set.AddFlag("--patterns", o.patterns, "Lines of standard input may be patterns and groups too")
+      .Group(kTargets);
+  // Without OneValueEach() they would swallow the targets behind them.
+  set.AddOption("--except", o.except, "But not this robot, alias, @group or pattern; repeatable")
+      .Type("TARGET")
+      .OneValueEach()
+      .Group(kTargets);
+  set.AddOption("--where", o.where,
+                "Only robots of which this is true: 'battery<20', operatingMode=AUTOMATIC; "
+                "repeatable")
+      .Type("CONDITION")
+      .OneValueEach()
+      .Group(kTargets);
+  set.AddOption("--state-wait", o.state_wait,
+                "How long --where waits for the states of robots that are online [35s]")
+      .Type("TIME")
+      .Group(kTargets);
+}
+
+Result<app::TargetRequest> ParseTargetOptions(const TargetOptions& options) {
+  auto where = ParseConditions(options.where);
+  if (!where) return Fail(std::move(where.error()));
+  const auto state_wait = base::ParseDuration(options.state_wait);
+  if (!state_wait) return Fail(state_wait.error());
+  return app::TargetRequest{.words = options.words,
+                            .patterns = options.patterns,
+                            .all = options.all,
+                            .except = options.except,
+                            .where = *std::move(where),
+                            .state_wait = *state_wait};
+}
+
+}  // namespace fleetpub::cli

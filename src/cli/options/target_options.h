@@ -1,0 +1,28 @@
+// The options that say which robots a command is for.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "app/targets.h"
+#include "base/result.h"
+
+namespace fleetpub::cli {
+
+class OptionSet;
+
+struct TargetOptions {
+  std::vector<std::string> words;
+  bool patterns = false;  ///< also in lines of standard input
+  bool all = false;
+  std::vector<std::string> except;
+  std::vector<std::string> where;
+  std::string state_wait = "35s";
+};
+
+void DeclareTargetOptions(OptionSet& set, TargetOptions& options);
+
+/// Errors: ErrorKind::kUsage.
+[[nodiscard]] Result<app::TargetRequest> ParseTargetOptions(const TargetOptions& options);
+
+}  // namespace fleetpub::cli

@@ -1,0 +1,58 @@
+#include "cli/output/sending_observer.h"
+
+#include "cli/output/consent.h"
+
+namespace fleetpub::cli {
+
+Status SendingObserver::Consent(std::span<const vda5050::RobotAddress> robots,
+                                std::string_view set) {
+  return AskForConsent(robots, set);
+}
+
+void SendingObserver::Chosen(std::span<const std::string> targets) {
+  for (const std::string& target : targets) reporter_.Fit(target);
+  start_ = std::chrono::steady_clock::now();
+}
+
+void SendingObserver::WillSend(std::size_t total) {
+  InterruptGuard::Begin(total);
+  if (show_ == Show::kResultsAndProgress) bar_ = std::make_unique<ProgressBar>(total, output_);
+}
+
+void SendingObserver::Sent() {
+  InterruptGuard::CountSent();
+  output_.SomethingWasSent();
+}
+
+void SendingObserver::Report(const message::Report& report) {
+  if (report.status == message::CommandStatus::kDryRun) {
+    return output_.JsonLine(output_.json() ? ReportJson(report) : report.payload);
+  }
+  summary_.Add(report);
+  reporter_.Show(report);
+  Output::FlushNow();
+}
+
+void SendingObserver::NothingSent(const message::Report& report) {
+  if (output_.json()) output_.Line(ReportJson(report));
+}
+
+std::function<void()> SendingObserver::tick() {
+  if (!bar_ || !bar_->IsPossible()) return {};
+  return [this] { bar_->Draw(summary_); };
+}
+
+ExitCode SendingObserver::Conclude() {
+  const bool has_sent = bar_ != nullptr;
+  bar_.reset();
+  if (show_ == Show::kResults || !has_sent) return reporter_.worst();
+  const auto elapsed = std::chrono::steady_clock::now() - start_;
+  if (output_.json()) {
+    output_.Line(summary_.Json(elapsed, reporter_.worst()));
+  } else {
+    for (const std::string& line : summary_.Lines(elapsed)) output_.PeopleLine(line);
+  }
+  return reporter_.worst();
+}
+
+}  // namespace fleetpub::cli
