@@ -26,8 +26,7 @@ namespace fleetpub::base {
 [[nodiscard]] std::string_view Trimmed(std::string_view text);
 
 /// The text, or this one where it is empty.
-[[nodiscard]] inline std::string_view NonEmptyOr(std::string_view text,
-                                                 std::string_view fallback) {
+[[nodiscard]] inline std::string_view NonEmptyOr(std::string_view text, std::string_view fallback) {
   return text.empty() ? fallback : text;
 }
 

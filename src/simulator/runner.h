@@ -24,7 +24,7 @@ struct RunOptions {
   std::function<void()> on_ready;                     ///< everybody is ONLINE, for the first time
   /// Filters of the robots' connection messages: nobody may be ONLINE there. Empty: nobody looks.
   std::vector<std::string> places;
-  std::function<void(const Error&)> on_lost;          ///< the connection broke; tried again
+  std::function<void(const Error&)> on_lost;  ///< the connection broke; tried again
 };
 
 /// Runs the robots until the time is over, `stopped` says so, or all of them have shut down; then

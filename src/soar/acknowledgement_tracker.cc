@@ -19,9 +19,7 @@ using std::chrono::steady_clock;
 
 class MessageTracker : public message::ResponseTracker {
  public:
-  explicit MessageTracker(TrackerOptions options) : options_(std::move(options)) {
-    Tell();
-  }
+  explicit MessageTracker(TrackerOptions options) : options_(std::move(options)) { Tell(); }
 
   [[nodiscard]] std::vector<std::string> Topics() const override { return options_.topics; }
 

@@ -130,7 +130,8 @@ void DeclareSoarOptions(OptionSet& set, SoarOptions& o) {
 }
 
 void DeclareSoarWaiting(OptionSet& set, SoarWaitingOptions& o) {
-  set.AddFlag("-w,--wait", o.wait, "Wait until it is acknowledged as executed").Group(kAcknowledging);
+  set.AddFlag("-w,--wait", o.wait, "Wait until it is acknowledged as executed")
+      .Group(kAcknowledging);
   const auto add = [&](const char* names, std::string& value, const char* type, const char* help) {
     set.AddOption(names, value, help).Type(type).Group(kAcknowledging);
   };

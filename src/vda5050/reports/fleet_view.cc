@@ -121,10 +121,10 @@ const RobotView* FleetView::Deliver(std::string_view topic, std::string_view pay
   if (const auto fault = is_new ? faults_.extract(levels->robot) : decltype(faults_)::node_type()) {
     entry.view.state_fault = fault.mapped();
   }
-  const bool taken = levels->topic_name == "connection" ? TakeConnection(entry, topic, payload, origin)
-                     : levels->topic_name == "state"
-                         ? TakeState(entry, topic, *levels, payload, origin)
-                                                        : false;
+  const bool taken =
+      levels->topic_name == "connection" ? TakeConnection(entry, topic, payload, origin)
+      : levels->topic_name == "state"    ? TakeState(entry, topic, *levels, payload, origin)
+                                         : false;
   if (taken) return &entry.view;
   const bool has_room = faults_.size() < kMostFaults;
   if (is_new && has_room && !entry.view.state_fault.empty())
@@ -140,8 +140,7 @@ bool FleetView::TakeConnection(Entry& entry, std::string_view topic, std::string
       read ? *std::move(read) : ConnectionMessage{.fault = read.error().message};
   CutHeader(message.header);
   Cut(message.connection_state, kLongestHeaderText);
-  auto found =
-      payload.empty() ? std::nullopt : DialectFrom(base_, topic, std::move(message));
+  auto found = payload.empty() ? std::nullopt : DialectFrom(base_, topic, std::move(message));
   if (found) {
     const bool is_live = origin == Origin::kLive;
     if (is_live && found->place == entry.live_place && IsAway(found->message.connection_state)) {

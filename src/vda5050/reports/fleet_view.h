@@ -67,9 +67,9 @@ class FleetView {
   struct Entry {
     std::map<std::string, Discovered, std::less<>> connections;  ///< by topic
     RobotView view;
-    std::string live_place;    ///< at which it speaks; "": at none
+    std::string live_place;       ///< at which it speaks; "": at none
     bool has_begun_anew = false;  ///< its next state may count and date anew
-    std::size_t kept = 0;  ///< bytes of what the state says at any length
+    std::size_t kept = 0;         ///< bytes of what the state says at any length
     bool is_abridged = false;
   };
 

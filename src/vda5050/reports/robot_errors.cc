@@ -140,11 +140,10 @@ Attribution RelatedErrors::Note(const std::vector<RobotError>& errors, const Sen
   auto nearest = Attribution::kOther;
   for (const RobotError& error : errors) {
     const Attribution attribution = AttributionOf(error, item);
-    const bool is_old =
-        std::find(old_.begin(), old_.end(), FingerprintOf(error)) != old_.end();
+    const bool is_old = std::find(old_.begin(), old_.end(), FingerprintOf(error)) != old_.end();
     if (is_old || attribution == Attribution::kOther) continue;
     nearest = std::max(nearest, attribution);
-    AddNew(attribution >= Attribution::kPart        ? item_
+    AddNew(attribution >= Attribution::kPart       ? item_
            : attribution == Attribution::kHeaderId ? header_id_
                                                    : unnamed_,
            Told(error));

@@ -60,7 +60,7 @@ class RelatedErrors {
  private:
   std::vector<std::size_t> old_;  ///< fingerprints
   bool knows_before_ = false;
-  bool id_is_fresh_ = false;  ///< no error from before can name it
+  bool id_is_fresh_ = false;       ///< no error from before can name it
   std::vector<std::string> item_;  ///< told
   std::vector<std::string> header_id_;
   std::vector<std::string> unnamed_;

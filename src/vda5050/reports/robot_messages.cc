@@ -395,8 +395,8 @@ const FactsheetAction* FindAction(const Factsheet& factsheet, std::string_view t
 }
 
 std::string NormalisedConnectionState(std::string_view text) {
-  return Normalised<2>(
-      text, {{{"CONNECTIONBROKEN", "CONNECTION_BROKEN"}, {"DISCONNECTED", "OFFLINE"}}});
+  return Normalised<2>(text,
+                       {{{"CONNECTIONBROKEN", "CONNECTION_BROKEN"}, {"DISCONNECTED", "OFFLINE"}}});
 }
 
 bool IsAway(std::string_view connection_state) {
@@ -410,7 +410,7 @@ std::string ConnectionText(const ConnectionMessage& connection) {
   const std::string& state = connection.connection_state;
   if (!connection.fault.empty()) return "not readable: " + connection.fault;
   return (state.empty() ? "without a connectionState" : Shown(state)) +
-         (time.empty()                  ? ""
+         (time.empty()                   ? ""
           : state == "CONNECTION_BROKEN" ? fmt::format(" (connected at {})", time)
                                          : " since " + time);
 }

@@ -28,7 +28,7 @@ struct MessageHeader {
   std::optional<std::uint32_t> header_id;
   std::optional<std::uint64_t> count;  ///< the header id, also one that is too large to be one
   std::string timestamp;               ///< as written
-  std::string version;    ///< as written: `2.0.0`, but `v2` too
+  std::string version;                 ///< as written: `2.0.0`, but `v2` too
   std::string manufacturer;
   std::string serial_number;
 };
@@ -96,8 +96,8 @@ struct RobotState {
   std::optional<bool> charging;
   std::string order_id;
   std::optional<std::uint32_t> order_update_id;
-  std::optional<std::size_t> nodes_left;  ///< entries of `nodeStates`
-  std::optional<std::size_t> edges_left;  ///< entries of `edgeStates`
+  std::optional<std::size_t> nodes_left;         ///< entries of `nodeStates`
+  std::optional<std::size_t> edges_left;         ///< entries of `edgeStates`
   std::vector<std::uint32_t> sequence_ids_left;  ///< of `nodeStates`
   std::string last_node_id;
   std::optional<std::uint32_t> last_node_sequence_id;

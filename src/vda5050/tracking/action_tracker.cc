@@ -284,7 +284,7 @@ std::string ActionTracker::ModeNote() const {
 std::string ActionTracker::LastSaid(std::string_view robot) const {
   if (listed_) return fmt::format("the action last was {}", Shown(status_));
   return fmt::format("{} has {}", robot,
-                     states_ > 0                      ? "not listed the action"
+                     states_ > 0                    ? "not listed the action"
                      : reception_.passed_over() > 0 ? "sent no state that counts"
                                                     : "sent no state since");
 }

@@ -94,9 +94,8 @@ class ItemTracker final : public message::ResponseTracker {
                                                      .parts = item_.parts});
     auto shown = item_.look(state);
     const bool is_shown = shown && shown->seen;
-    const bool is_refused =
-        nearest == Attribution::kItem || nearest == Attribution::kHeaderId ||
-        (nearest == Attribution::kPart && !is_shown);
+    const bool is_refused = nearest == Attribution::kItem || nearest == Attribution::kHeaderId ||
+                            (nearest == Attribution::kPart && !is_shown);
     if (!progress_.seen && is_refused) return End(CommandStatus::kRejected, "");
     if (!shown && progress_.seen) {
       return End(CommandStatus::kVanished, fmt::format("the robot's state no longer shows {} {}",
@@ -231,18 +230,18 @@ Item ZoneSetItem(const Value& message, WaitFor wait_for) {
                         [&](const ZoneSetState& known) { return known.id == id; });
   };
   const auto had_it = std::make_shared<bool>(false);
-  return {.topic = "zoneSet",
-          .id_key = "zoneSetId",
-          .id = id,
-          .before =
-              [=](const RobotState& state) { *had_it = find(state) != state.zone_sets.end(); },
-          .look = [=](const RobotState& state) -> std::optional<Progress> {
-            const auto known = find(state);
-            if (known == state.zone_sets.end()) return std::nullopt;
-            return Done(StatusOf(wait_for),
-                        fmt::format("the robot lists it as {}{}", Shown(known->status),
-                                    *had_it ? "; it had one of this id before" : ""));
-          }};
+  return {
+      .topic = "zoneSet",
+      .id_key = "zoneSetId",
+      .id = id,
+      .before = [=](const RobotState& state) { *had_it = find(state) != state.zone_sets.end(); },
+      .look = [=](const RobotState& state) -> std::optional<Progress> {
+        const auto known = find(state);
+        if (known == state.zone_sets.end()) return std::nullopt;
+        return Done(StatusOf(wait_for),
+                    fmt::format("the robot lists it as {}{}", Shown(known->status),
+                                *had_it ? "; it had one of this id before" : ""));
+      }};
 }
 
 Result<Item> ResponseItem(const Value& message, WaitFor wait_for) {
@@ -265,28 +264,27 @@ Result<Item> ResponseItem(const Value& message, WaitFor wait_for) {
     return std::nullopt;
   };
   const auto last = std::make_shared<std::optional<std::string>>();
-  return Item{.topic = "responses",
-              .id_key = "requestId",
-              .id = id,
-              .before = [=](const RobotState& state) { *last = status_in(state); },
-              .look = [=](const RobotState& state) -> std::optional<Progress> {
-                const auto status = status_in(state);
-                if (status == grant) {
-                  return Done(StatusOf(wait_for),
-                              fmt::format("the robot has the request as {}", grant));
-                }
-                if (status) {
-                  *last = status;
-                  return Progress{.message = "the robot has the request as " + Shown(*status)};
-                }
-                if (!*last) return std::nullopt;
-                if (grant == "REVOKED") {
-                  return Done(StatusOf(wait_for), "the robot has removed the request");
-                }
-                return Done(CommandStatus::kVanished,
-                            "the robot no longer shows the request, which last was " +
-                                Shown(**last));
-              }};
+  return Item{
+      .topic = "responses",
+      .id_key = "requestId",
+      .id = id,
+      .before = [=](const RobotState& state) { *last = status_in(state); },
+      .look = [=](const RobotState& state) -> std::optional<Progress> {
+        const auto status = status_in(state);
+        if (status == grant) {
+          return Done(StatusOf(wait_for), fmt::format("the robot has the request as {}", grant));
+        }
+        if (status) {
+          *last = status;
+          return Progress{.message = "the robot has the request as " + Shown(*status)};
+        }
+        if (!*last) return std::nullopt;
+        if (grant == "REVOKED") {
+          return Done(StatusOf(wait_for), "the robot has removed the request");
+        }
+        return Done(CommandStatus::kVanished,
+                    "the robot no longer shows the request, which last was " + Shown(**last));
+      }};
 }
 
 Result<std::unique_ptr<message::ResponseTracker>> ConfirmActions(const RobotAddress& robot,

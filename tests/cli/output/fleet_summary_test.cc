@@ -28,9 +28,10 @@ TEST(FleetSummary, NamesThoseThatAPersonHasToLookAfter) {
   Add(summary, "KIT/2", CommandStatus::kFailed, milliseconds(5));
   Add(summary, "KIT/3", CommandStatus::kTimeout, milliseconds(5));
   Add(summary, "KIT/5", CommandStatus::kOffline, milliseconds(0));
-  EXPECT_THAT(summary.Lines(milliseconds(42)),
-              ElementsAre("5 robots: 1 finished, 2 failed, 1 unconfirmed, 1 offline  42 ms",
-                          "  failed      KIT/2, KIT/4", "  unconfirmed KIT/3", "  offline     KIT/5"));
+  EXPECT_THAT(
+      summary.Lines(milliseconds(42)),
+      ElementsAre("5 robots: 1 finished, 2 failed, 1 unconfirmed, 1 offline  42 ms",
+                  "  failed      KIT/2, KIT/4", "  unconfirmed KIT/3", "  offline     KIT/5"));
 }
 
 TEST(FleetSummary, NamesTheSlowOnesAmongTheFinished) {
