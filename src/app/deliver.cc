@@ -106,6 +106,7 @@ Status SendPrepared(const std::vector<Command>& commands, const SendSettings& se
     for (const std::string& warning : *warnings) observer.Warn(warning);
   }
   std::vector<std::string> targets;
+  targets.reserve(commands.size());
   for (const Command& command : commands) targets.push_back(command.target);
   observer.Chosen(targets);
   if (settings.dry_run) {

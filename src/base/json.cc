@@ -66,7 +66,8 @@ class Guard {
     if (number.find_first_of(".eE") == std::string_view::npos) {
       if (int64_t value = 0; ReadWhole(number, value)) return document_.Int64(value);
       if (uint64_t value = 0; ReadWhole(number, value)) return document_.Uint64(value);
-      if (exact_) return !(inexact_ = true);
+      inexact_ = exact_;
+      if (inexact_) return false;
     }
     const auto value = ReadDouble(number);
     too_large_ = !value;

@@ -436,7 +436,7 @@ TEST_F(Sending, SendsNoFasterThanTheRate) {
   rate_ = RateLimiter(200);
   const auto before = std::chrono::steady_clock::now();
   EXPECT_TRUE(Send(CommandsFor(40)));
-  EXPECT_GE(std::chrono::steady_clock::now() - before, 100ms);
+  EXPECT_GE(std::chrono::steady_clock::now() - before, std::chrono::milliseconds(100));
   EXPECT_THAT(reports_, SizeIs(40));
 }
 

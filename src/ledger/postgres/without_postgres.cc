@@ -4,6 +4,7 @@
 
 namespace fleetpub::ledger {
 
+// NOLINTNEXTLINE(performance-unnecessary-value-param): the ledger keeps them
 Result<std::unique_ptr<Ledger>> OpenPostgres(PostgresOptions options, OpenMode /*mode*/) {
   if (Status right = CheckPostgresUrl(options.url); !right) return Fail(std::move(right.error()));
   return Fail(
