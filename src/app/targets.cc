@@ -286,14 +286,18 @@ std::string FormatRobotList(std::span<const RobotAddress> robots) {
   return base::Join(names, ", ") + (more > 0 ? fmt::format(" and {} more", more) : "");
 }
 
-void WarnOfEscapedNames(std::span<const RobotAddress> found, Log& log) {
+std::string DescribeEscapedNames(std::span<const RobotAddress> found) {
   std::vector<RobotAddress> odd;
   std::copy_if(found.begin(), found.end(), std::back_inserter(odd), vda5050::IsWrittenOtherwise);
-  if (odd.empty()) return;
-  log.Warn(fmt::format(
+  if (odd.empty()) return "";
+  return fmt::format(
       "the broker knows {} whose name would mean something else as a target, "
       "so that it is written with %: {}",
-      odd.size() == 1 ? "a robot" : fmt::format("{} robots", odd.size()), FormatRobotList(odd)));
+      odd.size() == 1 ? "a robot" : fmt::format("{} robots", odd.size()), FormatRobotList(odd));
+}
+
+void WarnOfEscapedNames(std::span<const RobotAddress> found, Log& log) {
+  if (const std::string text = DescribeEscapedNames(found); !text.empty()) log.Warn(text);
 }
 
 }  // namespace fleetpub::app

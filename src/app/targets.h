@@ -76,7 +76,8 @@ enum class NeedsConsent { kNo, kYes };
 /// recommend come first and are marked: they may look like another's.
 [[nodiscard]] std::string FormatRobotList(std::span<const vda5050::RobotAddress> robots);
 
-/// Says of robots that the broker knows which ones cannot be named as they are called.
+/// Which robots that the broker knows cannot be named as they are called; "": none.
+[[nodiscard]] std::string DescribeEscapedNames(std::span<const vda5050::RobotAddress> found);
 void WarnOfEscapedNames(std::span<const vda5050::RobotAddress> found, Log& log);
 
 }  // namespace fleetpub::app

@@ -64,6 +64,16 @@ TEST_F(OnATerminal, WatchRedrawsInPlaceAndRestoresTheScreen) {
   EXPECT_EQ(terminal.Flags(), "0 1\n");
 }
 
+TEST_F(OnATerminal, WatchWarnsOfANameThatMeansSomethingElse) {
+  Command command{{"mosquitto_pub", "-h", "127.0.0.1", "-p", std::to_string(broker_.port()), "-r",
+                   "-t", "vda5050/v3/KIT/?/connection", "-m",
+                   R"({"version":"3.0.0","connectionState":"ONLINE"})"}};
+  ASSERT_EQ(::fleetpub::testing::Run(std::move(command)).exit_code, 0);
+  Terminal terminal(AndTellTheEnd(Line({"watch"})), 120, 8);
+  EXPECT_TRUE(terminal.Await("written with %"));
+  EXPECT_TRUE(terminal.Await("KIT/%3F"));
+}
+
 TEST_F(OnATerminal, WatchRestoresItWhenInterruptedWithoutABroker) {
   Terminal terminal(AndTellTheEnd(Line({"watch"})), 60, 8);
   ASSERT_TRUE(terminal.Await("0 robots"));

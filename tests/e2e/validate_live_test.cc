@@ -53,6 +53,15 @@ TEST_F(ValidateLive, TellsEachViolationAndEndsWithThree) {
             HasSubstr("connection      2 messages, 0 valid, 2 invalid\n"), Not(HasSubstr("ABC"))));
 }
 
+TEST_F(ValidateLive, WarnsOfANameThatMeansSomethingElse) {
+  Publish("vda5050/v3/KIT/@hall/connection", Connection("ONLINE", "@hall"), true);
+  Publish("vda5050/v3/KIT/?/connection", Connection("ONLINE", "?"), true);
+  const Finished run = Fleetpub({"validate", "--live", "--for", "500ms"});
+  EXPECT_EQ(run.exit_code, 0) << run.output;
+  EXPECT_THAT(run.errors, HasSubstr("KIT/%3F"));
+  EXPECT_THAT(run.errors, Not(HasSubstr("@hall (")));
+}
+
 TEST_F(ValidateLive, TellsAScriptInJson) {
   const auto live = Start({"validate", "--live", "--count", "1", "-o", "json"});
   ASSERT_TRUE(broker_.AwaitLog("+/+/+/+/responses (QoS 0)"));

@@ -4,8 +4,10 @@
 
 #include <algorithm>
 #include <map>
+#include <set>
 #include <unordered_map>
 
+#include "app/targets.h"
 #include "base/json.h"
 #include "base/text.h"
 #include "base/time.h"
@@ -50,6 +52,9 @@ class Inspector {
     if (message.retained && !IsNew(message)) return;
     const auto judgement = conformance_.Validate(message.topic, message.payload);
     if (!judgement) return;
+    if (vda5050::IsWrittenOtherwise(judgement->robot) && escaped_.insert(judgement->robot).second) {
+      app::WarnOfEscapedNames({&judgement->robot, 1}, output_);
+    }
     for (Tally* tally : {&total_, &by_topic_[judgement->topic_name]}) {
       ++tally->messages;
       if (!judgement->findings.errors.empty()) ++tally->invalid;
@@ -111,6 +116,7 @@ class Inspector {
   Output& output_;
   Tally total_;
   std::map<std::string, Tally> by_topic_;
+  std::set<vda5050::RobotAddress> escaped_;                // whose names were warned of
   std::unordered_map<std::string, std::size_t> retained_;  // by topic, the payload's hash
 };
 

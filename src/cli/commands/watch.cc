@@ -128,8 +128,14 @@ class ScreenDisplay final : public Display {
     const std::size_t shown = robots.size() - std::min(hidden, robots.size());
     for (std::size_t i = 0; i < shown; ++i) table.push_back(FleetRow(*robots[i], now));
 
-    const std::string trouble =
-        trouble_.empty() && view.abridged() > 0 ? app::AbridgedWarning(view.abridged()) : trouble_;
+    std::string trouble = trouble_;
+    if (trouble.empty() && view.abridged() > 0) trouble = app::AbridgedWarning(view.abridged());
+    if (trouble.empty()) {
+      std::vector<vda5050::RobotAddress> names;
+      names.reserve(robots.size());
+      for (const RobotView* robot : robots) names.push_back(robot->robot);
+      trouble = app::DescribeEscapedNames(names);
+    }
     const auto line = [&, width = columns](Tone tone, std::string_view text) {
       return output_.Toned(tone, base::Shortened(width, text));
     };
