@@ -24,8 +24,6 @@ constexpr unsigned kParseFlags = rapidjson::kParseIterativeFlag |
                                  rapidjson::kParseValidateEncodingFlag |
                                  rapidjson::kParseNumbersAsStringsFlag;
 
-constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
-
 // RapidJSON decodes an escaped low surrogate that has no high one before it (`"\uDC00"`) to bytes
 // that are no UTF-8: ED A0..BF.
 bool HoldsSurrogate(std::string_view text) {
@@ -296,7 +294,7 @@ void MoveWord(std::string_view& from, std::string& to) {
 }
 
 std::string Repaired(std::string_view text) {
-  if (text.starts_with(kByteOrderMark)) text.remove_prefix(kByteOrderMark.size());
+  text = WithoutByteOrderMark(text);
   constexpr std::string_view kBehind("\0 \t\r\n", 5);
   text = text.substr(0, text.find_last_not_of(kBehind) + 1);
   std::string repaired;
@@ -358,7 +356,7 @@ Result<JsonDocument> ParseJson(std::string_view text, JsonLimits limits) {
     return Fail(ErrorKind::kInvalid,
                 fmt::format("too large: {} bytes, at most {} are read", text.size(), limits.bytes));
   }
-  if (text.starts_with(kByteOrderMark)) text.remove_prefix(kByteOrderMark.size());
+  text = WithoutByteOrderMark(text);
   if (const auto nul = text.find('\0'); nul != std::string_view::npos) {
     return Fail(ErrorKind::kInvalid,
                 fmt::format("not valid JSON at {}: a NUL byte", Place(text, nul)));

@@ -10,6 +10,8 @@
 #include <cstring>
 #include <utility>
 
+#include "base/text.h"
+
 namespace fleetpub::base {
 
 Result<LineReader> LineReader::Open(const std::filesystem::path& path) {
@@ -52,10 +54,7 @@ Result<std::optional<std::string_view>> LineReader::Next(std::size_t longest) {
                 fmt::format("{} has a line of more than {} bytes", name_, longest));
   }
   std::string_view line = std::string_view(buffer_).substr(next_, size);
-  constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
-  if (std::exchange(is_first_, false) && line.starts_with(kByteOrderMark)) {
-    line.remove_prefix(kByteOrderMark.size());
-  }
+  if (std::exchange(is_first_, false)) line = WithoutByteOrderMark(line);
   next_ = scanned_ = std::min(end + 1, buffer_.size());
   return line;
 }

@@ -30,6 +30,9 @@ namespace fleetpub::base {
   return text.empty() ? fallback : text;
 }
 
+/// Without the byte order mark that it may begin with.
+[[nodiscard]] std::string_view WithoutByteOrderMark(std::string_view text);
+
 /// How many letters must be changed, added, left out or swapped with their neighbour, ignoring
 /// case.
 [[nodiscard]] int EditDistance(std::string_view a, std::string_view b);

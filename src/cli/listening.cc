@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <chrono>
 
 #include "base/text.h"
 #include "base/time.h"
@@ -28,6 +29,18 @@ void DeclareFleetOptions(OptionSet& set, FleetOptions& options) {
                 "Robots: manufacturer/serialNumber, alias, @group, 'KIT/*' [all]")
       .Type("TARGET");
   DeclareTopicOptions(set, options.vda);
+}
+
+Result<mqtt::Deadline> ParseEnd(const std::string& duration) {
+  if (duration.empty()) return mqtt::Deadline::max();
+  const auto time = base::ParseDuration(duration);
+  if (!time) return Fail(time.error());
+  return std::chrono::steady_clock::now() + *time;
+}
+
+delivery::ListenHooks MakeListenHooks(Output& output) {
+  return {[&output](const Error& error) { output.Warn(error.message + ": connecting again"); },
+          [&output] { output.Warn("connected again"); }};
 }
 
 Result<delivery::RetainedOptions> ParseDiscover(const std::string& text) {

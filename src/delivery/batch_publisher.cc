@@ -116,7 +116,7 @@ void BatchPublisher::PublishEach(const SentHook& sent) {
     }
     if (sent) sent();
     if (options_.qos == mqtt::Qos::kAtMostOnce) {
-      SetVerdict(report, message::CommandStatus::kSent);
+      SetStatus(report, message::CommandStatus::kSent);
     } else {
       awaited_[*token] = &report;
     }
@@ -133,7 +133,7 @@ bool BatchPublisher::Take(const mqtt::Acknowledgement& acknowledgement) {
                           transport_.server().broker.ToString(), acknowledgement.reason)},
              "");
   } else {
-    SetVerdict(*found->second, message::CommandStatus::kPublished);
+    SetStatus(*found->second, message::CommandStatus::kPublished);
   }
   awaited_.erase(found);
   return true;
@@ -156,14 +156,14 @@ BatchResult BatchPublisher::Close(const Error& reason) {
   return {std::move(reports_), std::move(broken_)};
 }
 
-void BatchPublisher::SetVerdict(message::Report& report, message::CommandStatus status) const {
+void BatchPublisher::SetStatus(message::Report& report, message::CommandStatus status) const {
   report.status = status;
   report.elapsed = steady_clock::now() - started_;
 }
 
 void BatchPublisher::SetError(message::Report& report, const Error& error,
                               std::string_view prefix) const {
-  SetVerdict(report, message::CommandStatus::kError);
+  SetStatus(report, message::CommandStatus::kError);
   report.error = error.kind;
   report.message = fmt::format("{}{}", prefix, error.message);
 }

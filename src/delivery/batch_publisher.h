@@ -77,7 +77,7 @@ class BatchPublisher {
   [[nodiscard]] Status Reserve(std::span<const message::Command> commands);
   void Publish(const SentHook& sent);
   void PublishEach(const SentHook& sent);
-  void SetVerdict(message::Report& report, message::CommandStatus status) const;
+  void SetStatus(message::Report& report, message::CommandStatus status) const;
   void SetError(message::Report& report, const Error& error, std::string_view prefix) const;
 
   mqtt::Transport& transport_;

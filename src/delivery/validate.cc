@@ -2,9 +2,18 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <iterator>
+
 #include "base/json.h"
 
 namespace fleetpub::delivery {
+void Harden(Findings& findings) {
+  std::move(findings.warnings.begin(), findings.warnings.end(),
+            std::back_inserter(findings.errors));
+  findings.warnings.clear();
+}
+
 Findings Check(const base::JsonValue& message, const schema::Schema& schema,
                const message::TextRules& rules) {
   Findings findings;

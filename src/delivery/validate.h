@@ -20,6 +20,9 @@ struct Findings {
   bool satisfies_schema = true;
 };
 
+/// Makes every warning an error, for those who want nothing to object to.
+void Harden(Findings& findings);
+
 /// Checks a message against a schema and then, when it satisfies that, against the rules of the
 /// text.
 [[nodiscard]] Findings Check(const base::JsonValue& message, const schema::Schema& schema,

@@ -95,11 +95,12 @@ class Runner {
       if (!*message) break;
       const auto connection = vda5050::ReadConnection((*message)->payload);
       if (!connection || connection->connection_state != "ONLINE") continue;
-      asked = Fail(
-          ErrorKind::kPreflight,
-          fmt::format("nothing was started: a robot is ONLINE at {} of {}, and a virtual one would "
-                      "take its place. try: another name, or --force",
-                      base::Printable((*message)->topic), options_.connect.brokers[0].ToString()));
+      asked =
+          Fail(ErrorKind::kPreflight,
+               fmt::format(
+                   "nothing was started: a robot is ONLINE at {} of {}, and a virtual one would "
+                   "take its place. try: another name, or --force",
+                   base::Printable((*message)->topic), (*transport)->server().broker.ToString()));
     }
     (*transport)->Disconnect();
     return asked;

@@ -11,10 +11,7 @@ namespace {
 
 class Reader {
  public:
-  explicit Reader(std::string_view text) : rest_(text) {
-    constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
-    if (rest_.starts_with(kByteOrderMark)) rest_.remove_prefix(kByteOrderMark.size());
-  }
+  explicit Reader(std::string_view text) : rest_(base::WithoutByteOrderMark(text)) {}
 
   Result<std::vector<CsvRow>> Rows() {
     std::vector<CsvRow> rows;

@@ -59,13 +59,9 @@ Status Listen(const Options& o, const RobotAddress& robot, const config::Config&
   }
   if (o.vda.version.empty() || o.vda.IsAutomatic()) {
     const std::string_view topic = o.topic;
-    auto filters =
-        vda5050::DiscoveryFilters(scheme, {robot.manufacturer, robot.serial_number}, {&topic, 1});
-    // RabbitMQ has nothing retained for a filter with wildcards.
-    auto exact = vda5050::SpecifiedTopics(scheme, robot, {&topic, 1});
-    if (!filters || !exact) return Fail(std::move(filters ? exact.error() : filters.error()));
+    auto filters = vda5050::TopicsAnywhere(scheme, robot, {&topic, 1});
+    if (!filters) return Fail(std::move(filters.error()));
     wish.filters.insert(wish.filters.end(), filters->begin(), filters->end());
-    wish.filters.insert(wish.filters.end(), exact->begin(), exact->end());
     return {};
   }
   auto topic = vda5050::TopicFor(scheme, dialect->version, robot, o.topic);
@@ -146,12 +142,9 @@ class Awaiter {
     const InterruptGuard interrupt;
     start_ = steady_clock::now();
     const auto end = start_ + wish_.timeout;
-    Output& output = context_.output;
-    const delivery::ListenHooks hooks{
-        [&](const Error& error) { output.Warn(error.message + ": connecting again"); },
-        [&] { output.Warn("connected again"); }};
     // To connect may take its own time, however short the wait.
-    auto listener = delivery::Subscription::Open(wish_.filters, MakeConnectHook(*connect), hooks,
+    auto listener = delivery::Subscription::Open(wish_.filters, MakeConnectHook(*connect),
+                                                 MakeListenHooks(context_.output),
                                                  std::max(end, start_ + connect->connect_timeout));
     if (!listener) return Fail(std::move(listener.error()));
     for (const RobotAddress& robot : wish_.robots) left_[robot];

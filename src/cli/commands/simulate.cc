@@ -259,19 +259,17 @@ void WarnOfMisspelt(const Options& o, Output& output) {
   }
 }
 
-// Where robots of these names would be ONLINE. RabbitMQ has nothing retained for wildcards.
+// Where robots of these names would be ONLINE.
 Result<std::vector<std::string>> ConnectionFilters(const vda5050::TopicScheme& topics,
                                                    const std::vector<RobotAddress>& robots) {
   constexpr std::array<std::string_view, 1> kConnection = {"connection"};
   constexpr std::size_t kMost = 100;  // a wildcard of each would keep the broker busy for long
   std::vector<std::string> filters;
   for (const RobotAddress& robot : robots) {
-    auto exact = vda5050::SpecifiedTopics(topics, robot, kConnection);
-    auto anywhere =
-        vda5050::DiscoveryFilters(topics, {robot.manufacturer, robot.serial_number}, kConnection);
-    if (!exact || !anywhere) return Fail(std::move(exact ? anywhere.error() : exact.error()));
-    if (filters.size() < kMost) filters.insert(filters.end(), anywhere->begin(), anywhere->end());
-    filters.insert(filters.end(), exact->begin(), exact->end());
+    const auto own = filters.size() < kMost ? vda5050::TopicsAnywhere(topics, robot, kConnection)
+                                            : vda5050::SpecifiedTopics(topics, robot, kConnection);
+    if (!own) return Fail(own.error());
+    filters.insert(filters.end(), own->begin(), own->end());
   }
   return filters;
 }

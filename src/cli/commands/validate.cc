@@ -93,7 +93,8 @@ class Validator {
     if (own_schema_) return delivery::Check(*message, *own_schema_, {});
     if (soar_) {
       Findings findings = soar_->Check(*message, registry_);
-      return options_.strict ? Hardened(std::move(findings)) : findings;
+      if (options_.strict) delivery::Harden(findings);
+      return findings;
     }
     const auto version = VersionOf(*message);
     if (!version) return OneError(version.error().message);
@@ -103,7 +104,9 @@ class Validator {
     if (!schema) return OneError(schema.error().message);
     Findings findings =
         delivery::Check(*message, **schema, vda5050::TextRulesFor(*topic, *version));
-    return options_.strict ? Hardened(std::move(findings)) : Softened(std::move(findings));
+    if (!options_.strict) return Softened(std::move(findings));
+    delivery::Harden(findings);
+    return findings;
   }
 
  private:
@@ -137,14 +140,6 @@ class Validator {
 
   static std::string SchemaName(vda5050::Version version, std::string_view topic) {
     return fmt::format("vda5050/{}/{}", vda5050::FactsOf(version).name, topic);
-  }
-
-  // Whoever is strict wants nothing to object to.
-  static Findings Hardened(Findings findings) {
-    std::move(findings.warnings.begin(), findings.warnings.end(),
-              std::back_inserter(findings.errors));
-    findings.warnings.clear();
-    return findings;
   }
 
   // The text's rules are no schema rules: they warn here, and fail with --strict.

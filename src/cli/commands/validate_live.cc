@@ -139,13 +139,6 @@ Result<vda5050::ConformanceOptions> ConformanceOptionsOf(const LiveOptions& opti
   return conformance;
 }
 
-Result<steady_clock::time_point> EndOf(const std::string& duration) {
-  if (duration.empty()) return steady_clock::time_point::max();
-  const auto time = base::ParseDuration(duration);
-  if (!time) return Fail(time.error());
-  return steady_clock::now() + *time;
-}
-
 }  // namespace
 
 void DeclareLive(OptionSet& set, LiveOptions& options) {
@@ -171,18 +164,15 @@ Result<ExitCode> ValidateLive(const LiveOptions& options, const LiveRequest& req
   vda5050::Conformance conformance(std::move(*conformance_options), registry);
   auto filters = conformance.Filters();
   if (!filters) return Fail(std::move(filters.error()));
-  const auto end = EndOf(options.duration);
+  const auto end = ParseEnd(options.duration);
   if (!end) return Fail(end.error());
   const auto connect = ConnectOptionsOf(context);
   if (!connect) return Fail(connect.error());
 
   const StopSignal stop;
   Output& output = context.output;
-  auto listener = delivery::Subscription::Open(
-      *std::move(filters), MakeConnectHook(*connect),
-      {[&](const Error& error) { output.Warn(error.message + ": connecting again"); },
-       [&] { output.Warn("connected again"); }},
-      *end);
+  auto listener = delivery::Subscription::Open(*std::move(filters), MakeConnectHook(*connect),
+                                               MakeListenHooks(output), *end);
   if (!listener) return Fail(std::move(listener.error()));
   Inspector inspector(conformance, output);
   const auto enough = options.count == 0 ? SIZE_MAX : static_cast<std::size_t>(options.count);

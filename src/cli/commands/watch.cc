@@ -196,19 +196,12 @@ void Take(delivery::Subscription& listener, mqtt::Deadline deadline, FleetView& 
   } while (steady_clock::now() < deadline);
 }
 
-Result<steady_clock::time_point> EndOf(const std::string& duration) {
-  if (duration.empty()) return steady_clock::time_point::max();
-  const auto time = base::ParseDuration(duration);
-  if (!time) return Fail(time.error());
-  return steady_clock::now() + *time;
-}
-
 Result<ExitCode> RunWatch(const Options& o, const Context& context) {
   auto view = app::MakeFleetView(o.fleet.words, o.fleet.vda, context.config, context.output);
   if (!view) return Fail(std::move(view.error()));
   auto filters = view->Filters();
   if (!filters) return Fail(std::move(filters.error()));
-  const auto end = EndOf(o.duration);
+  const auto end = ParseEnd(o.duration);
   if (!end) return Fail(end.error());
   const auto connect = ConnectOptionsOf(context);
   if (!connect) return Fail(connect.error());

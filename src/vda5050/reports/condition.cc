@@ -111,7 +111,7 @@ void AddMembers(std::string_view rules, Members& members) {
   }
 }
 
-Members MembersOf(std::string_view topic_name) {
+Members FindMembers(std::string_view topic_name) {
   Members members;
   for (const Version version : kVersions) {
     const std::string name = fmt::format("vda5050/{}/{}", FactsOf(version).name, topic_name);
@@ -236,8 +236,11 @@ Result<Condition> ParseCondition(std::string_view text) {
 
 Result<std::string> CheckCondition(const Condition& condition, std::string_view topic_name) {
   const std::string& path = condition.path;
-  const Members members = MembersOf(topic_name);
-  if (path.starts_with('/') || members.empty()) return "";
+  const bool is_alias = std::any_of(kAliases.begin(), kAliases.end(),
+                                    [&](const Alias& alias) { return alias.name == path; });
+  if (path.starts_with('/') || is_alias) return "";
+  const Members members = FindMembers(topic_name);
+  if (members.empty()) return "";
   const auto refuse = [&](std::string_view what, const std::string& nearest_path,
                           const std::string& nearest_value) {
     return Fail(
@@ -252,7 +255,7 @@ Result<std::string> CheckCondition(const Condition& condition, std::string_view 
   for (const Alias& alias : kAliases) names.insert(alias.name);
   if (!names.contains(path)) {
     for (const std::string_view other : {"connection", "state", "factsheet"}) {
-      if (!MembersOf(other).contains(path)) continue;
+      if (!FindMembers(other).contains(path)) continue;
       return Fail(ErrorKind::kUsage,
                   fmt::format("condition '{}': {} has no such member, {} has",
                               base::Printable(ToString(condition)), topic_name, other));

@@ -175,6 +175,16 @@ Result<std::vector<std::string>> SpecifiedTopics(const TopicScheme& scheme,
   return topics;
 }
 
+Result<std::vector<std::string>> TopicsAnywhere(const TopicScheme& scheme,
+                                                const RobotAddress& robot,
+                                                std::span<const std::string_view> topic_names) {
+  auto topics = DiscoveryFilters(scheme, {robot.manufacturer, robot.serial_number}, topic_names);
+  const auto exact = SpecifiedTopics(scheme, robot, topic_names);
+  if (!topics || !exact) return Fail(topics ? exact.error() : topics.error());
+  topics->insert(topics->end(), exact->begin(), exact->end());
+  return topics;
+}
+
 std::optional<TopicLevels> ReadTopic(const TopicScheme& scheme, std::string_view topic) {
   const auto patterns = base::Split(TemplateOf(scheme), '/');
   const auto levels = base::Split(topic, '/');

@@ -37,6 +37,12 @@ struct RobotFilter {
     const TopicScheme& scheme, const RobotAddress& robot,
     std::span<const std::string_view> topic_names);
 
+/// Where one robot may be, whatever the broker: DiscoveryFilters, then SpecifiedTopics. Errors: as
+/// these.
+[[nodiscard]] Result<std::vector<std::string>> TopicsAnywhere(
+    const TopicScheme& scheme, const RobotAddress& robot,
+    std::span<const std::string_view> topic_names);
+
 /// The levels of a topic that the scheme's template would make.
 struct TopicLevels {
   RobotAddress robot;

@@ -102,13 +102,7 @@ void Conformance::ValidateMessage(const Value& message, const TopicLevels& level
         registry_.Find(fmt::format("vda5050/{}/{}", result.version, levels.topic_name));
     if (schema) {
       findings = delivery::Check(message, **schema, TextRulesFor(levels.topic_name, *version));
-      if (!options_.strict) {
-        Soften(findings);
-      } else {
-        std::move(findings.warnings.begin(), findings.warnings.end(),
-                  std::back_inserter(findings.errors));
-        findings.warnings.clear();
-      }
+      options_.strict ? delivery::Harden(findings) : Soften(findings);
     } else {
       header.push_back({"", schema.error().message});
     }
