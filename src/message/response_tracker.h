@@ -6,6 +6,7 @@
 #include <memory>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "base/time.h"
@@ -32,6 +33,11 @@ struct Progress {
   /// end. One line.
   std::string message = {};
 };
+
+/// That of a command whose end is known.
+[[nodiscard]] inline Progress Ended(CommandStatus status, std::string message = {}) {
+  return {.seen = true, .ended = true, .status = status, .message = std::move(message)};
+}
 
 /// Follows one command. Fed with the messages of its topics by one thread.
 class ResponseTracker {

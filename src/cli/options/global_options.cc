@@ -22,7 +22,7 @@
 namespace fleetpub::cli {
 namespace {
 
-constexpr const char* kBroker = "Broker";
+constexpr const char* kBrokerGroup = "Broker";
 constexpr const char* kTls = "TLS";
 constexpr const char* kOutput = "Output";
 constexpr const char* kFiles = "Files";
@@ -52,11 +52,11 @@ void DeclareBroker(OptionSet& set, GlobalOptions& o) {
                     .Type("URL")
                     .Variable("FLEETPUB_BROKER")
                     .OneValueEach()
-                    .Group(kBroker),
+                    .Group(kBrokerGroup),
                 &o.brokers);
   const auto add = [&](const char* names, std::string& value, const char* type, const char* env,
                        const char* help) {
-    const Option option = set.AddOption(names, value, help).Type(type).Group(kBroker);
+    const Option option = set.AddOption(names, value, help).Type(type).Group(kBrokerGroup);
     if (*env != '\0') option.Variable(env);
     bindings.Bind(KeyOf(names), option, &value);
   };
@@ -66,7 +66,7 @@ void DeclareBroker(OptionSet& set, GlobalOptions& o) {
   add("--password-file", o.password_file, "FILE", "FLEETPUB_PASSWORD_FILE",
       "File whose first line is the password (or set FLEETPUB_PASSWORD)");
   set.AddFlag("--ask-password", o.ask_password, "Ask for the password on the terminal")
-      .Group(kBroker);
+      .Group(kBrokerGroup);
   add("-i,--client-id", o.client_id, "ID", "FLEETPUB_CLIENT_ID", "MQTT client id [a random one]");
   add("-k,--keep-alive", o.keep_alive, "S", "", "MQTT keep-alive in seconds [60]");
   add("-V,--mqtt-version", o.mqtt_version, "V", "FLEETPUB_MQTT_VERSION", "3.1.1 or 5 [3.1.1]");
@@ -82,7 +82,7 @@ void DeclareProperties(OptionSet& set, GlobalOptions& o) {
                                     "MQTT 5: a property to send with each message; repeatable")
                           .Type("NAME=VALUE")
                           .OneValueEach()
-                          .Group(kBroker),
+                          .Group(kBrokerGroup),
                       &o.user_properties);
   set.bindings().Bind(
       "message_expiry",
@@ -90,7 +90,7 @@ void DeclareProperties(OptionSet& set, GlobalOptions& o) {
                     "MQTT 5: how long a broker may keep a message for who is away [no limit]")
           .Type("TIME")
           .Variable("FLEETPUB_MESSAGE_EXPIRY")
-          .Group(kBroker),
+          .Group(kBrokerGroup),
       &o.message_expiry);
 }
 
@@ -334,7 +334,7 @@ Result<mqtt::PublishProperties> PropertiesOf(const GlobalOptions& o,
 }  // namespace
 
 bool IsGlobalGroup(std::string_view group) {
-  return group == kBroker || group == kTls || group == kOutput || group == kFiles ||
+  return group == kBrokerGroup || group == kTls || group == kOutput || group == kFiles ||
          group == kConfig;
 }
 

@@ -27,10 +27,6 @@ std::string PlaceOf(const RobotState& state) {
   return fmt::format("{} {}", state.last_node_sequence_id.value_or(0), state.last_node_id);
 }
 
-Progress Done(CommandStatus status, std::string message = {}) {
-  return {.seen = true, .ended = true, .status = status, .message = std::move(message)};
-}
-
 std::string Joined(std::vector<std::string> parts) {
   std::erase(parts, "");
   return base::Join(parts, "; ");
@@ -96,8 +92,9 @@ std::optional<Progress> OrderProgress::Look(const RobotState& state) {
   }
   is_taken_ = true;
   if (wait_for_ == WaitFor::kAccepted) {
-    return Done(CommandStatus::kAccepted,
-                had_it_before_ ? "the robot had this order before" : "the robot has the order");
+    return message::Ended(CommandStatus::kAccepted, had_it_before_
+                                                        ? "the robot had this order before"
+                                                        : "the robot has the order");
   }
   Note(state);
   return Conclude(state, true);
@@ -150,22 +147,23 @@ Progress OrderProgress::Conclude(const RobotState& state, bool is_shown) {
   const bool is_over = is_reached && all_ended && !(is_ours && has_legs);
   const bool is_new_failure = !none_failed && !had_it_before_;
   if (is_over && (is_shown || is_cleared) && (IsNew(state) || is_new_failure)) {
-    return Done(none_failed ? CommandStatus::kFinished : CommandStatus::kFailed,
-                is_cleared
-                    ? Joined({"the robot has cleared its orderId", PlaceText(state), ActionText()})
-                    : ActionText());
+    return message::Ended(
+        none_failed ? CommandStatus::kFinished : CommandStatus::kFailed,
+        is_cleared ? Joined({"the robot has cleared its orderId", PlaceText(state), ActionText()})
+                   : ActionText());
   }
   if (!is_shown) {
     const std::string now =
         state.order_id.empty() ? "" : fmt::format(", but order {}", Shown(state.order_id));
-    return Done(CommandStatus::kVanished,
-                Joined({fmt::format("the robot no longer shows order {}{}", Shown(id_), now),
-                        PlaceText(state), ActionText()}));
+    return message::Ended(
+        CommandStatus::kVanished,
+        Joined({fmt::format("the robot no longer shows order {}{}", Shown(id_), now),
+                PlaceText(state), ActionText()}));
   }
   was_open_ = was_open_ || !is_over;
   if (is_ours && was_under_way_ && !has_legs && none_runs && !is_reached) {
-    return Done(CommandStatus::kFailed,
-                Joined({"the order ended before its last node", PlaceText(state), ActionText()}));
+    return message::Ended(CommandStatus::kFailed, Joined({"the order ended before its last node",
+                                                          PlaceText(state), ActionText()}));
   }
   const std::string how =
       is_over ? "the robot shows the order as done, but not that it was done since: it may have "

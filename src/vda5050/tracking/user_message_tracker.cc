@@ -203,10 +203,6 @@ class EveryAction final : public message::ResponseTracker {
   Progress progress_;
 };
 
-Progress Done(CommandStatus status, std::string message = {}) {
-  return {.seen = true, .ended = true, .status = status, .message = std::move(message)};
-}
-
 Item OrderItem(const Value& order, WaitFor wait_for) {
   const auto progress = std::make_shared<OrderProgress>(order, wait_for);
   return {.topic = "order",
@@ -238,9 +234,9 @@ Item ZoneSetItem(const Value& message, WaitFor wait_for) {
       .look = [=](const RobotState& state) -> std::optional<Progress> {
         const auto known = find(state);
         if (known == state.zone_sets.end()) return std::nullopt;
-        return Done(StatusOf(wait_for),
-                    fmt::format("the robot lists it as {}{}", Shown(known->status),
-                                *had_it ? "; it had one of this id before" : ""));
+        return message::Ended(StatusOf(wait_for),
+                              fmt::format("the robot lists it as {}{}", Shown(known->status),
+                                          *had_it ? "; it had one of this id before" : ""));
       }};
 }
 
@@ -264,27 +260,28 @@ Result<Item> ResponseItem(const Value& message, WaitFor wait_for) {
     return std::nullopt;
   };
   const auto last = std::make_shared<std::optional<std::string>>();
-  return Item{
-      .topic = "responses",
-      .id_key = "requestId",
-      .id = id,
-      .before = [=](const RobotState& state) { *last = status_in(state); },
-      .look = [=](const RobotState& state) -> std::optional<Progress> {
-        const auto status = status_in(state);
-        if (status == grant) {
-          return Done(StatusOf(wait_for), fmt::format("the robot has the request as {}", grant));
-        }
-        if (status) {
-          *last = status;
-          return Progress{.message = "the robot has the request as " + Shown(*status)};
-        }
-        if (!*last) return std::nullopt;
-        if (grant == "REVOKED") {
-          return Done(StatusOf(wait_for), "the robot has removed the request");
-        }
-        return Done(CommandStatus::kVanished,
+  return Item{.topic = "responses",
+              .id_key = "requestId",
+              .id = id,
+              .before = [=](const RobotState& state) { *last = status_in(state); },
+              .look = [=](const RobotState& state) -> std::optional<Progress> {
+                const auto status = status_in(state);
+                if (status == grant) {
+                  return message::Ended(StatusOf(wait_for),
+                                        fmt::format("the robot has the request as {}", grant));
+                }
+                if (status) {
+                  *last = status;
+                  return Progress{.message = "the robot has the request as " + Shown(*status)};
+                }
+                if (!*last) return std::nullopt;
+                if (grant == "REVOKED") {
+                  return message::Ended(StatusOf(wait_for), "the robot has removed the request");
+                }
+                return message::Ended(
+                    CommandStatus::kVanished,
                     "the robot no longer shows the request, which last was " + Shown(**last));
-      }};
+              }};
 }
 
 Result<std::unique_ptr<message::ResponseTracker>> ConfirmActions(const RobotAddress& robot,
