@@ -92,7 +92,8 @@ class Validator {
     if (!message) return OneError(message.error().message);
     if (own_schema_) return delivery::Check(*message, *own_schema_, {});
     if (soar_) return soar_->Check(*message, registry_);
-    const auto version = VersionOf(*message);
+    std::string chosen;
+    const auto version = VersionOf(*message, chosen);
     if (!version) return OneError(version.error().message);
     const auto topic = TopicOf(*message);
     if (!topic) return OneError(topic.error().message);
@@ -100,7 +101,12 @@ class Validator {
     if (!schema) return OneError(schema.error().message);
     Findings findings =
         delivery::Check(*message, **schema, vda5050::TextRulesFor(*topic, *version));
-    return options_.strict ? findings : Softened(std::move(findings));
+    if (!options_.strict) findings = Softened(std::move(findings));
+    if (!chosen.empty()) {
+      auto& list = options_.strict ? findings.errors : findings.warnings;
+      list.push_back({"/version", std::move(chosen)});
+    }
+    return findings;
   }
 
  private:
@@ -144,9 +150,16 @@ class Validator {
     return {{}, std::move(findings.errors)};
   }
 
-  [[nodiscard]] Result<vda5050::Version> VersionOf(const base::JsonValue& message) const {
+  // `chosen` tells of a header that names no release.
+  [[nodiscard]] Result<vda5050::Version> VersionOf(const base::JsonValue& message,
+                                                   std::string& chosen) const {
     if (version_) return *version_;
-    if (const auto said = vda5050::VersionSaidBy(message)) return *said;
+    if (const auto said = vda5050::VersionSaidBy(message)) {
+      if (!said->is_release) {
+        chosen = vda5050::NoReleaseText(base::StringMember(message, "version"), said->version);
+      }
+      return said->version;
+    }
     return Fail(ErrorKind::kInvalid,
                 "its header does not say which VDA 5050 version it is: name it with --vda");
   }
