@@ -206,7 +206,7 @@ Result<Dialect> ReadDialect(const Value& line, const AddressedRobot& robot) {
   const Value* payload = FindMember(line, "payload");
   if (payload == nullptr || !dialect.assumed) return dialect;
   if (const auto said = vda5050::VersionSaidBy(*payload)) {
-    dialect.version = *said;
+    dialect.version = said->version;
     dialect.assumed = false;
   }
   return dialect;

@@ -133,6 +133,8 @@ PreflightFindings CommandFactory::FindingsOn(const ListedRobot& robot,
     findings.refusals.emplace_back(
         "no message of this robot is known to the broker, so its version cannot be told: name it "
         "with --vda");
+  } else if (auto rival = vda5050::RivalText(address, entry.Known())) {
+    findings.warnings.push_back(*std::move(rival));
   }
   const auto suggestion = suggestions_.find(address);
   if (!findings.refusals.empty() && suggestion != suggestions_.end()) {

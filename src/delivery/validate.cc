@@ -18,6 +18,7 @@ Findings Check(const base::JsonValue& message, const schema::Schema& schema,
                const message::TextRules& rules) {
   Findings findings;
   findings.errors = schema.Validate(message);
+  findings.warnings = schema.FindMisspellings(message);
   findings.satisfies_schema = findings.errors.empty();
   if (!findings.satisfies_schema || !rules) return findings;
   for (message::TextFinding& finding : rules(message)) {

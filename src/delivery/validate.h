@@ -24,7 +24,7 @@ struct Findings {
 void Harden(Findings& findings);
 
 /// Checks a message against a schema and then, when it satisfies that, against the rules of the
-/// text.
+/// text. Warns of members whose names are nearly ones that the schema knows.
 [[nodiscard]] Findings Check(const base::JsonValue& message, const schema::Schema& schema,
                              const message::TextRules& rules);
 

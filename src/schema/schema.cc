@@ -10,6 +10,7 @@
 
 #include "base/text.h"
 #include "schema/schema_loader.h"
+#include "schema/spelling.h"
 #include "schema/violations.h"
 
 namespace fleetpub::schema {
@@ -54,6 +55,10 @@ Result<Schema> Schema::Compile(const Embedded& embedded, std::string_view pointe
 
 std::vector<Violation> Schema::Validate(const base::JsonValue& message) const {
   return CollectViolations(*checked_, message);
+}
+
+std::vector<Violation> Schema::FindMisspellings(const base::JsonValue& message) const {
+  return CollectMisspellings(*checked_, message);
 }
 
 }  // namespace fleetpub::schema

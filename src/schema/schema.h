@@ -50,6 +50,9 @@ class Schema {
   /// comes from base::ParseJson, which bounds its depth.
   [[nodiscard]] std::vector<Violation> Validate(const base::JsonValue& message) const;
 
+  /// Members that it does not know, and whose names are nearly ones that it knows (`action_id`).
+  [[nodiscard]] std::vector<Violation> FindMisspellings(const base::JsonValue& message) const;
+
   static constexpr std::size_t kMostViolations = 1000;
 
  private:

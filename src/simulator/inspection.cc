@@ -97,7 +97,8 @@ Inspection Inspector::Open(std::string_view payload, std::string_view topic) {
     inspection.fault = delivery::Describe(delivery::Check(inspection.message, **schema, {}));
   }
   const std::string_view version = StringMember(inspection.message, "version");
-  if (inspection.fault.empty() && version != facts.name) {
+  if (inspection.fault.empty() &&
+      vda5050::VersionSpoken(version, "") != vda5050::SpokenVersion{settings_.version, true}) {
     inspection.fault = fmt::format("the header's version is \"{}\", this robot speaks {}",
                                    base::Printable(version), facts.name);
   }

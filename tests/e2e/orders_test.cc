@@ -2,6 +2,8 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
+#include <algorithm>
+
 #include "support/operator.h"
 
 namespace fleetpub::testing {
@@ -27,6 +29,12 @@ std::string Order(std::string_view id, std::string_view header = R"("version":"3
     "edges":[{{"edgeId":"e1","sequenceId":1,"released":true,"startNodeId":"n1","endNodeId":"n2",
       "actions":[]}}]}})",
                      header, id, sequence_id);
+}
+
+std::string Header(std::string_view version) {
+  return fmt::format(R"("headerId":1,"timestamp":"2026-11-22T20:00:00Z","version":"{}",
+    "manufacturer":"KIT","serialNumber":"0001")",
+                     version);
 }
 
 class Orders : public EndToEnd {
@@ -148,6 +156,54 @@ TEST_F(Orders, StandInTheHistory) {
   const auto rows = Lines(Fleetpub({"history", "-o", "json"}).output);
   ASSERT_EQ(rows.size(), 1U);
   EXPECT_THAT(rows[0], AllOf(HasSubstr("\"order\""), HasSubstr("\"o-7\"")));
+}
+
+TEST_F(Orders, AreReadInOneWayByPublishValidateAndBatch) {
+  const std::string order = Order("o", Header("2.0.0+rig"));
+  const std::string file = File("order.json", order);
+  std::string line = fmt::format(R"({{"target":"KIT/0001","topic":"order","payload":{}}})", order);
+  std::replace(line.begin(), line.end(), '\n', ' ');
+  for (const Finished& run :
+       {Fleetpub({"publish", "order", "KIT/0001", "-f", file, "--dry-run"}),
+        Fleetpub({"publish", "order", "KIT/0001", "-f", file, "--dry-run", "--restamp"}),
+        Fleetpub({"validate", file}), Fleetpub({"batch", File("lines", line + "\n")})}) {
+    EXPECT_EQ(run.exit_code, 0) << run.output << run.errors;
+    EXPECT_THAT(run.errors, AllOf(HasSubstr("2.0.0+rig"), HasSubstr("taken as 2.0.0")));
+  }
+  EXPECT_EQ(Fleetpub({"validate", file, "--strict"}).exit_code, 3);
+  EXPECT_EQ(Fleetpub({"publish", "order", "KIT/0001", "-f", file, "--vda", "3"}).exit_code, 3);
+  EXPECT_THAT(Fleetpub({"publish", "order", "KIT/0001", "-n", "-f",
+                        File("plain.json", Order("o", R"("headerId":1)"))})
+                  .errors,
+              HasSubstr("3.0.0 is assumed"));
+}
+
+TEST_F(Orders, WithAMisspeltMemberAreWarnedOf) {
+  std::string order = Order("o", Header("3.0.0"));
+  const auto at = order.find("nodePosition");
+  order.replace(at, 12, "node_position");
+  const std::string file = File("order.json", order);
+  std::string line = fmt::format(R"({{"target":"KIT/0001","topic":"order","payload":{}}})", order);
+  std::replace(line.begin(), line.end(), '\n', ' ');
+  for (const Finished& run :
+       {Fleetpub({"publish", "order", "KIT/0001", "-f", file, "--dry-run"}),
+        Fleetpub({"validate", file}), Fleetpub({"batch", File("lines", line + "\n")})}) {
+    EXPECT_EQ(run.exit_code, 0) << run.output << run.errors;
+    EXPECT_THAT(run.errors, AllOf(HasSubstr("node_position"), HasSubstr("nodePosition")));
+  }
+}
+
+TEST_F(Orders, OfActionsUnderTheOtherNameAreMetWithTheOption) {
+  const std::string file = File("actions.json", R"({"version":"2.0.3","instantActions":[
+      {"actionType":"stopPause","actionId":"a-1","blockingType":"HARD"}]})");
+  const std::vector<std::string> publish = {"publish", "instantActions", "KIT/0001", "-f",
+                                            file,      "--dry-run"};
+  const Finished run = Fleetpub(publish);
+  EXPECT_EQ(run.exit_code, 3);
+  EXPECT_THAT(run.errors, HasSubstr("--actions-key instantActions"));
+  auto renamed = publish;
+  renamed.insert(renamed.end(), {"--actions-key", "instantActions"});
+  EXPECT_EQ(Fleetpub(renamed).exit_code, 0);
 }
 
 TEST_F(Orders, WithSeveralActionsAreWaitedForWhole) {

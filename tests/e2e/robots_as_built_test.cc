@@ -147,8 +147,25 @@ TEST_F(RobotsAsBuilt, ThatAreFoundTwiceAreNamedTwice) {
             0);
   const Finished run = Fleetpub({"pause", "RIG/*", "--yes"});
   EXPECT_THAT(run.errors, AllOf(HasSubstr("uagv/v2/RIG/7"), HasSubstr("vda5050/v3/RIG/7")));
+  const Finished unchecked = Fleetpub({"pause", "RIG/*", "--yes", "--no-check"});
+  EXPECT_THAT(unchecked.errors, AllOf(HasSubstr("uagv/v2/RIG/7"), HasSubstr("vda5050/v3/RIG/7")));
   const Finished fleet = Fleetpub({"fleet", "--state-wait", "100ms"});
   EXPECT_THAT(fleet.errors, AllOf(HasSubstr("uagv/v2"), HasSubstr("vda5050/v3")));
+}
+
+TEST_F(RobotsAsBuilt, WhoseVersionIsNoReleaseAreToldOf) {
+  ASSERT_EQ(testing::Run({.arguments = {"mosquitto_pub", "-p", std::to_string(broker_.port()), "-r",
+                                        "-t", kBase + "connection", "-m",
+                                        R"({"version":"1.4.7","connectionState":"ONLINE"})"}})
+                .exit_code,
+            0);
+  for (const char* check : {"--check", "--no-check"}) {
+    const Finished run = Fleetpub({"pause", "RIG/7", "--vda", "auto", check, "-o", "json"});
+    EXPECT_EQ(run.exit_code, 0) << run.errors;
+    EXPECT_THAT(run.errors, AllOf(HasSubstr("1.4.7"), HasSubstr("2.1.0")));
+    EXPECT_STREQ(Json(run.output)["version"].GetString(), "2.1.0");
+  }
+  EXPECT_THAT(Fleetpub({"pause", "RIG/7", "--vda", "2.1.6", "--check"}).errors, HasSubstr("1.4.7"));
 }
 
 }  // namespace

@@ -104,7 +104,7 @@ Result<ExitCode> Send(std::string_view topic, const TargetOptions& target_option
   if (!targets) return Fail(std::move(targets.error()));
   auto resolver = app::DialectResolver::For(options.vda, context.config);
   if (!resolver) return Fail(std::move(resolver.error()));
-  if (const auto said = vda5050::VersionSaidBy(message)) resolver->Assume(*said);
+  if (const auto said = vda5050::VersionSaidBy(message)) resolver->Assume(said->version);
   const auto header_id = HeaderIdOf(options.header_id);
   if (!header_id) return Fail(header_id.error());
   const auto settings = ParseSendingOptions(options.sending);

@@ -96,7 +96,8 @@ class Validator {
       if (options_.strict) delivery::Harden(findings);
       return findings;
     }
-    const auto version = VersionOf(*message);
+    std::string chosen;
+    const auto version = VersionOf(*message, chosen);
     if (!version) return OneError(version.error().message);
     const auto topic = TopicOf(*message);
     if (!topic) return OneError(topic.error().message);
@@ -104,8 +105,9 @@ class Validator {
     if (!schema) return OneError(schema.error().message);
     Findings findings =
         delivery::Check(*message, **schema, vda5050::TextRulesFor(*topic, *version));
-    if (!options_.strict) return Softened(std::move(findings));
-    delivery::Harden(findings);
+    if (!options_.strict) findings = Softened(std::move(findings));
+    if (!chosen.empty()) findings.warnings.push_back({"/version", std::move(chosen)});
+    if (options_.strict) delivery::Harden(findings);
     return findings;
   }
 
@@ -150,9 +152,16 @@ class Validator {
     return {{}, std::move(findings.errors)};
   }
 
-  [[nodiscard]] Result<vda5050::Version> VersionOf(const base::JsonValue& message) const {
+  // `chosen` tells of a header that names no release.
+  [[nodiscard]] Result<vda5050::Version> VersionOf(const base::JsonValue& message,
+                                                   std::string& chosen) const {
     if (version_) return *version_;
-    if (const auto said = vda5050::VersionSaidBy(message)) return *said;
+    if (const auto said = vda5050::VersionSaidBy(message)) {
+      if (!said->is_release) {
+        chosen = vda5050::NoReleaseText(base::StringMember(message, "version"), said->version);
+      }
+      return said->version;
+    }
     return Fail(ErrorKind::kInvalid,
                 "its header does not say which VDA 5050 version it is: name it with --vda");
   }

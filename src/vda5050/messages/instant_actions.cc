@@ -62,6 +62,12 @@ void WarnOfRename(std::string_view asked, std::string_view type, const VersionFa
 
 }  // namespace
 
+void WarnOfNoRelease(const Dialect& dialect, std::vector<std::string>& warnings) {
+  if (dialect.version_said.empty()) return;
+  warnings.push_back("its version " + NoReleaseText(dialect.version_said, dialect.version) +
+                     "; --vda states another");
+}
+
 Result<message::Command> BuildInstantActions(const RobotAddress& robot, const Dialect& dialect,
                                              std::span<const InstantAction> actions,
                                              std::optional<std::uint32_t> header_id) {
@@ -92,6 +98,7 @@ Result<message::Command> BuildInstantActions(const RobotAddress& robot, const Di
     json += (json.empty() ? "" : ",") + ActionJson(action, type, facts);
     command.actions.push_back({std::string(type), action.id});
   }
+  WarnOfNoRelease(dialect, command.warnings);
   command.payload = PayloadOf(robot, dialect, actions_key, json);
   if (!HasRecommendedCharacters(robot.serial_number)) {
     command.warnings.push_back(

@@ -36,6 +36,8 @@ struct Dialect {
   std::string header_version;
   std::string header_manufacturer;
   std::string header_serial;
+  /// What the robot's header says when that is no release, so that the version was chosen.
+  std::string version_said;
 
   bool operator==(const Dialect&) const = default;
 };
@@ -47,5 +49,8 @@ struct Dialect {
 [[nodiscard]] Result<message::Command> BuildInstantActions(
     const RobotAddress& robot, const Dialect& dialect, std::span<const InstantAction> actions,
     std::optional<std::uint32_t> header_id = std::nullopt);
+
+/// Tells of a robot whose version had to be chosen.
+void WarnOfNoRelease(const Dialect& dialect, std::vector<std::string>& warnings);
 
 }  // namespace fleetpub::vda5050

@@ -50,14 +50,20 @@ struct OwnHeader {
   std::string_view serial_number;
 };
 
-OwnHeader HeaderFor(const RobotAddress& robot, const Dialect& dialect) {
-  return {base::NonEmptyOr(dialect.header_version, FactsOf(dialect.version).name),
+// A patch level of the dialect's version stays as it is written.
+OwnHeader HeaderFor(const RobotAddress& robot, const Dialect& dialect, const Value& message) {
+  const bool is_its = VersionSaidBy(message) == SpokenVersion{dialect.version, true};
+  const std::string_view usual =
+      is_its ? StringMember(message, "version") : FactsOf(dialect.version).name;
+  return {base::NonEmptyOr(dialect.header_version, usual),
           base::NonEmptyOr(dialect.header_manufacturer, robot.manufacturer),
           base::NonEmptyOr(dialect.header_serial, robot.serial_number)};
 }
 
 // A message for one robot must not reach another by a slip of the command line.
-Status CheckHeader(const Value& message, const OwnHeader& own, const RobotAddress& robot) {
+Status CheckHeader(const Value& message, const OwnHeader& own, const RobotAddress& robot,
+                   Version version) {
+  const auto spoken = VersionSaidBy(message);
   const std::array<std::pair<std::string_view, std::string_view>, 3> fields = {
       {{"version", own.version},
        {"manufacturer", own.manufacturer},
@@ -65,12 +71,42 @@ Status CheckHeader(const Value& message, const OwnHeader& own, const RobotAddres
   for (const auto& [name, expected] : fields) {
     const Value* said = FindMember(message, name);
     if (said == nullptr || (said->IsString() && base::ViewOf(*said) == expected)) continue;
+    if (name == "version" && spoken && spoken->version == version) continue;
     return Fail(ErrorKind::kInvalid,
                 fmt::format("{}: the message's {} is {}, and not \"{}\": is it meant for another "
                             "robot? --restamp replaces it",
                             robot.ToString(), name, Printable(base::ToJson(*said)), expected));
   }
   return {};
+}
+
+// Nothing else is spoken without a word.
+void WarnOfVersion(const Value& message, const Dialect& dialect,
+                   std::vector<std::string>& warnings) {
+  const Value* said = FindMember(message, "version");
+  if (said == nullptr) {
+    if (!dialect.assumed) return;
+    warnings.push_back(fmt::format("the message says no version: {} is assumed; --vda states one",
+                                   FactsOf(dialect.version).name));
+    return;
+  }
+  const auto spoken = VersionSaidBy(message);
+  if (spoken && spoken->is_release) return;  // ours, or to be replaced
+  const std::string text =
+      said->IsString() ? std::string(base::ViewOf(*said)) : base::ToJson(*said);
+  if (text == dialect.header_version) return;
+  warnings.push_back("the message's version " + NoReleaseText(text, dialect.version) +
+                     "; --vda states another");
+}
+
+// An array of actions under the name that other robots expect is not to go unseen.
+Status CheckActionsKey(const Value& message, const RobotAddress& robot, std::string_view key) {
+  const std::string_view other = key == "actions" ? "instantActions" : "actions";
+  if (FindMember(message, key) != nullptr || FindArray(message, other) == nullptr) return {};
+  return Fail(ErrorKind::kInvalid,
+              fmt::format("{}: the message has its actions in \"{}\", and in \"{}\" they are "
+                          "expected: rename it, or if the robot wants them so, --actions-key {}",
+                          robot.ToString(), other, key, other));
 }
 
 // Everything behind the timestamp's opening quotation mark: our header, then the message's own
@@ -121,12 +157,8 @@ Result<std::string_view> PublishedTopic(std::string_view text) {
                           Printable(text)));
 }
 
-std::optional<Version> VersionSaidBy(const Value& message) {
-  const std::string_view said = StringMember(message, "version");
-  for (const Version version : kVersions) {
-    if (FactsOf(version).name == said) return version;
-  }
-  return std::nullopt;
+std::optional<SpokenVersion> VersionSaidBy(const Value& message) {
+  return VersionSpoken(StringMember(message, "version"), "");
 }
 
 Result<message::Command> BuildUserMessage(const RobotAddress& robot, const Dialect& dialect,
@@ -140,9 +172,13 @@ Result<message::Command> BuildUserMessage(const RobotAddress& robot, const Diale
                                                FactsOf(since).name, facts.name));
   }
   if (!message.IsObject()) return Fail(ErrorKind::kInvalid, "the message must be a JSON object");
-  const OwnHeader own = HeaderFor(robot, dialect);
+  const OwnHeader own = HeaderFor(robot, dialect, message);
   if (foreign == HeaderMismatch::kRefuse) {
-    if (auto ok = CheckHeader(message, own, robot); !ok) return Fail(ok.error());
+    if (auto ok = CheckHeader(message, own, robot, dialect.version); !ok) return Fail(ok.error());
+  }
+  const std::string_view key = base::NonEmptyOr(dialect.actions_key, facts.actions_key);
+  if (topic == "instantActions") {
+    if (auto ok = CheckActionsKey(message, robot, key); !ok) return Fail(ok.error());
   }
   auto full = TopicFor(dialect.topics, dialect.version, robot, topic);
   if (!full) return Fail(std::move(full.error()));
@@ -156,7 +192,10 @@ Result<message::Command> BuildUserMessage(const RobotAddress& robot, const Diale
   command.schema = fmt::format("vda5050/{}/{}", facts.name, topic);
   command.text_rules = TextRulesFor(topic, dialect.version);
   command.header_id = header_id;
-  const std::string_view key = base::NonEmptyOr(dialect.actions_key, facts.actions_key);
+  WarnOfNoRelease(dialect, command.warnings);
+  if (command.version_assumed || !dialect.assumed) {
+    WarnOfVersion(message, dialect, command.warnings);
+  }
   if (topic == "instantActions" && key != facts.actions_key) {
     command.renamed_member = std::pair<std::string, std::string>(key, facts.actions_key);
   }

@@ -25,13 +25,14 @@ enum class HeaderMismatch {
 /// Errors: ErrorKind::kUsage, naming those that fleet control publishes.
 [[nodiscard]] Result<std::string_view> PublishedTopic(std::string_view text);
 
-/// The version that the message's header names, if it is one that we speak.
-[[nodiscard]] std::optional<Version> VersionSaidBy(const base::JsonValue& message);
+/// What the message's header says of its version; nothing when it is none that we speak.
+[[nodiscard]] std::optional<SpokenVersion> VersionSaidBy(const base::JsonValue& message);
 
 /// The message as a command for one robot. headerId and timestamp are stamped anew whatever the
 /// message says; of the other header fields those that are missing are filled in. Errors:
-/// ErrorKind::kInvalid (no object, a header field of another robot or version), kUsage (the version
-/// has no such topic).
+/// ErrorKind::kInvalid (no object, a header field of another robot or version, actions under the
+/// name that the dialect does not use), kUsage (the version has no such topic). Warns of a version
+/// that is no release, and of none that had to be assumed.
 [[nodiscard]] Result<message::Command> BuildUserMessage(
     const RobotAddress& robot, const Dialect& dialect, std::string_view topic,
     const base::JsonValue& message, HeaderMismatch foreign,

@@ -2,8 +2,7 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <utility>
+#include <charconv>
 
 #include "base/text.h"
 
@@ -19,32 +18,107 @@ constexpr std::array<VersionFacts, kVersions.size()> kFacts = {{
     {Version::k300, "3.0.0", "v3", "vda5050", "actions", "actionDescriptor", true, false},
 }};
 
-constexpr std::array<std::pair<std::string_view, Version>, 11> kNames = {{
-    {"1", Version::k110},
-    {"1.1", Version::k110},
-    {"1.1.0", Version::k110},
-    {"2", Version::k210},
-    {"2.0", Version::k200},
-    {"2.0.0", Version::k200},
-    {"2.1", Version::k210},
-    {"2.1.0", Version::k210},
-    {"3", Version::k300},
-    {"3.0", Version::k300},
-    {"3.0.0", Version::k300},
-}};
+struct Release {
+  int major;
+  int minor;             ///< -1: not said
+  bool is_exact = true;  ///< digits and dots alone, at most three numbers
+  bool is_full = false;  ///< with its patch level
+};
+
+// Takes a number off the front; -1 when there is none.
+int TakeNumber(std::string_view& text) {
+  int number = -1;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  if (error != std::errc() || number < 0) return -1;
+  text.remove_prefix(static_cast<std::size_t>(end - text.data()));
+  return number;
+}
+
+// `2`, `v2.1`, ` V2.1.0 `, `2.0.0-rc`.
+std::optional<Release> ReadRelease(std::string_view text) {
+  const auto is_blank = [](char c) { return c == ' ' || c == '\t'; };
+  Release release{0, -1};
+  while (!text.empty() && is_blank(text.front())) {
+    text.remove_prefix(1);
+    release.is_exact = false;
+  }
+  if (!text.empty() && (text.front() == 'v' || text.front() == 'V')) {
+    text.remove_prefix(1);
+    release.is_exact = false;
+  }
+  release.major = TakeNumber(text);
+  if (release.major < 0) return std::nullopt;
+  if (text.empty()) return release;
+  if (text.front() == '.') {
+    text.remove_prefix(1);
+    release.minor = TakeNumber(text);
+    if (release.minor < 0) return std::nullopt;
+    if (text.empty()) return release;
+    if (text.front() == '.') {
+      text.remove_prefix(1);
+      release.is_full = TakeNumber(text) >= 0;
+      release.is_exact = release.is_exact && release.is_full && text.empty();
+      return release;
+    }
+  }
+  if (!is_blank(text.front())) return std::nullopt;
+  release.is_exact = false;
+  return release;
+}
+
+std::optional<Version> Known(const Release& release) {
+  for (const Version version : kVersions) {
+    const auto ours = ReadRelease(FactsOf(version).name);
+    if (ours->major == release.major && ours->minor == release.minor) return version;
+  }
+  return std::nullopt;
+}
+
+std::optional<Version> NewestOf(int major) {
+  std::optional<Version> newest;
+  for (const Version version : kVersions) {
+    if (ReadRelease(FactsOf(version).name)->major == major) newest = version;
+  }
+  return newest;
+}
 
 }  // namespace
 
 const VersionFacts& FactsOf(Version version) { return kFacts[static_cast<std::size_t>(version)]; }
 
 Result<Version> ParseVersion(std::string_view text) {
-  const auto* const found = std::find_if(kNames.begin(), kNames.end(),
-                                         [&](const auto& name) { return name.first == text; });
-  if (found != kNames.end()) return found->second;
+  const auto release = ReadRelease(text);
+  if (release && release->is_exact) {
+    const auto version = release->minor < 0 ? NewestOf(release->major) : Known(*release);
+    if (version) return *version;
+  }
   return Fail(ErrorKind::kUsage,
               fmt::format("'{}' is not a VDA 5050 version that fleetpub speaks: use 1.1.0, 2.0.0, "
                           "2.1.0 or 3.0.0 (short: 1.1, 2.0, 2.1, 3)",
                           base::Printable(text)));
+}
+
+std::optional<SpokenVersion> VersionSpoken(std::string_view header_version,
+                                           std::string_view major_level) {
+  const auto said = ReadRelease(header_version);
+  const auto level = ReadRelease(major_level);
+  const auto by_level = level ? NewestOf(level->major) : std::nullopt;
+  auto chosen = by_level;
+  if (said) {
+    if (const auto known = Known(*said)) {
+      return SpokenVersion{*known, said->is_exact && said->is_full};
+    }
+    const auto own = NewestOf(said->major);
+    if (!own) return std::nullopt;  // said, and not ours
+    if (!by_level) chosen = own;
+  }
+  if (!chosen) return std::nullopt;
+  return SpokenVersion{*chosen, false};
+}
+
+std::string NoReleaseText(std::string_view header_version, Version taken_as) {
+  return fmt::format("\"{}\" is no release of VDA 5050: taken as {}",
+                     base::Printable(header_version.substr(0, 80)), FactsOf(taken_as).name);
 }
 
 }  // namespace fleetpub::vda5050

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <array>
+#include <optional>
+#include <string>
 #include <string_view>
 
 #include "base/result.h"
@@ -29,8 +31,27 @@ struct VersionFacts {
 
 [[nodiscard]] const VersionFacts& FactsOf(Version version);
 
-/// `1.1.0`, `2.0.0`, `2.1.0`, `3.0.0`; short `1`, `1.1`, `2`, `2.0`, `2.1`, `3`, `3.0`; `2` is the
-/// newest 2.x. Errors: ErrorKind::kUsage, naming those that there are.
+/// What a person states: `1.1.0`, `2.0.0`, `2.1.0`, `3.0.0`, or a patch level of them (`2.1.3`);
+/// short `1`, `1.1`, `2`, `2.0`, `2.1`, `3`, `3.0`; `2` is the newest 2.x. Errors:
+/// ErrorKind::kUsage, naming those that there are.
 [[nodiscard]] Result<Version> ParseVersion(std::string_view text);
+
+/// What a message says of the version that its sender speaks.
+struct SpokenVersion {
+  Version version;
+  bool is_release;  ///< false: the text is no release or patch level of one, and this was chosen
+
+  bool operator==(const SpokenVersion&) const = default;
+};
+
+/// Reads a header's version, leniently: `2.1.0`, `2.1.3`, ` v2.1 `, `2.1.0+git`. A release that is
+/// not known (`1.3.2`, `2`) is the newest one of the topic's major level (`v2`), or else of its own
+/// major version; an unreadable text falls back to the topic's. Nothing when no release of that
+/// major version is known.
+[[nodiscard]] std::optional<SpokenVersion> VersionSpoken(std::string_view header_version,
+                                                         std::string_view major_level);
+
+/// `"1.3.2" is no release of VDA 5050: taken as 2.1.0`.
+[[nodiscard]] std::string NoReleaseText(std::string_view header_version, Version taken_as);
 
 }  // namespace fleetpub::vda5050

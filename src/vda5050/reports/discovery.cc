@@ -1,7 +1,6 @@
 #include "vda5050/reports/discovery.h"
 
 #include <algorithm>
-#include <charconv>
 #include <map>
 #include <utility>
 
@@ -61,42 +60,6 @@ std::string Take(Values& values, std::string_view name) {
   return found == values.end() ? std::string() : std::move(found->second);
 }
 
-// ── versions ──
-
-struct Release {
-  int major;
-  int minor;  ///< -1: not said
-};
-
-// `2`, `v2.1`, ` V2.1.0 `.
-std::optional<Release> ReadRelease(std::string_view text) {
-  const auto is_blank = [](char c) { return c == ' ' || c == '\t'; };
-  while (!text.empty() && is_blank(text.front())) text.remove_prefix(1);
-  if (!text.empty() && (text.front() == 'v' || text.front() == 'V')) text.remove_prefix(1);
-  const char* const end = text.data() + text.size();
-  Release release{0, -1};
-  const auto [after_major, error] = std::from_chars(text.data(), end, release.major);
-  if (error != std::errc() || release.major < 0) return std::nullopt;
-  if (after_major == end || is_blank(*after_major)) return release;
-  if (*after_major != '.') return std::nullopt;
-  const auto [after_minor, fault] = std::from_chars(after_major + 1, end, release.minor);
-  const bool is_minor = fault == std::errc() && release.minor >= 0 &&
-                        (after_minor == end || *after_minor == '.' || is_blank(*after_minor));
-  return is_minor ? std::optional(release) : std::nullopt;
-}
-
-// The exact one, else the newest of its major version.
-std::optional<Version> Nearest(const Release& release) {
-  std::optional<Version> nearest;
-  for (const Version version : kVersions) {
-    const auto ours = ReadRelease(FactsOf(version).name);
-    if (ours->major != release.major) continue;
-    nearest = version;
-    if (ours->minor == release.minor) break;
-  }
-  return nearest;
-}
-
 // ── dialects ──
 
 // What a robot writes instead of `2.1.0`, if it may go into our header: robots compare for
@@ -105,8 +68,9 @@ std::string PeculiarVersion(std::string_view spoken, Version version) {
   constexpr std::size_t kLongest = 16;
   const bool is_plain = !spoken.empty() && spoken.size() <= kLongest &&
                         spoken.find_first_not_of("0123456789.vV") == std::string_view::npos;
-  return is_plain && ReadRelease(spoken) && spoken != FactsOf(version).name ? std::string(spoken)
-                                                                            : std::string();
+  return is_plain && VersionSpoken(spoken, "") && spoken != FactsOf(version).name
+             ? std::string(spoken)
+             : std::string();
 }
 
 void TakeOver(std::string& field, std::string_view theirs, std::string_view expected) {
@@ -114,10 +78,12 @@ void TakeOver(std::string& field, std::string_view theirs, std::string_view expe
 }
 
 Dialect DialectOf(const Dialect& base, const TopicLevels& levels, const MessageHeader& header,
-                  Version version) {
+                  const SpokenVersion& spoken) {
   Dialect dialect = base;
+  const Version version = spoken.version;
   const VersionFacts& facts = FactsOf(version);
   dialect.version = version;
+  dialect.version_said = spoken.is_release ? "" : header.version;
   dialect.assumed = false;
   TakeOver(dialect.topics.interface_name, levels.interface_name, facts.interface_name);
   // A robot whose topic level is not its version's own (1.1 lives on v1 and on v2) keeps its level.
@@ -240,13 +206,6 @@ std::vector<Discovered> OnePerRobot(std::vector<Discovered> found) {
   robots.reserve(best.size());
   for (auto& [address, one] : best) robots.push_back(std::move(one));
   return robots;
-}
-
-std::optional<Version> VersionSpoken(std::string_view header_version,
-                                     std::string_view major_level) {
-  auto release = ReadRelease(header_version);
-  if (!release) release = ReadRelease(major_level);
-  return release ? Nearest(*release) : std::nullopt;
 }
 
 }  // namespace fleetpub::vda5050

@@ -101,10 +101,4 @@ struct Standing {
 /// One entry per robot, in order of address: the one of the greatest standing.
 [[nodiscard]] std::vector<Discovered> OnePerRobot(std::vector<Discovered> found);
 
-/// The release that a header's version means: `2.1.0`, `2.1`, `v2.1`, ` V2 `. A release that we do
-/// not know is the newest one of its major version (`2.2.0`: 2.1.0); an unreadable text falls back
-/// to the topic's major level (`v2`). Nothing when no release of that major version is known.
-[[nodiscard]] std::optional<Version> VersionSpoken(std::string_view header_version,
-                                                   std::string_view major_level);
-
 }  // namespace fleetpub::vda5050

@@ -114,7 +114,8 @@ void Conformance::ValidateMessage(const Value& message, const TopicLevels& level
 std::optional<Version> Conformance::FindVersion(const Value& message, const TopicLevels& levels,
                                                 std::vector<Violation>& errors) const {
   const std::string_view said = StringMember(message, "version");
-  const auto exact = VersionSaidBy(message);
+  const auto spoken = VersionSpoken(said, levels.major);
+  const auto exact = spoken && spoken->is_release ? std::optional(spoken->version) : std::nullopt;
   if (options_.version) {
     if (exact != options_.version) {
       errors.push_back({"/version", fmt::format("is \"{}\", not \"{}\"", Shown(said, 80),
@@ -127,14 +128,13 @@ std::optional<Version> Conformance::FindVersion(const Value& message, const Topi
                                               Shown(levels.major, 80))});
   }
   if (exact) return exact;
-  const auto meant = VersionSpoken(said, levels.major);
   errors.push_back(
-      {"/version", meant ? fmt::format("\"{}\" is no release of VDA 5050: held against {}",
-                                       Shown(said, 80), FactsOf(*meant).name)
-                         : fmt::format("\"{}\" is no release of VDA 5050, and the topic does not "
-                                       "tell one either",
-                                       Shown(said, 80))});
-  return meant;
+      {"/version", spoken ? fmt::format("\"{}\" is no release of VDA 5050: held against {}",
+                                        Shown(said, 80), FactsOf(spoken->version).name)
+                          : fmt::format("\"{}\" is no release of VDA 5050, and the topic does not "
+                                        "tell one either",
+                                        Shown(said, 80))});
+  return spoken ? std::optional(spoken->version) : std::nullopt;
 }
 
 }  // namespace fleetpub::vda5050

@@ -107,13 +107,20 @@ bool IsFoundAt(const Check& check, Version version) {
 // False when the robot speaks another version.
 bool CheckVersion(Check& check, const std::string& spoken) {
   const std::string sentence = fmt::format("{} speaks {}", check.name, Shown(spoken));
-  const auto theirs = VersionSpoken(spoken, "");
-  if (!theirs) {
+  const auto levels = ReadTopic(check.dialect.topics, check.known.connection_topic);
+  const auto theirs = VersionSpoken(spoken, levels ? levels->major : "");
+  if (!theirs || !HasDigit(spoken)) {
     if (!HasDigit(spoken)) return true;  // a text that says nothing is no contradiction
     check.Refuse(sentence + ", which fleetpub does not");
     return false;
   }
-  if (Fits(spoken, *theirs, check.dialect.version)) return true;
+  if (Fits(spoken, theirs->version, check.dialect.version)) {
+    if (!theirs->is_release) {
+      check.Warn(fmt::format("{}: its version {}", check.name,
+                             NoReleaseText(spoken, check.dialect.version)));
+    }
+    return true;
+  }
   check.RefuseUnless(sentence, "use --vda auto");  // others of the command may speak another
   return false;
 }
@@ -261,13 +268,9 @@ PreflightFindings CheckRobot(const RobotAddress& robot, const Dialect& dialect,
     return std::move(check.findings);
   }
   CheckConnection(check, *known.connection);
-  const bool is_exempt = !dialect.header_version.empty();
+  const bool is_exempt = !dialect.header_version.empty() || !dialect.version_said.empty();
   if (is_exempt || CheckVersion(check, known.connection->header.version)) CheckTopics(check);
-  if (!known.other_topic.empty()) {
-    check.Warn(
-        fmt::format("{} is ONLINE at {} and at {}: the first one is taken for the living one",
-                    check.name, Shown(known.connection_topic), Shown(known.other_topic)));
-  }
+  if (auto rival = RivalText(robot, known)) check.Warn(*std::move(rival));
   CheckMode(check, known.operating_mode);
   if (!known.factsheet_fault.empty()) {
     check.Warn(fmt::format("{}'s factsheet cannot be read, so nothing is held against it: {}",
@@ -278,6 +281,13 @@ PreflightFindings CheckRobot(const RobotAddress& robot, const Dialect& dialect,
     CheckLimits(check, known.factsheet->limits, payload_bytes);
   }
   return std::move(check.findings);
+}
+
+std::optional<std::string> RivalText(const RobotAddress& robot, const KnownRobot& known) {
+  if (known.other_topic.empty()) return std::nullopt;
+  return fmt::format("{} is ONLINE at {} and at {}: the first one is taken for the living one",
+                     base::Printable(robot.ToString()), Shown(known.connection_topic),
+                     Shown(known.other_topic));
 }
 
 std::string SuitableActionId(const Factsheet* factsheet) {

@@ -46,6 +46,10 @@ struct PreflightFindings {
                                            std::span<const InstantAction> actions,
                                            const KnownRobot& known, std::size_t payload_bytes = 0);
 
+/// `KIT/0001 is ONLINE at … and at …`: of a robot that lives at two topics, or two of one name.
+[[nodiscard]] std::optional<std::string> RivalText(const RobotAddress& robot,
+                                                   const KnownRobot& known);
+
 /// An actionId that the robot takes: a random UUID, or a random decimal number when its factsheet
 /// allows only numbers or is too short for a UUID (`idNumericalOnly`, `idLen`, `maximumIdLength`).
 /// `factsheet` may be null.

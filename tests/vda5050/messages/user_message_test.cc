@@ -9,6 +9,7 @@ namespace fleetpub::vda5050 {
 namespace {
 
 using ::testing::AllOf;
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::Not;
@@ -57,6 +58,43 @@ TEST(UserMessage, OfAnotherRobotOrVersionIsRefused) {
     EXPECT_THAT(command.error().message, HasSubstr("--restamp"));
     EXPECT_TRUE(Build("order", message, {}, HeaderMismatch::kReplace)) << message;
   }
+}
+
+TEST(UserMessage, MayNameAPatchLevelOfItsVersion) {
+  const auto command = Build("order", R"({"version":"2.0.4"})", {.version = Version::k200});
+  ASSERT_TRUE(command);
+  EXPECT_THAT(command->warnings, IsEmpty());
+  EXPECT_THAT(Sent(*command), HasSubstr(R"("version":"2.0.4")"));
+  EXPECT_FALSE(Build("order", R"({"version":"2.0.4"})", {.version = Version::k210}));
+}
+
+TEST(UserMessage, TellsOfAVersionThatIsNoRelease) {
+  const auto command = Build("order", R"({"version":"V2.0"})", {.version = Version::k200});
+  ASSERT_TRUE(command);
+  EXPECT_THAT(command->warnings, ElementsAre(AllOf(HasSubstr("V2.0"), HasSubstr("2.0.0"))));
+  EXPECT_THAT(Sent(*command), HasSubstr(R"("version":"2.0.0")"));
+  const auto restamped = Build("order", R"({"version":"new"})", {}, HeaderMismatch::kReplace);
+  ASSERT_TRUE(restamped);
+  EXPECT_THAT(restamped->warnings, ElementsAre(AllOf(HasSubstr("new"), HasSubstr("3.0.0"))));
+}
+
+TEST(UserMessage, TellsWhichVersionWasAssumed) {
+  const auto assumed = Build("order", "{}", {.version = Version::k210, .assumed = true});
+  EXPECT_THAT(assumed.value().warnings, ElementsAre(HasSubstr("2.1.0 is assumed")));
+  EXPECT_THAT(Build("order", "{}", {.version = Version::k210}).value().warnings, IsEmpty());
+  EXPECT_THAT(Build("zoneSet", "{}", {.assumed = true}).value().warnings, IsEmpty());
+}
+
+TEST(UserMessage, NamesTheOptionWhenItsActionsBearTheOtherName) {
+  const auto command =
+      Build("instantActions", R"({"instantActions":[]})", {.version = Version::k200});
+  ASSERT_FALSE(command);
+  EXPECT_EQ(command.error().kind, ErrorKind::kInvalid);
+  EXPECT_THAT(command.error().message, HasSubstr("--actions-key instantActions"));
+  const auto old = Build("instantActions", R"({"actions":[]})", {.version = Version::k110});
+  EXPECT_THAT(old.error().message, HasSubstr("--actions-key actions"));
+  EXPECT_TRUE(Build("instantActions", R"({"instantActions":[]})",
+                    {.version = Version::k200, .actions_key = "instantActions"}));
 }
 
 TEST(UserMessage, MayCarryAHeaderThatTheDialectAsksFor) {

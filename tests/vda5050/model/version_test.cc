@@ -10,22 +10,66 @@ using ::testing::HasSubstr;
 
 TEST(ParseVersion, TakesFullAndShortForms) {
   constexpr std::pair<std::string_view, Version> kCases[] = {
-      {"1", Version::k110},   {"1.1", Version::k110},   {"1.1.0", Version::k110},
-      {"2.0", Version::k200}, {"2.0.0", Version::k200}, {"2", Version::k210},
-      {"2.1", Version::k210}, {"2.1.0", Version::k210}, {"3", Version::k300},
-      {"3.0", Version::k300}, {"3.0.0", Version::k300},
+      {"1", Version::k110},     {"1.1", Version::k110},    {"1.1.0", Version::k110},
+      {"2.0", Version::k200},   {"2.0.0", Version::k200},  {"2", Version::k210},
+      {"2.1", Version::k210},   {"2.1.0", Version::k210},  {"3", Version::k300},
+      {"3.0", Version::k300},   {"3.0.0", Version::k300},  {"1.1.9", Version::k110},
+      {"2.0.4", Version::k200}, {"2.1.12", Version::k210}, {"3.0.7", Version::k300},
   };
   for (const auto& [text, version] : kCases) EXPECT_EQ(ParseVersion(text), version) << text;
 }
 
 TEST(ParseVersion, RefusesTheRestAndNamesWhatThereIs) {
-  for (const std::string_view text : {"", "4", "1.0", "2.2", "3.0.1", "v3", "3.", " 3", "3.0.0 "}) {
+  for (const std::string_view text : {"", "4", "1.0", "2.2", "1.3.2", "v3", "3.", " 3", "3.0.0 ",
+                                      "3.0.", "3.0.0.1", "3.0.0-rc", "3.-1", "3.0.x"}) {
     const auto version = ParseVersion(text);
     ASSERT_FALSE(version) << text;
     EXPECT_EQ(version.error().kind, ErrorKind::kUsage);
   }
   EXPECT_THAT(ParseVersion("v3\x1b").error().message,
               AllOf(HasSubstr(R"('v3\x1b')"), HasSubstr("1.1.0, 2.0.0, 2.1.0 or 3.0.0")));
+}
+
+TEST(VersionSpoken, IsReadLenientlyAndTellsWhatIsNoRelease) {
+  const std::tuple<std::string_view, std::string_view, std::optional<SpokenVersion>> cases[] = {
+      {"1.1.0", "", SpokenVersion{Version::k110, true}},
+      {"1.1.0", "v2", SpokenVersion{Version::k110, true}},
+      {"2.0.0", "v2", SpokenVersion{Version::k200, true}},
+      {"2.0.4", "", SpokenVersion{Version::k200, true}},
+      {"3.0.12", "v3", SpokenVersion{Version::k300, true}},
+      {"2.0", "", SpokenVersion{Version::k200, false}},
+      {"v2.1", "", SpokenVersion{Version::k210, false}},
+      {" V2.0.0 ", "", SpokenVersion{Version::k200, false}},
+      {"2", "", SpokenVersion{Version::k210, false}},
+      {"1", "", SpokenVersion{Version::k110, false}},
+      {"1.0.0", "", SpokenVersion{Version::k110, false}},
+      {"2.0.0-rc", "", SpokenVersion{Version::k200, false}},
+      {"2.0.0.1", "", SpokenVersion{Version::k200, false}},
+      // Not known: the newest of the topic's major version, else of its own.
+      {"2.2.0", "", SpokenVersion{Version::k210, false}},
+      {"3.1.0", "v3", SpokenVersion{Version::k300, false}},
+      {"1.4.7", "v2", SpokenVersion{Version::k210, false}},
+      {"1.4.7", "v1", SpokenVersion{Version::k110, false}},
+      {"1.4.7", "v9", SpokenVersion{Version::k110, false}},
+      {"4.0.0", "v3", std::nullopt},  // said, and not ours
+      {"0.9", "v2", std::nullopt},
+      // Unreadable.
+      {"", "v2", SpokenVersion{Version::k210, false}},
+      {"latest", "v1", SpokenVersion{Version::k110, false}},
+      {"2.x", "v2", SpokenVersion{Version::k210, false}},
+      {"-2", "v3", SpokenVersion{Version::k300, false}},
+      {"99999999999999999999", "v3", SpokenVersion{Version::k300, false}},
+      {"", "", std::nullopt},
+      {"", "prod", std::nullopt},
+  };
+  for (const auto& [header, major, spoken] : cases) {
+    EXPECT_EQ(VersionSpoken(header, major), spoken) << header << " at " << major;
+  }
+}
+
+TEST(NoReleaseText, IsSafeToShow) {
+  EXPECT_THAT(NoReleaseText("2.0\x1b", Version::k200),
+              AllOf(HasSubstr(R"("2.0\x1b")"), HasSubstr("2.0.0")));
 }
 
 TEST(FactsOf, StandInTheOrderOfTheVersions) {

@@ -110,41 +110,23 @@ TEST(ReadTopic, HoldsARepeatedPlaceholderToOneValue) {
   EXPECT_FALSE(ReadTopic(scheme, "1/KIT/2/state"));
 }
 
-// ── versions ──
-
-TEST(VersionSpoken, IsReadLeniently) {
-  const std::tuple<std::string_view, std::string_view, std::optional<Version>> cases[] = {
-      {"1.1.0", "", Version::k110},
-      {"2.0.0", "v2", Version::k200},
-      {"2.1.0", "v2", Version::k210},
-      {"3.0.0", "v3", Version::k300},
-      {"2.0", "", Version::k200},
-      {"v2.1", "", Version::k210},
-      {" V2.0.0 ", "", Version::k200},
-      {"2", "", Version::k210},
-      {"v2", "", Version::k210},
-      {"1", "", Version::k110},
-      {"1.0.0", "", Version::k110},
-      {"2.0.0-rc", "", Version::k200},
-      {"2.2.0", "", Version::k210},  // not known: the newest of its major version
-      {"3.1.0", "v3", Version::k300},
-      {"4.0.0", "v3", std::nullopt},  // said, and not ours
-      {"0.9", "v2", std::nullopt},
-      {"", "v2", Version::k210},
-      {"", "v3", Version::k300},
-      {"latest", "v1", Version::k110},
-      {"2.x", "v2", Version::k210},
-      {"-2", "v3", Version::k300},
-      {"99999999999999999999", "v3", Version::k300},
-      {"", "", std::nullopt},
-      {"", "prod", std::nullopt},
-  };
-  for (const auto& [header, major, version] : cases) {
-    EXPECT_EQ(VersionSpoken(header, major), version) << header << " at " << major;
-  }
-}
-
 // ── dialects ──
+
+TEST(DialectFrom, RemembersAVersionThatIsNoRelease) {
+  const auto dialect = [](std::string_view topic, std::string_view version) {
+    return *DialectFrom({}, topic, std::string(R"({"version":")") + std::string(version) + "\"}")
+                ->dialect;
+  };
+  const Dialect odd = dialect("uagv/v2/RIG/7/connection", "1.4.7");
+  EXPECT_EQ(odd.version, Version::k210);
+  EXPECT_EQ(odd.version_said, "1.4.7");
+  EXPECT_EQ(odd.header_version, "1.4.7");
+  EXPECT_EQ(dialect("uagv/v2/RIG/7/connection", "2.0.0+rig").version_said, "2.0.0+rig");
+  const Dialect patch = dialect("uagv/v2/RIG/7/connection", "2.0.4");
+  EXPECT_EQ(patch.version, Version::k200);
+  EXPECT_EQ(patch.version_said, "");
+  EXPECT_EQ(patch.header_version, "2.0.4");
+}
 
 TEST(DialectFrom, SpeaksEachVersionAtItsOwnTopics) {
   for (const Version version : kVersions) {

@@ -46,6 +46,9 @@ TEST_F(Conforming, ComparesTheHeaderWithTheTopic) {
               ElementsAre("/serialNumber: is \"0001\", but the topic says \"0002\""));
   EXPECT_THAT(Errors("uagv/v2/KIT/0001/connection", Connection("2.1")),
               ElementsAre(HasSubstr("\"2.1\" is no release of VDA 5050: held against 2.1.0")));
+  EXPECT_THAT(Errors("uagv/v2/KIT/0001/connection", Connection("2.0.4")), IsEmpty());
+  EXPECT_THAT(Errors("uagv/v2/KIT/0001/connection", Connection("1.4.7")),
+              ElementsAre(HasSubstr("\"1.4.7\" is no release of VDA 5050: held against 2.1.0")));
   EXPECT_THAT(Errors("uagv/v9/KIT/0001/connection", Connection("9")), SizeIs(1));
   EXPECT_THAT(
       Errors("uagv/v2/KIT/0001/connection", Connection("2.0.0"), {.version = Version::k210}),

@@ -13,10 +13,12 @@ std::shared_ptr<const Factsheet> Shared(std::string_view payload) {
   return std::make_shared<const Factsheet>(ReadFactsheet(payload).value());
 }
 
+using ::testing::AllOf;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::MatchesRegex;
+using ::testing::StartsWith;
 
 const RobotAddress kRobot{"KIT", "0001"};
 constexpr std::string_view kUuid = "3f2c8a2e-7b51-4c4e-9d0a-5a4f0f6d1c22";
@@ -153,14 +155,29 @@ TEST(Preflight, NamesTheVersionThatTheRobotSpeaks) {
 }
 
 TEST(Preflight, TakesAVersionThatIsSaidInOtherWords) {
-  const std::pair<std::string_view, Version> cases[] = {
-      {"3.0", Version::k300}, {"v3", Version::k300},    {"3.1.0", Version::k300},
-      {"2", Version::k200},   {"v2", Version::k210},    {"2.2.0", Version::k210},
-      {"", Version::k200},    {"latest", Version::k110}};
-  for (const auto& [spoken, ours] : cases) {
+  const std::pair<std::string_view, Version> unsaid[] = {{"", Version::k200},
+                                                         {"latest", Version::k110},
+                                                         {"2.0.4", Version::k200},
+                                                         {"3.0.7", Version::k300}};
+  for (const auto& [spoken, ours] : unsaid) {
     EXPECT_THAT(Findings(Online(spoken), Action("startPause"), {.version = ours}), IsEmpty())
         << spoken;
   }
+  const std::pair<std::string_view, Version> no_release[] = {
+      {"3.0", Version::k300}, {"v3", Version::k300}, {"3.1.0", Version::k300},
+      {"2", Version::k200},   {"v2", Version::k210}, {"2.2.0", Version::k210}};
+  for (const auto& [spoken, ours] : no_release) {
+    EXPECT_THAT(Findings(Online(spoken), Action("startPause"), {.version = ours}),
+                ElementsAre(AllOf(StartsWith("warning"), HasSubstr(FactsOf(ours).name))))
+        << spoken;
+  }
+}
+
+TEST(Preflight, WeighsTheTopicOfAVersionThatIsNoRelease) {
+  KnownRobot known = Online("1.4.7");
+  known.connection_topic = "uagv/v2/KIT/0001/connection";
+  EXPECT_THAT(Findings(known, Action("startPause"), {.version = Version::k210}),
+              ElementsAre(AllOf(StartsWith("warning"), HasSubstr("1.4.7"), HasSubstr("2.1.0"))));
 }
 
 TEST(Preflight, DoesNotCheckTheVersionBesideAHeaderVersionOfItsOwn) {

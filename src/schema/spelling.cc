@@ -1,0 +1,135 @@
+#include "schema/spelling.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include "base/json.h"
+#include "base/text.h"
+
+namespace fleetpub::schema {
+namespace {
+
+using base::ViewOf;
+using Value = base::JsonValue;
+using Nodes = std::vector<const SchemaNode*>;
+
+// The node, and all that say something of the same value, each once.
+void Gather(const SchemaNode* node, Nodes& nodes) {
+  if (node == nullptr || std::find(nodes.begin(), nodes.end(), node) != nodes.end()) return;
+  nodes.push_back(node);
+  Gather(node->reference, nodes);
+  for (const Nodes* list : {&node->all_of, &node->any_of, &node->one_of}) {
+    for (const SchemaNode* each : *list) Gather(each, nodes);
+  }
+  for (const SchemaNode* each : {node->condition, node->then, node->otherwise}) {
+    Gather(each, nodes);
+  }
+  for (const auto& dependency : node->dependencies) Gather(dependency.schema, nodes);
+}
+
+// `action_parameters`: `actionparameters`.
+std::string LettersOf(std::string_view name) {
+  std::string letters = base::ToLower(name);
+  std::erase_if(letters, [](char c) { return c == '_' || c == '-' || c == ' '; });
+  return letters;
+}
+
+std::optional<std::string> NearestTo(std::string_view name,
+                                     const std::vector<std::string_view>& known) {
+  const std::string letters = LettersOf(name);
+  const auto same = std::find_if(known.begin(), known.end(), [&](std::string_view other) {
+    return LettersOf(other) == letters;
+  });
+  return same != known.end() ? std::optional<std::string>(*same) : base::Nearest(name, known);
+}
+
+class Speller {
+ public:
+  void Check(const Nodes& schemas, const Value& value, const std::string& pointer) {
+    if (found_.size() >= Schema::kMostViolations) return;
+    Nodes nodes;
+    for (const SchemaNode* each : schemas) Gather(each, nodes);
+    if (value.IsObject()) Object(nodes, value, pointer);
+    if (value.IsArray()) Array(nodes, value, pointer);
+  }
+
+  [[nodiscard]] std::vector<Violation> Take() { return std::move(found_); }
+
+ private:
+  void Array(const Nodes& nodes, const Value& array, const std::string& pointer) {
+    for (rapidjson::SizeType i = 0; i < array.Size(); ++i) {
+      Nodes below;
+      for (const SchemaNode* node : nodes) {
+        const bool is_listed = i < node->listed_items.size();
+        below.push_back(is_listed                ? node->listed_items[i]
+                        : node->items_are_listed ? node->additional_items
+                                                 : node->items);
+      }
+      Check(below, array[i], fmt::format("{}/{}", pointer, i));
+    }
+  }
+
+  void Object(const Nodes& nodes, const Value& object, const std::string& pointer) {
+    for (const auto& [key, value] : object.GetObject()) {
+      const std::string_view name = ViewOf(key);
+      const std::string here = fmt::format("{}/{}", pointer, base::PointerToken(name));
+      const Nodes below = Below(nodes, name);
+      if (below.empty()) {
+        Unknown(nodes, object, name, here);
+      } else {
+        Check(below, value, here);
+      }
+    }
+  }
+
+  // Empty: nobody knows the member.
+  static Nodes Below(const Nodes& nodes, std::string_view name) {
+    Nodes below;
+    for (const SchemaNode* node : nodes) {
+      const SchemaNode* known = node->FindProperty(name);
+      if (known != nullptr) below.push_back(known);
+      for (const auto& [pattern, each] : node->pattern_properties) {
+        if (pattern.Matches(name)) below.push_back(each);
+      }
+      // Others may be called anything.
+      if (known == nullptr && node->additional_properties != nullptr &&
+          node->additional_properties->source->IsObject()) {
+        below.push_back(node->additional_properties);
+      }
+    }
+    return below;
+  }
+
+  void Unknown(const Nodes& nodes, const Value& object, std::string_view name,
+               const std::string& pointer) {
+    std::vector<std::string_view> known;
+    for (const SchemaNode* node : nodes) {
+      // It is a violation already.
+      if (node->additional_properties != nullptr && node->additional_properties->is_false) return;
+      for (const auto& [property, schema] : node->properties) {
+        if (base::FindMember(object, property) == nullptr) known.push_back(property);
+      }
+    }
+    const auto near = NearestTo(name, known);
+    if (!near || found_.size() >= Schema::kMostViolations) return;
+    found_.push_back({pointer, fmt::format("the member \"{}\" is not known: did you mean {}?",
+                                           base::Printable(name), base::Printable(*near))});
+  }
+
+  std::vector<Violation> found_;
+};
+
+}  // namespace
+
+std::vector<Violation> CollectMisspellings(const CheckedSchema& schema, const Value& message) {
+  Speller speller;
+  speller.Check({&schema.root()}, message, "");
+  return speller.Take();
+}
+
+}  // namespace fleetpub::schema
