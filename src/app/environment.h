@@ -9,7 +9,7 @@
 #include "app/observer.h"
 #include "base/result.h"
 #include "config/config.h"
-#include "delivery/connect_hook.h"
+#include "delivery/reconnect.h"
 #include "ledger/ledger.h"
 #include "ledger/options.h"
 #include "mqtt/transport.h"
@@ -41,5 +41,8 @@ struct Link {
 };
 
 [[nodiscard]] Result<Link> Connect(const Environment& environment, Log& log);
+
+/// Opens a connection again when it is lost, and warns of that. The log must outlive it.
+[[nodiscard]] delivery::ReconnectHooks MakeReconnectHooks(const Connection& connection, Log& log);
 
 }  // namespace fleetpub::app

@@ -77,7 +77,7 @@ class Batch {
       WarnOfSilentRefusals(link->connection.version, send_.qos, log_);
     }
     delivery::CommandSession session(link->transport, **ledger, send_, request_.wait,
-                                     MakeHooks(link->connection.open));
+                                     MakeHooks(link->connection));
     while (!IsDone(session)) {
       if (MayRead(session)) SendWhatIsThere(session);
       LookForTheEnd(session);
@@ -94,16 +94,14 @@ class Batch {
   }
 
  private:
-  delivery::SessionHooks MakeHooks(delivery::ConnectHook open) {
+  delivery::SessionHooks MakeHooks(const Connection& connection) {
     return {.report = [this](const message::Report& report) { results_.Report(report); },
             .sent =
                 [this] {
                   ++end_.sent;
                   observer_.Sent();
                 },
-            .connect = std::move(open),
-            .lost = [this](const Error& error) { log_.Warn(error.message + ": connecting again"); },
-            .again = [this] { log_.Warn("connected again"); }};
+            .reconnect = MakeReconnectHooks(connection, log_)};
   }
 
   [[nodiscard]] bool IsStopped() const { return end_.reason != BatchStop::kEndOfInput; }

@@ -3,14 +3,10 @@
 
 #include "app/environment.h"
 #include "cli/options/global_options.h"
-#include "delivery/connect_hook.h"
 
 namespace fleetpub::cli {
 
 /// The context must outlive it.
 [[nodiscard]] app::Environment MakeEnvironment(const Context& context);
-
-/// Connects as these options say; at most the connect timeout and the deadline.
-[[nodiscard]] delivery::ConnectHook MakeConnectHook(mqtt::ConnectOptions options);
 
 }  // namespace fleetpub::cli
