@@ -39,9 +39,6 @@ struct FleetRequest {
 /// Shows a fleet as it is now. Called on one thread.
 class FleetDisplay {
  public:
-  FleetDisplay() = default;
-  FleetDisplay(const FleetDisplay&) = delete;
-  FleetDisplay& operator=(const FleetDisplay&) = delete;
   virtual ~FleetDisplay() = default;
 
   virtual void Changed(const vda5050::RobotView& robot) = 0;

@@ -26,9 +26,6 @@ struct BatchRequest {
 /// Whoever writes the lines and reads the results.
 class BatchObserver {
  public:
-  BatchObserver() = default;
-  BatchObserver(const BatchObserver&) = delete;
-  BatchObserver& operator=(const BatchObserver&) = delete;
   virtual ~BatchObserver() = default;
 
   /// The connection stands, and lines are read. Never with a dry run.

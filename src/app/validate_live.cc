@@ -57,7 +57,9 @@ class Inspector {
     std::erase_if(topics, [this](const std::string& topic) {
       return std::find(filters_.begin(), filters_.end(), topic) != filters_.end();
     });
-    if (asked) asked = transport->Unsubscribe(topics, steady_clock::now() + kPatience);
+    if (asked && !topics.empty()) {
+      asked = transport->Unsubscribe(topics, steady_clock::now() + kPatience);
+    }
     if (!asked) spoken_.clear();  // the next states ask again
     for (const auto& [topic, robot] : std::exchange(unknown_, {})) {
       if (!asked) continue;

@@ -23,9 +23,6 @@ struct LiveRequest {
 /// Whoever reads what was found.
 class LiveObserver {
  public:
-  LiveObserver() = default;
-  LiveObserver(const LiveObserver&) = delete;
-  LiveObserver& operator=(const LiveObserver&) = delete;
   virtual ~LiveObserver() = default;
 
   /// The broker has granted the subscription.

@@ -31,9 +31,6 @@ struct RunOptions {
 /// What lives at a broker.
 class Inhabitant {
  public:
-  Inhabitant() = default;
-  Inhabitant(const Inhabitant&) = delete;
-  Inhabitant& operator=(const Inhabitant&) = delete;
   virtual ~Inhabitant() = default;
 
   /// Connects and says that it is there.

@@ -82,12 +82,12 @@ TEST_F(ValidateLive, ReportsARobotThatHasLeftNoConnectionMessage) {
   Publish("vda5050/v3/KIT/0001/connection", "", true);
   Publish("vda5050/v3/KIT/0001/state", "{}");
   Publish("vda5050/v3/KIT/0002/state", "{}");
-  ASSERT_TRUE(live->AwaitOutput("is not retained")) << live->Output();
+  ASSERT_TRUE(live->AwaitOutput("none is retained")) << live->Output();
   live->Signal(SIGTERM);
   EXPECT_EQ(live->Wait(), 3);
   const auto lines = Lines(live->Output());
   const auto missing = std::count_if(lines.begin(), lines.end(), [](const std::string& line) {
-    return line.find("is not retained") != std::string::npos &&
+    return line.find("none is retained") != std::string::npos &&
            line.find("KIT/0001/connection") != std::string::npos;
   });
   EXPECT_EQ(missing, 1) << live->Output();

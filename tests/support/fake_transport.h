@@ -37,7 +37,8 @@ class FakeTransport : public mqtt::Transport {
   std::string forbidden;                              ///< the filter that may not be subscribed
   std::map<std::string, std::string> retained;        ///< payloads by topic, for whoever subscribes
   std::map<std::string, std::string> exact_retained;  ///< the same, but not for wildcards
-  std::deque<mqtt::Message> arriving;                 ///< what is published from the first one on
+  std::deque<mqtt::Message> arriving;  ///< what is published behind this subscription:
+  int arrives_behind = 1;
 
   [[nodiscard]] const std::vector<mqtt::Message>& published() const { return published_; }
   [[nodiscard]] const std::set<std::string>& subscribed() const { return subscribed_; }
@@ -61,8 +62,9 @@ class FakeTransport : public mqtt::Transport {
         incoming_.push_back({.topic = filter, .payload = exact->second, .retained = true});
       }
     }
-    std::move(arriving.begin(), arriving.end(), std::back_inserter(incoming_));
-    arriving.clear();
+    if (--arrives_behind == 0) {
+      std::move(arriving.begin(), arriving.end(), std::back_inserter(incoming_));
+    }
     return {};
   }
   Status Unsubscribe(std::span<const std::string> filters, mqtt::Deadline /*deadline*/) override {

@@ -24,11 +24,10 @@ struct Options {
 };
 
 Result<app::AwaitRequest> ParseAwaitOptions(const Options& o) {
-  constexpr std::string_view kForm =
-      "await TARGET TOPIC CONDITION..., such as "
-      "await KIT/0001 state paused=true";
   if (o.target.empty() || o.topic.empty() || o.conditions.empty()) {
-    return Fail(ErrorKind::kUsage, fmt::format("say whom, what and until when: {}", kForm));
+    return Fail(ErrorKind::kUsage,
+                "await needs a robot, a topic and what a message must say. try: "
+                "fleetpub await KIT/0001 state paused=true");
   }
   app::AwaitRequest request{.target = o.target, .topic = o.topic, .conditions = {}, .vda = o.vda};
   for (const std::string& text : o.conditions) {

@@ -168,7 +168,8 @@ ValidationResult Conformance::MissingConnection(RobotAddress robot) const {
   ValidationResult result{.robot = std::move(robot), .topic_name = "connection"};
   auto& list = options_.strict ? result.findings.errors : result.findings.warnings;
   list.push_back({"",
-                  "is not retained, although the robot sends states: whoever connects later "
+                  "none is retained that may be read here, although the robot sends states: "
+                  "whoever connects later "
                   "does not know that it is there"});
   return result;
 }
