@@ -19,10 +19,6 @@ using std::chrono::steady_clock;
 
 constexpr std::size_t kLargestBatch = 1'000;
 
-AfterBadLine WhatFollowsABadLine(const BatchRequest& request) {
-  return request.stop_on_error ? AfterBadLine::kPause : AfterBadLine::kGoOn;
-}
-
 delivery::SendOptions ChooseSendOptions(const BatchRequest& request) {
   delivery::SendOptions send{.qos = request.settings.qos};
   // Each batch waits for the disk once. While nobody waits for a robot's answer, and no
@@ -30,27 +26,6 @@ delivery::SendOptions ChooseSendOptions(const BatchRequest& request) {
   if (send.qos == mqtt::Qos::kAtMostOnce && !request.defaults.wait_for) send.batch = kLargestBatch;
   return send;
 }
-
-// Passes reports on and remembers whether one is an error.
-class Results {
- public:
-  explicit Results(BatchObserver& observer) : observer_(observer) {}
-
-  void Report(const message::Report& report) {
-    has_error_ = has_error_ || report.error.has_value();
-    observer_.Report(report);
-  }
-  // What is to be said of lines before anything is sent.
-  void Report(const LineGroup& group, Log& log) {
-    for (const std::string& warning : group.warnings) log.Warn(warning);
-    for (const message::Report& bad : group.bad) Report(bad);
-  }
-  [[nodiscard]] bool has_error() const { return has_error_; }
-
- private:
-  BatchObserver& observer_;
-  bool has_error_ = false;
-};
 
 class Batch {
  public:
@@ -61,8 +36,8 @@ class Batch {
         environment_(environment),
         observer_(observer),
         log_(log),
-        results_(observer),
-        input_(std::move(lines), request_.defaults, WhatFollowsABadLine(request_),
+        input_(std::move(lines), request_.defaults,
+               request_.stop_on_error ? AfterBadLine::kPause : AfterBadLine::kGoOn,
                environment.schema_directory) {}
 
   // Errors: nothing was sent.
@@ -93,9 +68,38 @@ class Batch {
     return end_;
   }
 
+  // What would be sent. Errors: the ledger cannot be read, or nobody reads the reports.
+  Result<BatchEnd> Show() {
+    auto dry_run = DryRun::Open(environment_.ledger);
+    if (!dry_run) return Fail(std::move(dry_run.error()));
+    while (!input_.ended() && !(request_.stop_on_error && has_error_)) {
+      input_.Await();
+      const LineGroup group = input_.Take(send_.batch);
+      Report(group);
+      for (const Command& command : group.commands) {
+        const auto report = dry_run->Report(command);
+        Report(report ? *report
+                      : BadLineReport(command.reference, {.id = {}, .target = command.target},
+                                      report.error()));
+      }
+      if (auto flushed = observer_.Flush(); !flushed) return Fail(std::move(flushed.error()));
+    }
+    return end_;
+  }
+
  private:
+  void Report(const message::Report& report) {
+    has_error_ = has_error_ || report.error.has_value();
+    observer_.Report(report);
+  }
+  // What is to be said of lines before anything is sent.
+  void Report(const LineGroup& group) {
+    for (const std::string& warning : group.warnings) log_.Warn(warning);
+    for (const message::Report& bad : group.bad) Report(bad);
+  }
+
   delivery::SessionHooks MakeHooks(const Connection& connection) {
-    return {.report = [this](const message::Report& report) { results_.Report(report); },
+    return {.report = [this](const message::Report& report) { Report(report); },
             .sent =
                 [this] {
                   ++end_.sent;
@@ -130,7 +134,7 @@ class Batch {
 
   void SendWhatIsThere(delivery::CommandSession& session) {
     const LineGroup group = TakeLines();
-    results_.Report(group, log_);
+    Report(group);
     // A line with many targets may make more than a batch holds.
     std::span<const Command> left = group.commands;
     while (!left.empty()) {
@@ -149,7 +153,7 @@ class Batch {
       end_.reason = BatchStop::kStopped;
     } else if (!flushed) {
       end_.reason = BatchStop::kUnread;
-    } else if (request_.stop_on_error && results_.has_error()) {
+    } else if (request_.stop_on_error && has_error_) {
       end_.reason = BatchStop::kFirstError;
     } else if (session.lost() && steady_clock::now() >= lost_at_ + request_.reconnect) {
       end_.reason = BatchStop::kNoConnection;
@@ -183,43 +187,20 @@ class Batch {
   const Environment& environment_;
   BatchObserver& observer_;
   Log& log_;
-  Results results_;
   BatchInput input_;
   steady_clock::time_point lost_at_{};
+  bool has_error_ = false;  // one of the reports is
   BatchEnd end_;
 };
-
-// Errors: the ledger cannot be read, or nobody reads the reports.
-Result<BatchEnd> ShowOnly(base::LineReader lines, BatchRequest request,
-                          const Environment& environment, BatchObserver& observer, Log& log) {
-  Results results(observer);
-  BatchInput input(std::move(lines), request.defaults, WhatFollowsABadLine(request),
-                   environment.schema_directory);
-  auto dry_run = DryRun::Open(environment.ledger);
-  if (!dry_run) return Fail(std::move(dry_run.error()));
-  while (!input.ended() && !(request.stop_on_error && results.has_error())) {
-    input.Await();
-    const LineGroup group = input.Take(ChooseSendOptions(request).batch);
-    results.Report(group, log);
-    for (const Command& command : group.commands) {
-      const auto report = dry_run->Report(command);
-      results.Report(report ? *report
-                            : BadLineReport(command.reference, {.id = {}, .target = command.target},
-                                            report.error()));
-    }
-    if (auto flushed = observer.Flush(); !flushed) return Fail(std::move(flushed.error()));
-  }
-  return BatchEnd();
-}
 
 }  // namespace
 
 Result<BatchEnd> RunBatch(base::LineReader lines, BatchRequest request,
                           const Environment& environment, BatchObserver& observer, Log& log) {
-  if (request.settings.dry_run) {
-    return ShowOnly(std::move(lines), std::move(request), environment, observer, log);
-  }
-  auto end = Batch(std::move(lines), std::move(request), environment, observer, log).Run();
+  const bool shows = request.settings.dry_run;
+  Batch batch(std::move(lines), std::move(request), environment, observer, log);
+  if (shows) return batch.Show();
+  auto end = batch.Run();
   if (!end) end.error().message = "nothing was sent: " + end.error().message;
   return end;
 }

@@ -217,12 +217,12 @@ Result<ExitCode> RunLive(const Options& options, const Context& context) {
     return Fail(ErrorKind::kUsage,
                 "--live goes with none of --lines, --schema, --protocol and --message-type");
   }
-  return ValidateLive(options.live,
-                      {.pattern = options.file == "-" ? "" : options.file,
-                       .version = options.version,
-                       .topic = options.topic,
-                       .strict = options.strict},
-                      context);
+  LiveOptions live = options.live;
+  live.pattern = options.file == "-" ? "" : options.file;
+  live.version = options.version;
+  live.topic = options.topic;
+  live.strict = options.strict;
+  return ValidateLive(live, context);
 }
 
 Result<ExitCode> RunValidate(const Options& options, const Context& context) {

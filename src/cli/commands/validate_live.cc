@@ -96,22 +96,21 @@ class Printer final : public app::LiveObserver {
   std::optional<StopSignal> stop_;
 };
 
-Result<vda5050::ConformanceOptions> ConformanceOptionsOf(const LiveOptions& options,
-                                                         const LiveRequest& request) {
+Result<vda5050::ConformanceOptions> ParseConformance(const LiveOptions& options) {
   vda5050::ConformanceOptions conformance;
   const auto dialect = app::ParseDialect(options.vda);
   if (!dialect) return Fail(dialect.error());
   conformance.scheme = dialect->topics;
-  auto pattern = vda5050::ParseRobotPattern(request.pattern.empty() ? "*/*" : request.pattern);
+  auto pattern = vda5050::ParseRobotPattern(options.pattern.empty() ? "*/*" : options.pattern);
   if (!pattern) return Fail(std::move(pattern.error()));
   conformance.pattern = std::move(*pattern);
-  if (!request.version.empty()) {
-    const auto version = vda5050::ParseVersion(request.version);
+  if (!options.version.empty()) {
+    const auto version = vda5050::ParseVersion(options.version);
     if (!version) return Fail(version.error());
     conformance.version = *version;
   }
-  conformance.topic = request.topic;
-  conformance.strict = request.strict;
+  conformance.topic = options.topic;
+  conformance.strict = options.strict;
   return conformance;
 }
 
@@ -132,9 +131,8 @@ void DeclareLive(OptionSet& set, LiveOptions& options) {
   DeclareTopicOptions(set, options.vda);
 }
 
-Result<ExitCode> ValidateLive(const LiveOptions& options, const LiveRequest& request,
-                              const Context& context) {
-  auto conformance = ConformanceOptionsOf(options, request);
+Result<ExitCode> ValidateLive(const LiveOptions& options, const Context& context) {
+  auto conformance = ParseConformance(options);
   if (!conformance) return Fail(std::move(conformance.error()));
   const auto end = ParseEnd(options.duration);
   if (!end) return Fail(end.error());
