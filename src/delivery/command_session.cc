@@ -64,7 +64,8 @@ Status CommandSession::Subscribe(std::span<const message::Command> commands) {
   }
   std::sort(topics.begin(), topics.end());
   topics.erase(std::unique(topics.begin(), topics.end()), topics.end());
-  if (!topics.empty() && lost()) return Fail(*lost());
+  if (topics.empty()) return {};
+  if (lost()) return Fail(*lost());
   return SubscribeNew(*transport_, std::move(topics));
 }
 
