@@ -64,9 +64,7 @@ Status Deliver(delivery::CommandSource& source, Link& link, ledger::Ledger& ledg
       link.transport, ledger, send, wait.value_or(delivery::WaitOptions()),
       {.report = [&](const message::Report& report) { observer.Report(report); },
        .sent = [&] { observer.Sent(); },
-       .connect = link.connection.open,
-       .lost = [&](const Error& error) { observer.Warn(error.message + ": connecting again"); },
-       .again = [&] { observer.Warn("connected again"); }});
+       .reconnect = MakeReconnectHooks(link.connection, observer)});
   auto sent = delivery::SendAll(
       source, session, {.batch = send.batch, .rate = settings.rate, .tick = observer.tick()});
   if (link.transport != nullptr) link.transport->Disconnect();

@@ -23,4 +23,10 @@ Result<Link> Connect(const Environment& environment, Log& log) {
   return Link{*std::move(connection), *std::move(transport)};
 }
 
+delivery::ReconnectHooks MakeReconnectHooks(const Connection& connection, Log& log) {
+  return {.open = connection.open,
+          .lost = [&log](const Error& error) { log.Lost(error); },
+          .again = [&log] { log.ConnectedAgain(); }};
+}
+
 }  // namespace fleetpub::app

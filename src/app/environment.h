@@ -9,7 +9,7 @@
 #include "app/observer.h"
 #include "base/result.h"
 #include "config/config.h"
-#include "delivery/connect_hook.h"
+#include "delivery/reconnect.h"
 #include "ledger/ledger.h"
 #include "ledger/options.h"
 #include "mqtt/transport.h"
@@ -46,5 +46,8 @@ struct Link {
 [[nodiscard]] std::string FormatSite(const mqtt::BrokerUrl& broker, const std::string& profile);
 
 [[nodiscard]] Result<Link> Connect(const Environment& environment, Log& log);
+
+/// Opens a connection again when it is lost, and warns of that. The log must outlive it.
+[[nodiscard]] delivery::ReconnectHooks MakeReconnectHooks(const Connection& connection, Log& log);
 
 }  // namespace fleetpub::app

@@ -9,7 +9,7 @@
 #include "app/targets.h"
 #include "base/text.h"
 #include "base/time.h"
-#include "delivery/retained.h"
+#include "delivery/subscription.h"
 
 namespace fleetpub::app {
 namespace {
@@ -66,23 +66,24 @@ Error NoRobot(const std::string& broker, const std::vector<std::string>& words) 
                       broker, words.empty() ? "" : " " + FormatFleetName(words))};
 }
 
-}  // namespace
-
-std::string FormatFleetName(const std::vector<std::string>& words) {
-  return words.empty() ? "all" : base::Printable(base::Join(words, " "));
-}
-
-Result<FleetView> MakeFleetView(const std::vector<std::string>& words, const VdaOptions& vda,
-                                const config::Config& config, Log& log) {
-  const auto dialect = ParseDialect(Configured(vda, config));
+// An empty view of the robots that are meant. Errors: ErrorKind::kUsage.
+Result<FleetView> MakeFleetView(const FleetRequest& request, const config::Config& config,
+                                Log& log) {
+  const auto dialect = ParseDialect(Configured(request.vda, config));
   if (!dialect) return Fail(dialect.error());
-  auto spec = ParseTargetSpec(words, config, log);
+  auto spec = ParseTargetSpec(request.words, config, log);
   if (!spec) return Fail(std::move(spec.error()));
   auto patterns = std::move(spec->patterns);
   for (const RobotAddress& robot : spec->robots) {
     patterns.push_back(vda5050::RobotPattern::Of(robot));
   }
   return FleetView(dialect->topics, std::move(patterns));
+}
+
+}  // namespace
+
+std::string FormatFleetName(const std::vector<std::string>& words) {
+  return words.empty() ? "all" : base::Printable(base::Join(words, " "));
 }
 
 std::string AbridgedWarning(std::size_t robots) {
@@ -94,7 +95,7 @@ std::string AbridgedWarning(std::size_t robots) {
 
 Result<FleetView> DiscoverFleet(const FleetRequest& request, const Environment& environment,
                                 Log& log) {
-  auto view = MakeFleetView(request.words, request.vda, environment.config, log);
+  auto view = MakeFleetView(request, environment.config, log);
   if (!view) return Fail(std::move(view.error()));
   const auto link = Connect(environment, log);
   if (!link) return Fail(link.error());
@@ -118,6 +119,34 @@ Result<FleetView> DiscoverFleet(const FleetRequest& request, const Environment& 
         request.state_wait < std::chrono::seconds(35) ? ": --state-wait 35s waits for it" : ""));
   }
   return view;
+}
+
+Status WatchFleet(const FleetRequest& request, mqtt::Deadline end, const Environment& environment,
+                  const DisplayHook& make_display, Log& log) {
+  auto view = MakeFleetView(request, environment.config, log);
+  if (!view) return Fail(std::move(view.error()));
+  auto filters = view->Filters();
+  if (!filters) return Fail(std::move(filters.error()));
+  auto link = Connect(environment, log);
+  if (!link) return Fail(std::move(link.error()));
+  const mqtt::BrokerUrl broker = link->transport->server().broker;
+  std::unique_ptr<FleetDisplay> display;
+  auto subscription =
+      delivery::Subscription::Open(std::move(link->transport), *std::move(filters),
+                                   {.open = link->connection.open,
+                                    .lost = [&](const Error& error) { display->Lost(error); },
+                                    .again = [&] { display->ConnectedAgain(); }},
+                                   end);
+  if (!subscription) return Fail(std::move(subscription.error()));
+  display = make_display(broker);
+  auto watched = subscription->Read(
+      [&](const mqtt::Message& message) {
+        if (const RobotView* robot = Take(message, *view)) display->Changed(*robot);
+        return false;
+      },
+      [&] { return display->Refresh(*view); });
+  if (watched) subscription->Disconnect();
+  return watched;
 }
 
 }  // namespace fleetpub::app

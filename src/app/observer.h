@@ -25,6 +25,10 @@ class Log {
   /// What happens meanwhile.
   virtual void Info(std::string_view text) = 0;
   virtual void Debug(std::string_view text) = 0;
+
+  /// The connection was lost and is opened again.
+  void Lost(const Error& error) { Warn(error.message + ": connecting again"); }
+  void ConnectedAgain() { Warn("connected again"); }
 };
 
 /// What somebody has to agree to.

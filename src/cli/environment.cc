@@ -7,8 +7,21 @@
 #include "mqtt/paho/paho_transport.h"
 
 namespace fleetpub::cli {
+namespace {
 
 using std::chrono::milliseconds;
+
+// Connects as these options say; at most the connect timeout and the deadline.
+delivery::ConnectHook MakeConnectHook(mqtt::ConnectOptions options) {
+  return [options = std::move(options)](mqtt::Deadline deadline) {
+    mqtt::ConnectOptions timely = options;
+    const auto left = std::chrono::ceil<milliseconds>(deadline - std::chrono::steady_clock::now());
+    timely.connect_timeout = std::clamp(left, milliseconds(1), options.connect_timeout);
+    return mqtt::ConnectPaho(timely);
+  };
+}
+
+}  // namespace
 
 std::string FormatSite(const Context& context) {
   const auto brokers = ParseBrokers(context.options);
@@ -29,15 +42,6 @@ app::Environment MakeEnvironment(const Context& context) {
             return app::Connection{timeout, version, MakeConnectHook(*std::move(options))};
           },
           .ledger = [context](ledger::OpenMode mode) { return OpenLedger(context, mode); }};
-}
-
-delivery::ConnectHook MakeConnectHook(mqtt::ConnectOptions options) {
-  return [options = std::move(options)](mqtt::Deadline deadline) {
-    mqtt::ConnectOptions timely = options;
-    const auto left = std::chrono::ceil<milliseconds>(deadline - std::chrono::steady_clock::now());
-    timely.connect_timeout = std::clamp(left, milliseconds(1), options.connect_timeout);
-    return mqtt::ConnectPaho(timely);
-  };
 }
 
 }  // namespace fleetpub::cli

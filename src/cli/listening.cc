@@ -38,11 +38,6 @@ Result<mqtt::Deadline> ParseEnd(const std::string& duration) {
   return std::chrono::steady_clock::now() + *time;
 }
 
-delivery::ListenHooks MakeListenHooks(Output& output) {
-  return {[&output](const Error& error) { output.Warn(error.message + ": connecting again"); },
-          [&output] { output.Warn("connected again"); }};
-}
-
 Result<delivery::RetainedOptions> ParseDiscover(const std::string& text) {
   const auto quiet = base::ParseDuration(text, milliseconds(1));
   if (!quiet) return Fail(quiet.error());

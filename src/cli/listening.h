@@ -9,7 +9,6 @@
 #include "cli/options/global_options.h"
 #include "cli/options/vda_options.h"
 #include "delivery/retained.h"
-#include "delivery/subscription.h"
 
 namespace fleetpub::cli {
 
@@ -32,8 +31,6 @@ void DeclareFleetOptions(OptionSet& set, FleetOptions& options);
 
 /// `--for`: when to stop listening; empty: never. Errors: ErrorKind::kUsage.
 [[nodiscard]] Result<mqtt::Deadline> ParseEnd(const std::string& duration);
-/// Warns of a connection that was lost, and is there again. `output` outlives them.
-[[nodiscard]] delivery::ListenHooks MakeListenHooks(Output& output);
 
 /// Options of those that look around once.
 struct FleetDiscoveryOptions {

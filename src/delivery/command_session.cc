@@ -1,14 +1,12 @@
 #include "delivery/command_session.h"
 
 #include <algorithm>
-#include <thread>
 #include <utility>
 
 namespace fleetpub::delivery {
 namespace {
 
 using std::chrono::milliseconds;
-using std::chrono::seconds;
 using std::chrono::steady_clock;
 
 // So long a silence means that the answers to come take their time: more may be sent.
@@ -17,13 +15,6 @@ constexpr milliseconds kQuiet{20};
 constexpr milliseconds kLongestPause{500};
 // Messages that are read before somebody else gets his turn.
 constexpr int kTurn = 100;
-// Before connecting again, between attempts, and for one attempt. Who lost the connection to a
-// client of the same id would throw that one out: by then a command has done its work. Two that
-// both wait do it ever more seldom; a connection that has lasted starts afresh.
-constexpr milliseconds kReconnectPause{500};
-constexpr milliseconds kLongestReconnectPause{5000};
-constexpr seconds kLasting{10};
-constexpr seconds kReconnectPatience{10};
 // So many subscriptions may stay behind commands that have ended. mosquitto goes through all of a
 // client's for each new one: without an end to them, the 100,000th robot costs it 100 µs alone.
 constexpr std::size_t kMostIdle = 5'000;
@@ -46,20 +37,21 @@ CommandSession::CommandSession(std::unique_ptr<mqtt::Transport>& transport, ledg
       ledger_(ledger),
       send_(send),
       resends_(wait.resend > 0),
-      hooks_(std::move(hooks)),
+      report_(std::move(hooks.report)),
+      sent_(std::move(hooks.sent)),
+      reconnector_(std::move(hooks.reconnect)),
       pending_(wait,
                [this](PendingCommands::Key key, message::Report ended) {
                  again_.erase(key);
-                 if (lost_ && ended.status == message::CommandStatus::kTimeout) {
+                 if (lost() && ended.status == message::CommandStatus::kTimeout) {
                    ended.message += "; the broker was out of reach at the end";
-                   if (!is_told_) ended.message += ": " + lost_->message;
+                   if (!reconnector_.is_told()) ended.message += ": " + lost()->message;
                  }
                  ended_.push_back(std::move(ended));
                }),
-      pipeline_(ledger, send, hooks_.sent,
-                [this](PublishPipeline::Key first_key, BatchResult result) {
-                  Done(first_key, std::move(result));
-                }) {}
+      pipeline_(ledger, send, sent_, [this](PublishPipeline::Key first_key, BatchResult result) {
+        Done(first_key, std::move(result));
+      }) {}
 
 Status CommandSession::Subscribe(std::span<const message::Command> commands) {
   if (subscribed_.size() > pending_.topics() + kMostIdle) UnsubscribeIdle();
@@ -72,12 +64,14 @@ Status CommandSession::Subscribe(std::span<const message::Command> commands) {
   }
   std::sort(topics.begin(), topics.end());
   topics.erase(std::unique(topics.begin(), topics.end()), topics.end());
-  return SubscribeNew(std::move(topics));
+  if (topics.empty()) return {};
+  if (lost()) return Fail(*lost());
+  return SubscribeNew(*transport_, std::move(topics));
 }
 
 // A connection that was lost shows itself again; a subscription that stays costs only time.
 void CommandSession::UnsubscribeIdle() {
-  if (lost_) return;
+  if (lost()) return;
   std::vector<std::string> idle;
   std::erase_if(subscribed_, [&](const std::string& topic) {
     const bool is_idle = !pending_.Follows(topic);
@@ -87,11 +81,10 @@ void CommandSession::UnsubscribeIdle() {
   static_cast<void>(transport_->Unsubscribe(idle, steady_clock::now() + send_.acknowledge_timeout));
 }
 
-Status CommandSession::SubscribeNew(std::vector<std::string> topics) {
+Status CommandSession::SubscribeNew(mqtt::Transport& transport, std::vector<std::string> topics) {
   if (topics.empty()) return {};
-  if (lost_) return Fail(*lost_);
-  auto subscribed = transport_->Subscribe(topics, mqtt::kListeningQos,
-                                          steady_clock::now() + send_.acknowledge_timeout);
+  auto subscribed = transport.Subscribe(topics, mqtt::kListeningQos,
+                                        steady_clock::now() + send_.acknowledge_timeout);
   if (!subscribed) return subscribed;
   for (std::string& topic : topics) subscribed_.insert(std::move(topic));
   return {};
@@ -101,10 +94,10 @@ Status CommandSession::Send(std::span<const message::Command> commands, More mor
   auto sent = Subscribe(commands);
   if (sent) {
     sent = SendBatch(commands, more);
-  } else if (commands.size() > 1 && !lost_) {
+  } else if (commands.size() > 1 && !lost()) {
     return SendOneByOne(commands);  // one robot's topics may be forbidden, another's not
   } else {
-    ReportNotSent(commands, sent.error(), hooks_.report);
+    ReportNotSent(commands, sent.error(), report_);
   }
   if (since_pause_ >= send_.batch) ReadUntilQuiet();
   TellEnded();
@@ -129,17 +122,17 @@ Status CommandSession::SendBatch(std::span<const message::Command> commands, Mor
     if (resends_) again_[first_key + i] = commands[i];
   }
   // What was retained or sent before our command must not be taken for an answer.
-  while (!lost_ && !subscribed_.empty() && ReadOne(steady_clock::now())) {
+  while (!lost() && !subscribed_.empty() && ReadOne(steady_clock::now())) {
   }
   Status left;
-  if (lost_) {
-    left = Fail(*lost_);
+  if (lost()) {
+    left = Fail(*lost());
   } else if (!commands.empty()) {
     left = pipeline_.Send(*transport_, commands, first_key);
   }
   // An answer that is read while its command's batch is under way would be lost.
   const bool overlaps = more == More::kFollow && subscribed_.empty();
-  if (!lost_) pipeline_.Await(*transport_, left && overlaps ? PublishPipeline::kMostUnderWay : 0);
+  if (!lost()) pipeline_.Await(*transport_, left && overlaps ? PublishPipeline::kMostUnderWay : 0);
   if (!left) {
     for (std::size_t i = 0; i < commands.size(); ++i) Forget(first_key + i);
     // One header id that was asked for, or one message that is too large, must not keep the others
@@ -147,7 +140,7 @@ Status CommandSession::SendBatch(std::span<const message::Command> commands, Mor
     if (left.error().kind != ErrorKind::kLedger && commands.size() > 1 && !broken_) {
       return SendOneByOne(commands);
     }
-    ReportNotSent(commands, left.error(), hooks_.report);
+    ReportNotSent(commands, left.error(), report_);
   }
   if (!broken_) return left;
   const Error why = *broken_;
@@ -168,7 +161,7 @@ void CommandSession::Done(PendingCommands::Key first_key, BatchResult result) {
 void CommandSession::Resolve(PendingCommands::Key key, message::Report report) {
   if ((report.error && !report.unacknowledged) || !pending_.IsTracked(key)) {
     Forget(key);
-    return hooks_.report(report);
+    return report_(report);
   }
   report.payload = {};  // the ledger has it; thousands that wait need not
   ++since_pause_;
@@ -182,7 +175,7 @@ void CommandSession::Forget(PendingCommands::Key key) {
 
 // Whose repetition does not leave is waited for on: his time runs, and ends as a timeout.
 void CommandSession::SendAgain(const std::vector<PendingCommands::Key>& keys) {
-  PublishPipeline pipeline(ledger_, send_, hooks_.sent,
+  PublishPipeline pipeline(ledger_, send_, sent_,
                            [this](PublishPipeline::Key key, BatchResult result) {
                              Record(result.reports);
                              message::Report& report = result.reports.front();
@@ -191,7 +184,7 @@ void CommandSession::SendAgain(const std::vector<PendingCommands::Key>& keys) {
                            });
   for (const PendingCommands::Key key : keys) {
     const auto command = again_.find(key);
-    if (lost_ || command == again_.end()) continue;
+    if (lost() || command == again_.end()) continue;
     static_cast<void>(pipeline.Send(*transport_, std::span(&command->second, 1), key));
     pipeline.Await(*transport_, 0);
     if (broken_) Lose(Error(*broken_));
@@ -210,18 +203,18 @@ void CommandSession::Listen(mqtt::Deadline deadline) {
 
 void CommandSession::ReadUntilQuiet() {
   since_pause_ = 0;
-  if (lost_) return;
+  if (lost()) return;
   transport_->WakeOn({});
   const auto most = steady_clock::now() + kLongestPause;
   while (pending_.waiting() > 0 && steady_clock::now() < most) {
     if (!ReadOne(steady_clock::now() + kQuiet)) break;
   }
-  if (!lost_) transport_->WakeOn(wake_);
+  if (!lost()) transport_->WakeOn(wake_);
 }
 
 // False when nothing came.
 bool CommandSession::ReadOne(mqtt::Deadline deadline) {
-  if (lost_) {
+  if (lost()) {
     TryAgain(deadline);
     return false;
   }
@@ -236,45 +229,27 @@ bool CommandSession::ReadOne(mqtt::Deadline deadline) {
 }
 
 void CommandSession::Lose(Error error) {
-  if (lost_) return;
+  if (lost()) return;
   pipeline_.Await(*transport_, 0);  // at once: nothing more comes
   broken_.reset();
   transport_.reset();
-  const auto now = steady_clock::now();
-  pause_ = now - connected_at_ < kLasting
-               ? std::clamp(pause_ * 2, kReconnectPause, kLongestReconnectPause)
-               : kReconnectPause;
-  next_try_ = now + pause_;
-  lost_ = std::move(error);
-  is_told_ = false;
+  reconnector_.Lose(std::move(error));
 }
 
 // The targets go on working while the broker is away: what they say afterwards still counts.
 void CommandSession::TryAgain(mqtt::Deadline deadline) {
-  std::this_thread::sleep_until(std::min(deadline, next_try_));
-  const auto now = steady_clock::now();
-  if (now < next_try_) return;
-  if (hooks_.lost && !std::exchange(is_told_, true)) hooks_.lost(*lost_);
-  auto transport = hooks_.connect(std::min(now + kReconnectPatience, pending_.NextLimit()));
-  next_try_ = steady_clock::now() + pause_;
-  if (!transport) return;
-  transport_ = std::move(*transport);
-  connected_at_ = steady_clock::now();
-  const Error why = *std::exchange(lost_, std::nullopt);
-  subscribed_.clear();
-  if (!SubscribeNew(pending_.Topics())) {
-    transport_.reset();
-    lost_ = why;
-    return;
-  }
-  transport_->WakeOn(wake_);
-  if (hooks_.again) hooks_.again();
+  transport_ =
+      reconnector_.TryAgain(deadline, pending_.NextLimit(), [this](mqtt::Transport& opened) {
+        subscribed_.clear();
+        return SubscribeNew(opened, pending_.Topics());
+      });
+  if (transport_ != nullptr) transport_->WakeOn(wake_);
 }
 
 void CommandSession::WakeOn(std::vector<int> descriptors) {
   if (descriptors == wake_) return;
   wake_ = std::move(descriptors);
-  if (!lost_) transport_->WakeOn(wake_);
+  if (!lost()) transport_->WakeOn(wake_);
 }
 
 void CommandSession::EndAll(const Error& reason) {
@@ -286,7 +261,7 @@ void CommandSession::EndAll(const Error& reason) {
 void CommandSession::TellEnded() {
   if (ended_.empty()) return;
   Record(ended_);
-  for (const message::Report& ended : std::exchange(ended_, {})) hooks_.report(ended);
+  for (const message::Report& ended : std::exchange(ended_, {})) report_(ended);
 }
 
 // Puts the reports' statuses into the audit trail.

@@ -14,9 +14,9 @@
 #include <vector>
 
 #include "base/result.h"
-#include "delivery/connect_hook.h"
 #include "delivery/pending_commands.h"
 #include "delivery/publish_pipeline.h"
+#include "delivery/reconnect.h"
 #include "message/command.h"
 #include "message/report.h"
 
@@ -31,11 +31,8 @@ void ReportNotSent(std::span<const message::Command> commands, const Error& erro
 
 struct SessionHooks {
   ReportSink report;
-  SentHook sent;        ///< may be empty
-  ConnectHook connect;  ///< replaces a connection that was lost
-  /// The connection was lost and is now opened again; it is there again. Either may be empty.
-  std::function<void(const Error&)> lost;
-  std::function<void()> again;
+  SentHook sent;  ///< may be empty
+  ReconnectHooks reconnect;
 };
 
 /// Sends and follows over one connection, which is opened again whenever it is lost. No command is
@@ -73,12 +70,12 @@ class CommandSession {
 
   [[nodiscard]] std::size_t waiting() const { return pending_.waiting(); }
   /// Why there is no connection at the moment.
-  [[nodiscard]] const std::optional<Error>& lost() const { return lost_; }
+  [[nodiscard]] const std::optional<Error>& lost() const { return reconnector_.lost(); }
   /// What changes no status: the first outcome that could not be recorded.
   [[nodiscard]] const Status& trouble() const { return trouble_; }
 
  private:
-  Status SubscribeNew(std::vector<std::string> topics);
+  Status SubscribeNew(mqtt::Transport& transport, std::vector<std::string> topics);
   void UnsubscribeIdle();
   Status SendOneByOne(std::span<const message::Command> commands);
   Status SendBatch(std::span<const message::Command> commands, More more);
@@ -97,7 +94,9 @@ class CommandSession {
   ledger::Ledger& ledger_;
   SendOptions send_;
   bool resends_;
-  SessionHooks hooks_;
+  ReportSink report_;
+  SentHook sent_;
+  Reconnector reconnector_;
   PendingCommands pending_;
   PublishPipeline pipeline_;
   std::optional<Error> broken_;         // a batch tells that the connection is
@@ -108,11 +107,6 @@ class CommandSession {
   std::unordered_set<std::string> subscribed_;
   std::size_t since_pause_ = 0;  // sent, with an answer expected
   std::vector<int> wake_;
-  std::optional<Error> lost_;
-  bool is_told_ = false;  // that the connection is lost
-  mqtt::Deadline next_try_ = {};
-  mqtt::Deadline connected_at_ = {};    // again
-  std::chrono::milliseconds pause_{0};  // before connecting again
   Status trouble_;
 };
 

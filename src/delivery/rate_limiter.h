@@ -16,6 +16,7 @@ class RateLimiter {
   RateLimiter() = default;
   explicit RateLimiter(double per_second);
 
+  [[nodiscard]] bool IsLimited() const { return interval_.count() > 0; }
   /// How many may leave now.
   [[nodiscard]] std::size_t Available(Clock::time_point now) const;
   /// So many have left; more than the allowance is made up for later.

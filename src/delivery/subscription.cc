@@ -1,7 +1,6 @@
 #include "delivery/subscription.h"
 
 #include <algorithm>
-#include <thread>
 #include <utility>
 
 namespace fleetpub::delivery {
@@ -11,61 +10,58 @@ using std::chrono::milliseconds;
 using std::chrono::seconds;
 using std::chrono::steady_clock;
 
-constexpr seconds kPatience{10};  // to connect, and again to subscribe
-constexpr milliseconds kBetweenTries{300};
+constexpr seconds kPatience{10};      // to subscribe
+constexpr milliseconds kGlance{100};  // between two looks at whether to go on
 
 }  // namespace
 
-Subscription::Subscription(std::vector<std::string> filters, ConnectHook connect, ListenHooks hooks,
-                           mqtt::Deadline end)
-    : filters_(std::move(filters)),
-      connect_(std::move(connect)),
-      hooks_(std::move(hooks)),
-      end_(end) {}
-
-Result<std::unique_ptr<Subscription>> Subscription::Open(std::vector<std::string> filters,
-                                                         ConnectHook connect, ListenHooks hooks,
-                                                         mqtt::Deadline end) {
-  std::unique_ptr<Subscription> listener(
-      new Subscription(std::move(filters), std::move(connect), std::move(hooks), end));
-  if (auto ok = listener->Connect(); !ok) return Fail(std::move(ok.error()));
-  return listener;
+Result<Subscription> Subscription::Open(std::unique_ptr<mqtt::Transport> transport,
+                                        std::vector<std::string> filters, ReconnectHooks hooks,
+                                        mqtt::Deadline end) {
+  Subscription subscription(std::move(filters), std::move(hooks), end);
+  auto ok = subscription.Subscribe(*transport, mqtt::Deadline::max());
+  if (!ok) return Fail(std::move(ok.error()));
+  subscription.transport_ = std::move(transport);
+  return subscription;
 }
 
-std::optional<mqtt::Message> Subscription::Next(mqtt::Deadline deadline) {
-  if (!connected()) TryAgain(deadline);
-  if (!connected()) return std::nullopt;
-  auto message = transport_->Receive(deadline);
-  if (message) return *std::move(message);
-  transport_.reset();
-  next_try_ = steady_clock::now() + kBetweenTries;
-  if (hooks_.lost) hooks_.lost(message.error());
-  return std::nullopt;
+Status Subscription::Subscribe(mqtt::Transport& transport, mqtt::Deadline end) const {
+  return transport.Subscribe(filters_, mqtt::kListeningQos,
+                             std::min(end, steady_clock::now() + kPatience));
 }
 
-void Subscription::TryAgain(mqtt::Deadline deadline) {
-  std::this_thread::sleep_until(std::min(deadline, next_try_));
-  const auto now = steady_clock::now();
-  if (now < next_try_ || now >= end_) return;
-  if (Connect()) {
-    if (hooks_.again) hooks_.again();
-  }
-  next_try_ = steady_clock::now() + kBetweenTries;
-}
-
-Status Subscription::Connect() {
-  auto transport = connect_(std::min(end_, steady_clock::now() + kPatience));
-  if (!transport) return Fail(std::move(transport.error()));
-  auto subscribed = (*transport)
-                        ->Subscribe(filters_, mqtt::kListeningQos,
-                                    std::min(end_, steady_clock::now() + kPatience));
-  if (!subscribed) return subscribed;
-  transport_ = *std::move(transport);
+Status Subscription::Read(const MessageCallback& take,
+                          const std::function<Result<bool>()>& goes_on) {
+  do {
+    const auto glance = goes_on ? std::min(end_, steady_clock::now() + kGlance) : end_;
+    do {
+      const auto message = Next(glance);
+      if (!message) break;
+      if (take(*message)) return {};
+    } while (steady_clock::now() < glance);
+    if (!goes_on) continue;
+    const auto more = goes_on();
+    if (!more) return Fail(more.error());
+    if (!*more) return {};
+  } while (steady_clock::now() < end_);
   return {};
 }
 
+std::optional<mqtt::Message> Subscription::Next(mqtt::Deadline deadline) {
+  if (transport_ == nullptr) {
+    transport_ = reconnector_.TryAgain(
+        deadline, end_, [this](mqtt::Transport& transport) { return Subscribe(transport, end_); });
+  }
+  if (transport_ == nullptr) return std::nullopt;
+  auto message = transport_->Receive(deadline);
+  if (message) return *std::move(message);
+  transport_.reset();
+  reconnector_.Lose(std::move(message.error()));
+  return std::nullopt;
+}
+
 void Subscription::Disconnect() {
-  if (connected()) transport_->Disconnect();
+  if (transport_ != nullptr) transport_->Disconnect();
   transport_.reset();
 }
 

@@ -8,45 +8,43 @@
 #include <vector>
 
 #include "base/result.h"
-#include "delivery/connect_hook.h"
+#include "delivery/reconnect.h"
+#include "delivery/retained.h"
 
 namespace fleetpub::delivery {
-
-/// Told when the connection is lost, and when another one is subscribed. Either may be empty.
-struct ListenHooks {
-  std::function<void(const Error&)> lost;
-  std::function<void()> again;
-};
 
 /// A subscribed connection that is opened again whenever it is lost. One thread at a time.
 class Subscription {
  public:
-  /// Connects and subscribes. Nothing is tried after `end`. Errors: the first connection or
+  /// Subscribes over an open connection. Nothing is opened again after `end`. Errors: the
   /// subscription failed.
-  [[nodiscard]] static Result<std::unique_ptr<Subscription>> Open(std::vector<std::string> filters,
-                                                                  ConnectHook connect,
-                                                                  ListenHooks hooks,
-                                                                  mqtt::Deadline end);
+  [[nodiscard]] static Result<Subscription> Open(std::unique_ptr<mqtt::Transport> transport,
+                                                 std::vector<std::string> filters,
+                                                 ReconnectHooks hooks, mqtt::Deadline end);
 
-  /// The next message, retained or not; nothing at the deadline, and earlier when the connection is
-  /// lost. While there is none, tries to connect, which may take longer than the deadline, but
-  /// never longer than `end`. What was published meanwhile and not retained is missed.
+  /// Hands over what comes, retained or not, until `end`, until it was the last that is wanted, or
+  /// until `goes_on`, asked about every 100 ms, says no; that may be empty. Looks once at least. What
+  /// was published while there was no connection, and not retained, is missed. Errors: those of
+  /// `goes_on`.
+  [[nodiscard]] Status Read(const MessageCallback& take,
+                            const std::function<Result<bool>()>& goes_on = {});
+
+  /// The next message; nothing at the deadline, and earlier when the connection is lost. While there
+  /// is none, tries to connect, which may take longer than the deadline, but never longer than `end`.
   [[nodiscard]] std::optional<mqtt::Message> Next(mqtt::Deadline deadline);
 
-  [[nodiscard]] bool connected() const { return transport_ != nullptr; }
+  /// The connection; null while it is lost.
+  [[nodiscard]] mqtt::Transport* transport() const { return transport_.get(); }
   void Disconnect();
 
  private:
-  Subscription(std::vector<std::string> filters, ConnectHook connect, ListenHooks hooks,
-               mqtt::Deadline end);
-  [[nodiscard]] Status Connect();
-  void TryAgain(mqtt::Deadline deadline);
+  Subscription(std::vector<std::string> filters, ReconnectHooks hooks, mqtt::Deadline end)
+      : filters_(std::move(filters)), reconnector_(std::move(hooks)), end_(end) {}
+  [[nodiscard]] Status Subscribe(mqtt::Transport& transport, mqtt::Deadline end) const;
 
   std::vector<std::string> filters_;
-  ConnectHook connect_;
-  ListenHooks hooks_;
+  Reconnector reconnector_;
   mqtt::Deadline end_;
-  mqtt::Deadline next_try_{};
   std::unique_ptr<mqtt::Transport> transport_;
 };
 

@@ -4,10 +4,19 @@
 
 #include <algorithm>
 #include <iterator>
+#include <utility>
 
 #include "base/json.h"
 
 namespace fleetpub::delivery {
+
+void Soften(Findings& findings) {
+  if (!findings.satisfies_schema) return;
+  std::move(findings.warnings.begin(), findings.warnings.end(),
+            std::back_inserter(findings.errors));
+  findings.warnings = std::exchange(findings.errors, {});
+}
+
 void Harden(Findings& findings) {
   std::move(findings.warnings.begin(), findings.warnings.end(),
             std::back_inserter(findings.errors));

@@ -20,6 +20,8 @@ struct Findings {
   bool satisfies_schema = true;
 };
 
+/// Makes what breaks no schema a warning, before those that are there.
+void Soften(Findings& findings);
 /// Makes every warning an error, for those who want nothing to object to.
 void Harden(Findings& findings);
 

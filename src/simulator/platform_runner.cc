@@ -1,7 +1,6 @@
 #include "simulator/platform_runner.h"
 
 #include <algorithm>
-#include <thread>
 
 #include "mqtt/paho/paho_transport.h"
 
@@ -10,39 +9,12 @@ namespace {
 
 using std::chrono::steady_clock;
 
-class PlatformRunner {
+class PlatformRunner final : public Inhabitant {
  public:
   PlatformRunner(PlatformFleet& fleet, const RunOptions& options)
-      : fleet_(fleet),
-        options_(options),
-        end_(options.duration ? steady_clock::now() + *options.duration
-                              : steady_clock::time_point::max()) {}
+      : fleet_(fleet), options_(options) {}
 
-  Status Run() {
-    bool ready = false;
-    while (!Over()) {
-      auto lost = Connect();
-      if (!lost && !ready) return lost;
-      if (lost && !ready) options_.on_ready();
-      ready = true;
-      while (lost && !Over()) lost = Turn();
-      if (lost) break;
-      options_.on_lost(lost.error());
-      transport_.reset();
-      out_.clear();
-      std::this_thread::sleep_for(kReconnectInterval);
-    }
-    if (transport_ != nullptr) transport_->Disconnect();
-    return {};
-  }
-
- private:
-  [[nodiscard]] bool Over() const { return options_.stopped() || steady_clock::now() >= end_; }
-  [[nodiscard]] mqtt::Deadline Patience() const {
-    return steady_clock::now() + options_.connect.connect_timeout;
-  }
-
-  Status Connect() {
+  Status Connect() override {
     auto transport = mqtt::ConnectPaho(options_.connect);
     if (!transport) return Fail(std::move(transport.error()));
     transport_ = *std::move(transport);
@@ -53,13 +25,28 @@ class PlatformRunner {
     return Send();
   }
 
-  Status Turn() {
-    const auto until = std::min({fleet_.Due(), steady_clock::now() + kStopPollInterval, end_});
+  Status Turn() override {
+    const auto until = std::min(fleet_.Due(), steady_clock::now() + kStopPollInterval);
     auto message = transport_->Receive(until);
     if (!message) return Fail(std::move(message.error()));
     if (*message) fleet_.Receive(**message, Now(), out_);
     if (fleet_.Due() <= steady_clock::now()) fleet_.Tick(Now(), out_);
     return Send();
+  }
+
+  void Drop() override {
+    transport_.reset();
+    out_.clear();
+  }
+
+  Status Disconnect() override {
+    transport_->Disconnect();
+    return {};
+  }
+
+ private:
+  [[nodiscard]] mqtt::Deadline Patience() const {
+    return steady_clock::now() + options_.connect.connect_timeout;
   }
 
   Status Send() {
@@ -74,7 +61,6 @@ class PlatformRunner {
 
   PlatformFleet& fleet_;
   const RunOptions& options_;
-  steady_clock::time_point end_;
   std::unique_ptr<mqtt::Transport> transport_;
   std::vector<mqtt::Message> out_;
 };
@@ -82,7 +68,8 @@ class PlatformRunner {
 }  // namespace
 
 Status RunPlatforms(PlatformFleet& fleet, const RunOptions& options) {
-  return PlatformRunner(fleet, options).Run();
+  PlatformRunner runner(fleet, options);
+  return KeepAtBroker(runner, options);
 }
 
 }  // namespace fleetpub::simulator

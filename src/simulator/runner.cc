@@ -6,8 +6,10 @@
 #include <deque>
 #include <memory>
 #include <thread>
+#include <utility>
 
 #include "base/text.h"
+#include "delivery/reconnect.h"
 #include "mqtt/paho/paho_transport.h"
 #include "vda5050/reports/robot_messages.h"
 
@@ -23,44 +25,63 @@ constexpr milliseconds kBetweenLooks{1000};  // at the connections that only hol
 constexpr std::size_t kMostUnanswered = 100'000;
 constexpr std::size_t kAnsweredAtOnce = 50;
 
-class Runner {
+class Runner final : public Inhabitant {
  public:
-  Runner(Fleet& fleet, const RunOptions& options)
-      : fleet_(fleet), options_(options), end_(End(options)) {}
+  Runner(Fleet& fleet, const RunOptions& options) : fleet_(fleet), options_(options) {}
 
-  Status Run() {
-    bool ready = false;
-    while (!Over()) {
-      auto lost = ready ? Status() : CheckPlaces();
-      if (lost) lost = Connect();
-      if (lost) lost = Greet();
-      if (!lost && !ready) return lost;
-      if (lost && !ready) options_.on_ready();
-      ready = true;
-      while (lost && !Over()) lost = Turn();
-      if (lost) return Disconnect();
-      options_.on_lost(lost.error());
-      Drop();
-      std::this_thread::sleep_for(kReconnectInterval);
+  Status Connect() override {
+    auto ok = std::exchange(has_looked_, true) ? Status() : CheckPlaces();
+    if (ok) ok = Open();
+    if (ok) ok = Greet();
+    return ok;
+  }
+
+  // Reads what there is, answers some of it.
+  Status Turn() override {
+    const auto now = steady_clock::now();
+    const auto until = unanswered_.empty() ? std::min(fleet_.Due(), now + kStopPollInterval) : now;
+    if (auto read = Read(until); !read) return read;
+    for (std::size_t i = 0; i < kAnsweredAtOnce && !unanswered_.empty(); ++i) {
+      fleet_.Receive(unanswered_.front(), Now(), out_);
+      unanswered_.pop_front();
+    }
+    if (fleet_.Due() <= steady_clock::now()) fleet_.Tick(Now(), out_);
+    if (auto sent = Send(); !sent) return sent;
+    return LookAfterWills();
+  }
+
+  void Drop() override {
+    out_.clear();
+    unanswered_.clear();
+    wills_.clear();
+    transport_.reset();
+  }
+
+  // The wills are withdrawn last: until OFFLINE is there, they are still true.
+  Status Disconnect() override {
+    fleet_.End(Now(), out_);
+    auto sent = Send();
+    if (sent) sent = AwaitAll();
+    if (!sent) {
+      options_.on_lost(sent.error());
+      return {};
+    }
+    transport_->Disconnect();
+    for (const auto& will : wills_) {
+      if (will != nullptr) will->Disconnect();
     }
     return {};
   }
 
- private:
-  static steady_clock::time_point End(const RunOptions& options) {
-    return options.duration ? steady_clock::now() + *options.duration
-                            : steady_clock::time_point::max();
-  }
+  [[nodiscard]] bool IsGone() const override { return fleet_.present() == 0; }
 
-  [[nodiscard]] bool Over() const {
-    return options_.stopped() || fleet_.present() == 0 || steady_clock::now() >= end_;
-  }
+ private:
   [[nodiscard]] mqtt::Deadline Patience() const {
     return steady_clock::now() + options_.connect.connect_timeout;
   }
 
   // With one robot the will is on the connection that everything goes over.
-  Status Connect() {
+  Status Open() {
     mqtt::ConnectOptions main = options_.connect;
     if (fleet_.size() == 1) main.will = fleet_.WillOf(0, Now());
     auto transport = mqtt::ConnectPahoAsRobot(main);
@@ -115,20 +136,6 @@ class Runner {
     return AwaitAll();
   }
 
-  // Reads what there is, answers some of it.
-  Status Turn() {
-    const auto now = steady_clock::now();
-    const auto until = unanswered_.empty() ? std::min(fleet_.Due(), now + kStopPollInterval) : now;
-    if (auto read = Read(until); !read) return read;
-    for (std::size_t i = 0; i < kAnsweredAtOnce && !unanswered_.empty(); ++i) {
-      fleet_.Receive(unanswered_.front(), Now(), out_);
-      unanswered_.pop_front();
-    }
-    if (fleet_.Due() <= steady_clock::now()) fleet_.Tick(Now(), out_);
-    if (auto sent = Send(); !sent) return sent;
-    return LookAfterWills();
-  }
-
   // Everything that has come; waits for the first message.
   Status Read(mqtt::Deadline until) {
     while (unanswered_.size() < kMostUnanswered) {
@@ -177,32 +184,9 @@ class Runner {
     return {};
   }
 
-  // The wills are withdrawn last: until OFFLINE is there, they are still true.
-  Status Disconnect() {
-    fleet_.End(Now(), out_);
-    auto sent = Send();
-    if (sent) sent = AwaitAll();
-    if (!sent) {
-      options_.on_lost(sent.error());
-      return {};
-    }
-    transport_->Disconnect();
-    for (const auto& will : wills_) {
-      if (will != nullptr) will->Disconnect();
-    }
-    return {};
-  }
-
-  void Drop() {
-    out_.clear();
-    unanswered_.clear();
-    wills_.clear();
-    transport_.reset();
-  }
-
   Fleet& fleet_;
   const RunOptions& options_;
-  steady_clock::time_point end_;
+  bool has_looked_ = false;  // whether its places are free
   std::unique_ptr<mqtt::RobotTransport> transport_;
   std::vector<std::unique_ptr<mqtt::Transport>> wills_;
   steady_clock::time_point next_look_;
@@ -212,6 +196,39 @@ class Runner {
 
 }  // namespace
 
-Status Run(Fleet& fleet, const RunOptions& options) { return Runner(fleet, options).Run(); }
+Status KeepAtBroker(Inhabitant& inhabitant, const RunOptions& options) {
+  const auto start = steady_clock::now();
+  const auto is_over = [&] {
+    return options.stopped() || inhabitant.IsGone() ||
+           (options.duration && steady_clock::now() >= start + *options.duration);
+  };
+  delivery::ReconnectSchedule schedule;
+  bool is_ready = false;
+  bool is_told = false;  // that the connection is lost
+  while (!is_over()) {
+    auto ok = inhabitant.Connect();
+    if (!ok && !is_ready) return ok;
+    const bool was_connected = ok.has_value();
+    if (ok) {
+      schedule.Connected(steady_clock::now());
+      if (!std::exchange(is_ready, true)) options.on_ready();
+      is_told = false;
+      while (ok && !is_over()) ok = inhabitant.Turn();
+      if (ok) return inhabitant.Disconnect();
+    }
+    if (!std::exchange(is_told, true)) options.on_lost(ok.error());
+    inhabitant.Drop();
+    was_connected ? schedule.Lost(steady_clock::now()) : schedule.Failed(steady_clock::now());
+    while (!is_over() && steady_clock::now() < schedule.next()) {
+      std::this_thread::sleep_for(kStopPollInterval);
+    }
+  }
+  return {};
+}
+
+Status Run(Fleet& fleet, const RunOptions& options) {
+  Runner runner(fleet, options);
+  return KeepAtBroker(runner, options);
+}
 
 }  // namespace fleetpub::simulator

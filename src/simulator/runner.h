@@ -24,8 +24,30 @@ struct RunOptions {
   std::function<void()> on_ready;                     ///< everybody is ONLINE, for the first time
   /// Filters of the robots' connection messages: nobody may be ONLINE there. Empty: nobody looks.
   std::vector<std::string> places;
-  std::function<void(const Error&)> on_lost;  ///< the connection broke; tried again
+  /// The connection broke and is opened again; told once, however many attempts fail.
+  std::function<void(const Error&)> on_lost;
 };
+
+/// What lives at a broker.
+class Inhabitant {
+ public:
+  virtual ~Inhabitant() = default;
+
+  /// Connects and says that it is there.
+  [[nodiscard]] virtual Status Connect() = 0;
+  /// Reads and answers for a while, kStopPollInterval at most. Errors: the connection is lost.
+  [[nodiscard]] virtual Status Turn() = 0;
+  /// Forgets a connection that is lost.
+  virtual void Drop() = 0;
+  /// Takes its leave, over an open connection.
+  [[nodiscard]] virtual Status Disconnect() = 0;
+  /// Whether it has gone by itself.
+  [[nodiscard]] virtual bool IsGone() const { return false; }
+};
+
+/// Keeps it there until the time is over, `stopped` says so or it has gone. A connection that is
+/// lost is made again. Errors: those of the first Connect, and Disconnect's.
+[[nodiscard]] Status KeepAtBroker(Inhabitant& inhabitant, const RunOptions& options);
 
 /// Runs the robots until the time is over, `stopped` says so, or all of them have shut down; then
 /// says OFFLINE for them. A connection that is lost is made again. Errors: the first connection

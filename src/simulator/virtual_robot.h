@@ -32,9 +32,8 @@ struct Moment {
   return {std::chrono::steady_clock::now(), base::WallTime::clock::now()};
 }
 
-/// How often a running simulation asks whether it is to stop, and tries to connect again.
+/// How often a running simulation asks whether it is to stop.
 constexpr std::chrono::milliseconds kStopPollInterval{50};
-constexpr std::chrono::milliseconds kReconnectInterval{300};
 
 /// What a robot says.
 struct Utterance {

@@ -49,5 +49,47 @@ TEST_F(DiscoveringFleets, ConnectsForNoMisspeltWord) {
   EXPECT_EQ(world_.connections, 0);
 }
 
+/// Has enough after some looks.
+class Display final : public FleetDisplay {
+ public:
+  explicit Display(std::vector<std::string>& seen) : seen_(seen) {}
+
+  void Changed(const vda5050::RobotView& robot) override {
+    seen_.push_back(robot.robot.ToString());
+  }
+  void Lost(const Error& error) override { seen_.push_back(error.message); }
+  void ConnectedAgain() override { seen_.emplace_back("again"); }
+  Result<bool> Refresh(const vda5050::FleetView& view) override {
+    seen_.push_back(std::to_string(view.size()));
+    return false;
+  }
+
+ private:
+  std::vector<std::string>& seen_;
+};
+
+TEST_F(DiscoveringFleets, WatchesUntilThePersonHasSeenEnough) {
+  std::vector<std::string> seen;
+  std::string at;
+  const auto make_display = [&](const mqtt::BrokerUrl& broker) {
+    at = broker.host;
+    return std::make_unique<Display>(seen);
+  };
+  EXPECT_TRUE(WatchFleet(request_, mqtt::Deadline::max(), world_.Get(), make_display, log_));
+  EXPECT_THAT(seen, ElementsAre("KIT/0001", "1"));
+  EXPECT_EQ(at, "broker");
+}
+
+TEST_F(DiscoveringFleets, TakesNoScreenWithoutAConnection) {
+  world_.connect_error = Error{ErrorKind::kBroker, "broker: refused"};
+  bool is_made = false;
+  const auto make_display = [&](const mqtt::BrokerUrl& /*broker*/) {
+    is_made = true;
+    return nullptr;
+  };
+  EXPECT_FALSE(WatchFleet(request_, mqtt::Deadline::max(), world_.Get(), make_display, log_));
+  EXPECT_FALSE(is_made);
+}
+
 }  // namespace
 }  // namespace fleetpub::app

@@ -28,21 +28,22 @@ class Streaming : public ::testing::Test {
   std::unique_ptr<CommandSession> Open(SendOptions options = {}) {
     return std::make_unique<CommandSession>(
         transport_, ledger_, options, WaitOptions{},
-        SessionHooks{.report =
-                         [this](const message::Report& report) {
-                           reports_.push_back(report.reference + " " +
-                                              std::string(NameOf(report.status)) + " " +
-                                              report.message);
-                         },
-                     .sent = {},
-                     .connect = [this](mqtt::Deadline) -> Result<std::unique_ptr<mqtt::Transport>> {
-                       ++connections_;
-                       auto fake = std::make_unique<testing::FakeTransport>(journal_);
-                       fake_ = fake.get();
-                       return fake;
-                     },
-                     .lost = [this](const Error& error) { lost_ = error.message; },
-                     .again = {}});
+        SessionHooks{
+            .report =
+                [this](const message::Report& report) {
+                  reports_.push_back(report.reference + " " + std::string(NameOf(report.status)) +
+                                     " " + report.message);
+                },
+            .sent = {},
+            .reconnect = {
+                .open = [this](mqtt::Deadline) -> Result<std::unique_ptr<mqtt::Transport>> {
+                  ++connections_;
+                  auto fake = std::make_unique<testing::FakeTransport>(journal_);
+                  fake_ = fake.get();
+                  return fake;
+                },
+                .lost = [this](const Error& error) { lost_ = error.message; },
+                .again = {}}});
   }
 
   static std::vector<message::Command> Commands(int count, int first = 0) {

@@ -59,9 +59,10 @@ class Sending : public ::testing::Test {
         connection_, ledger_, options_, WaitOptions{.resend = 0},
         {.report = report,
          .sent = [&] { ++left_; },
-         .connect = [](mqtt::Deadline) { return Fail(ErrorKind::kBroker, "broker: gone"); },
-         .lost = {},
-         .again = {}});
+         .reconnect = {
+             .open = [](mqtt::Deadline) { return Fail(ErrorKind::kBroker, "broker: gone"); },
+             .lost = {},
+             .again = {}}});
     CommandList list(commands, report);
     EXPECT_TRUE(SendAll(list, session, {.batch = options_.batch, .rate = rate_, .tick = {}}));
     return session.trouble();
@@ -443,7 +444,7 @@ TEST_F(Sending, SendsNoFasterThanTheRate) {
 TEST_F(Sending, FailsWhenNothingCouldBeSubscribedTo) {
   const ReportSink report = [&](const message::Report& done) { reports_.push_back(done); };
   CommandSession session(connection_, ledger_, options_, WaitOptions{.resend = 0},
-                         {.report = report, .sent = {}, .connect = {}, .lost = {}, .again = {}});
+                         {.report = report, .sent = {}, .reconnect = {}});
   auto commands = CommandsFor(2);
   commands[1].tracker = std::make_shared<testing::FakeTracker>("state/1");
   transport_.forbidden = "state/1";

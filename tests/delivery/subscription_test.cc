@@ -12,6 +12,7 @@ namespace {
 using std::chrono::milliseconds;
 using std::chrono::steady_clock;
 using ::testing::ElementsAre;
+using ::testing::IsEmpty;
 
 /// Hands out these messages, then breaks.
 class Breaking : public testing::FakeTransport {
@@ -33,27 +34,32 @@ class Breaking : public testing::FakeTransport {
 class Listening : public ::testing::Test {
  protected:
   // Each connection of this list in turn; an empty one cannot be made.
-  Result<std::unique_ptr<Subscription>> Open(std::deque<std::deque<std::string>> connections) {
+  Result<Subscription> Open(std::deque<std::deque<std::string>> connections,
+                            mqtt::Deadline end = steady_clock::now() + std::chrono::seconds(20)) {
     connections_ = std::move(connections);
-    const auto connect =
+    const auto open =
         [this](mqtt::Deadline /*deadline*/) -> Result<std::unique_ptr<mqtt::Transport>> {
       auto payloads = connections_.front();
       connections_.pop_front();
       if (payloads.empty()) return Fail(ErrorKind::kBroker, "no broker");
       return std::make_unique<Breaking>(journal_, payloads);
     };
-    return Subscription::Open({"t"}, connect,
-                              {[this](const Error& error) { told_.push_back(error.message); },
-                               [this] { told_.emplace_back("again"); }},
-                              steady_clock::now() + std::chrono::seconds(20));
+    auto first = open(end);
+    if (!first) return Fail(first.error());
+    return Subscription::Open(
+        *std::move(first), {"t"},
+        {.open = open,
+         .lost = [this](const Error& error) { told_.push_back(error.message); },
+         .again = [this] { told_.emplace_back("again"); }},
+        end);
   }
 
   std::vector<std::string> Take(Subscription& listener, std::size_t count) {
     std::vector<std::string> payloads;
-    const auto limit = steady_clock::now() + std::chrono::seconds(10);
-    while (payloads.size() < count && steady_clock::now() < limit) {
-      if (auto message = listener.Next(limit)) payloads.push_back(message->payload);
-    }
+    EXPECT_TRUE(listener.Read([&](const mqtt::Message& message) {
+      payloads.push_back(message.payload);
+      return payloads.size() == count;
+    }));
     return payloads;
   }
 
@@ -63,27 +69,51 @@ class Listening : public ::testing::Test {
 };
 
 TEST_F(Listening, GoesOnOverAnotherConnection) {
-  const auto listener = Open({{"1", "2"}, {}, {"3"}});
+  auto listener = Open({{"1", "2"}, {}, {"3"}});
   ASSERT_TRUE(listener);
-  EXPECT_THAT(Take(**listener, 3), ElementsAre("1", "2", "3"));
+  EXPECT_THAT(Take(*listener, 3), ElementsAre("1", "2", "3"));
   EXPECT_THAT(told_, ElementsAre("lost", "again"));
 }
 
-TEST_F(Listening, TellsTheLossAtOnceAndKeepsToTheDeadline) {
-  const auto listener = Open({{"1"}, {"2"}});
+TEST_F(Listening, TellsOfALossWhenItConnectsAgainAndKeepsToTheDeadline) {
+  auto listener = Open({{"1"}, {"2"}});
   ASSERT_TRUE(listener);
-  Take(**listener, 1);
-  EXPECT_FALSE((*listener)->Next(steady_clock::now() + std::chrono::seconds(10)));
-  EXPECT_FALSE((*listener)->connected());
-  EXPECT_THAT(told_, ElementsAre("lost"));
-  EXPECT_FALSE((*listener)->Next(steady_clock::now() + milliseconds(1)));
-  EXPECT_FALSE((*listener)->connected());
+  Take(*listener, 1);
+  EXPECT_FALSE(listener->Next(steady_clock::now() + std::chrono::seconds(10)));
+  EXPECT_EQ(listener->transport(), nullptr);
+  EXPECT_FALSE(listener->Next(steady_clock::now() + milliseconds(1)));
+  EXPECT_EQ(listener->transport(), nullptr);
+  EXPECT_THAT(told_, IsEmpty());
+  EXPECT_TRUE(listener->Next(steady_clock::now() + std::chrono::seconds(10)));
+  EXPECT_THAT(told_, ElementsAre("lost", "again"));
 }
 
-TEST_F(Listening, DoesNotBeginWithoutABroker) {
-  const auto listener = Open({{}});
+TEST_F(Listening, LooksOnceHoweverShortTheTime) {
+  auto listener = Open({{"1", "2"}}, steady_clock::now());
+  ASSERT_TRUE(listener);
+  EXPECT_THAT(Take(*listener, 2), ElementsAre("1"));
+}
+
+TEST_F(Listening, EndsWhenItIsNotToGoOn) {
+  auto listener = Open({{"1"}, {"2"}});
+  ASSERT_TRUE(listener);
+  int looks = 0;
+  EXPECT_TRUE(listener->Read([](const mqtt::Message&) { return false; },
+                             [&]() -> Result<bool> { return ++looks < 3; }));
+  EXPECT_EQ(looks, 3);
+  const auto read =
+      listener->Read([](const mqtt::Message&) { return false; },
+                     []() -> Result<bool> { return Fail(ErrorKind::kLedger, "closed"); });
+  ASSERT_FALSE(read);
+  EXPECT_EQ(read.error().message, "closed");
+}
+
+TEST_F(Listening, DoesNotBeginWithoutTheSubscription) {
+  auto transport = std::make_unique<testing::FakeTransport>(journal_);
+  transport->forbidden = "t";
+  const auto listener = Subscription::Open(std::move(transport), {"t"}, {}, steady_clock::now());
   ASSERT_FALSE(listener);
-  EXPECT_EQ(listener.error().message, "no broker");
+  EXPECT_EQ(listener.error().message, "broker refuses t");
 }
 
 }  // namespace

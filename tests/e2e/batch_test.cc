@@ -198,6 +198,14 @@ TEST_F(Batching, GivesUpWhenTheBrokerStaysAway) {
   EXPECT_THAT(batch->Errors(), HasSubstr("nothing was sent from line 2 on"));
 }
 
+TEST_F(Batching, EndsADryRunAtOnceWhenInterrupted) {
+  const auto batch = Start({"batch", "--dry-run"});
+  batch->Write(Pause("KIT/0001"));
+  ASSERT_TRUE(batch->AwaitOutput("startPause"));
+  batch->Signal(SIGINT);
+  EXPECT_EQ(batch->Wait(), 130);
+}
+
 TEST_F(Batching, ShowsInADryRunWhatWouldBeNext) {
   const Finished run = Batch(Pause("KIT/0001") + Pause("KIT/0001"), {"--dry-run"});
   EXPECT_EQ(run.exit_code, 0) << run.errors;

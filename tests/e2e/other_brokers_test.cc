@@ -96,6 +96,12 @@ TEST_P(OtherBroker, ShowsTheFleet) {
   ExpectEnd({"ping"}, 0, "reachable");
 }
 
+TEST_P(OtherBroker, MissesNoConnectionMessageThatIsThere) {
+  const auto robot = Robot({"LIVE/0001", "--state-interval", "100ms"});
+  ExpectEnd({"validate", "--live", "LIVE/*", "--strict", "--for", "1s", "-o", "json"}, 0,
+            R"("withoutConnection":0,"topics":{"connection":{"messages":1,)");
+}
+
 TEST_P(OtherBroker, RefusesAWrongLogin) {
   const Aedes closed("ann", "s3cret");
   if (!IsRabbitMq()) operator_.UseBroker(closed.Url());

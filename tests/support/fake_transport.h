@@ -5,6 +5,7 @@
 #include <chrono>
 #include <deque>
 #include <functional>
+#include <iterator>
 #include <map>
 #include <set>
 #include <string>
@@ -32,9 +33,12 @@ class FakeTransport : public mqtt::Transport {
   bool is_distant = false;
   std::optional<Error> await_error;
   std::optional<Error> ready_error;
-  std::size_t largest = 1'000'000;              ///< payload that is admitted
-  std::string forbidden;                        ///< the filter that may not be subscribed
-  std::map<std::string, std::string> retained;  ///< payloads by topic, for whoever subscribes
+  std::size_t largest = 1'000'000;                    ///< payload that is admitted
+  std::string forbidden;                              ///< the filter that may not be subscribed
+  std::map<std::string, std::string> retained;        ///< payloads by topic, for whoever subscribes
+  std::map<std::string, std::string> exact_retained;  ///< the same, but not for wildcards
+  std::deque<mqtt::Message> arriving;  ///< what is published behind this subscription:
+  int arrives_behind = 1;
 
   [[nodiscard]] const std::vector<mqtt::Message>& published() const { return published_; }
   [[nodiscard]] const std::set<std::string>& subscribed() const { return subscribed_; }
@@ -57,6 +61,14 @@ class FakeTransport : public mqtt::Transport {
           })) {
         incoming_.push_back({.topic = topic, .payload = payload, .retained = true});
       }
+    }
+    for (const std::string& filter : filters) {
+      if (const auto exact = exact_retained.find(filter); exact != exact_retained.end()) {
+        incoming_.push_back({.topic = filter, .payload = exact->second, .retained = true});
+      }
+    }
+    if (--arrives_behind == 0) {
+      std::move(arriving.begin(), arriving.end(), std::back_inserter(incoming_));
     }
     return {};
   }

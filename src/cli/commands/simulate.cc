@@ -311,7 +311,7 @@ Result<ExitCode> RunSimulate(const Options& o, const Context& context) {
     run.places = *std::move(places);
   }
   run.stopped = [] { return g_stopped != 0; };
-  run.on_lost = [&](const Error& error) { output.Warn(error.message + ": connecting again"); };
+  run.on_lost = [&](const Error& error) { output.Lost(error); };
   run.on_ready = [&] {
     StopOnSignals();
     Print(stderr, fmt::format("fleetpub: {} robot{} online at {}, version {}\n", robots->size(),

@@ -70,7 +70,7 @@ Result<ExitCode> RunSoarSimulation(const SoarSimulation& simulation, const Conte
     run.duration = *duration;
   }
   run.stopped = simulation.stopped;
-  run.on_lost = [&](const Error& error) { output.Warn(error.message + ": connecting again"); };
+  run.on_lost = [&](const Error& error) { output.Lost(error); };
   run.on_ready = [&] {
     simulation.on_ready();
     const std::size_t count = (*fleet)->size();

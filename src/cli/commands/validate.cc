@@ -18,7 +18,7 @@
 #include "schema/schema.h"
 #include "schema/schema_files.h"
 #include "vda5050/messages/user_message.h"
-#include "vda5050/rules/text_rules.h"
+#include "vda5050/rules/conformance.h"
 
 namespace fleetpub::cli {
 namespace {
@@ -81,7 +81,8 @@ class Validator {
       version_ = *version;
     }
     if (version_ && !options_.topic.empty()) {
-      const auto schema = registry_.Find(SchemaName(*version_, options_.topic));
+      const auto schema = registry_.Find(
+          fmt::format("vda5050/{}/{}", vda5050::FactsOf(*version_).name, options_.topic));
       if (!schema) return Fail(schema.error());
     }
     return {};
@@ -101,14 +102,10 @@ class Validator {
     if (!version) return OneError(version.error().message);
     const auto topic = TopicOf(*message);
     if (!topic) return OneError(topic.error().message);
-    const auto schema = registry_.Find(SchemaName(*version, *topic));
-    if (!schema) return OneError(schema.error().message);
-    Findings findings =
-        delivery::Check(*message, **schema, vda5050::TextRulesFor(*topic, *version));
-    if (!options_.strict) findings = Softened(std::move(findings));
-    if (!chosen.empty()) findings.warnings.push_back({"/version", std::move(chosen)});
-    if (options_.strict) delivery::Harden(findings);
-    return findings;
+    std::vector<schema::Violation> header;
+    if (!chosen.empty()) header.push_back({"/version", std::move(chosen)});
+    return vda5050::CheckMessage(*message, *version, *topic, options_.strict, registry_,
+                                 std::move(header));
   }
 
  private:
@@ -139,18 +136,6 @@ class Validator {
   }
 
   static Findings OneError(std::string message) { return {{{"", std::move(message)}}, {}}; }
-
-  static std::string SchemaName(vda5050::Version version, std::string_view topic) {
-    return fmt::format("vda5050/{}/{}", vda5050::FactsOf(version).name, topic);
-  }
-
-  // The text's rules are no schema rules: they warn here, and fail with --strict.
-  static Findings Softened(Findings findings) {
-    if (!findings.satisfies_schema) return findings;
-    std::move(findings.warnings.begin(), findings.warnings.end(),
-              std::back_inserter(findings.errors));
-    return {{}, std::move(findings.errors)};
-  }
 
   // `chosen` tells of a header that names no release.
   [[nodiscard]] Result<vda5050::Version> VersionOf(const base::JsonValue& message,
@@ -232,12 +217,12 @@ Result<ExitCode> RunLive(const Options& options, const Context& context) {
     return Fail(ErrorKind::kUsage,
                 "--live goes with none of --lines, --schema, --protocol and --message-type");
   }
-  return ValidateLive(options.live,
-                      {.pattern = options.file == "-" ? "" : options.file,
-                       .version = options.version,
-                       .topic = options.topic,
-                       .strict = options.strict},
-                      context);
+  LiveOptions live = options.live;
+  live.pattern = options.file == "-" ? "" : options.file;
+  live.version = options.version;
+  live.topic = options.topic;
+  live.strict = options.strict;
+  return ValidateLive(live, context);
 }
 
 Result<ExitCode> RunValidate(const Options& options, const Context& context) {

@@ -2,35 +2,23 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <map>
-#include <set>
-#include <unordered_map>
+#include <optional>
 
-#include "app/targets.h"
+#include "app/validate_live.h"
 #include "base/json.h"
 #include "base/text.h"
-#include "base/time.h"
 #include "cli/environment.h"
 #include "cli/listening.h"
+#include "cli/output/interrupt.h"
 #include "cli/output/stop_signal.h"
 #include "cli/parser/option_set.h"
-#include "delivery/subscription.h"
-#include "vda5050/rules/conformance.h"
 
 namespace fleetpub::cli {
 namespace {
 
-using std::chrono::milliseconds;
-using std::chrono::steady_clock;
 using vda5050::ValidationResult;
 
-constexpr milliseconds kGlance{100};  // between two looks at whether to end
-
-struct Tally {
-  std::size_t messages = 0;
-  std::size_t invalid = 0;
-};
+using Tally = app::LiveSummary::Tally;
 
 std::string TallyJson(const Tally& tally) {
   return fmt::format(R"("messages":{},"valid":{},"invalid":{})", tally.messages,
@@ -42,100 +30,87 @@ std::string TallyText(const Tally& tally) {
                      tally.messages == 1 ? "" : "s", tally.messages - tally.invalid, tally.invalid);
 }
 
-// Judges and tells, message after message.
-class Inspector {
+void ShowSummary(const app::LiveSummary& summary, Output& output) {
+  if (output.json()) {
+    std::string topics;
+    for (const auto& [topic, tally] : summary.by_topic) {
+      topics += fmt::format(R"({}"{}":{{{}}})", topics.empty() ? "" : ",", topic, TallyJson(tally));
+    }
+    output.Line(fmt::format(R"({{{},"withoutConnection":{},"topics":{{{}}}}})",
+                            TallyJson(summary.all), summary.without_connection, topics));
+    return;
+  }
+  for (const auto& [topic, tally] : summary.by_topic) {
+    output.PeopleLine(fmt::format("{:<14}  {}", topic, TallyText(tally)));
+  }
+  output.PeopleLine(fmt::format("{:<14}  {}", "all", TallyText(summary.all)));
+}
+
+// Prints what is found. Once it has begun, the first Ctrl-C is an orderly end.
+class Printer final : public app::LiveObserver {
  public:
-  Inspector(vda5050::Conformance& conformance, Output& output)
-      : conformance_(conformance), output_(output) {}
+  explicit Printer(Output& output) : output_(output) {}
 
-  void Take(const mqtt::Message& message) {
-    if (message.retained && !IsNew(message)) return;
-    const auto judgement = conformance_.Validate(message.topic, message.payload);
-    if (!judgement) return;
-    if (vda5050::IsWrittenOtherwise(judgement->robot) && escaped_.insert(judgement->robot).second) {
-      app::WarnOfEscapedNames({&judgement->robot, 1}, output_);
+  void Begin() override { stop_.emplace(); }
+
+  void Found(const mqtt::Message& message, const ValidationResult& result) override {
+    for (const auto& violation : result.findings.errors) Show(message, result, violation);
+    for (const auto& [path, words] : result.findings.warnings) {
+      output_.Warn(fmt::format("{}: {}{}{}", PlaceOf(message, result), base::Printable(path),
+                               path.empty() ? "" : ": ", words));
     }
-    for (Tally* tally : {&total_, &by_topic_[judgement->topic_name]}) {
-      ++tally->messages;
-      if (!judgement->findings.errors.empty()) ++tally->invalid;
-    }
-    for (const auto& violation : judgement->findings.errors) Tell(message, *judgement, violation);
-    for (const auto& [path, words] : judgement->findings.warnings) {
-      output_.Warn(fmt::format("{}: {}", PlaceOf(message, *judgement), words));
-    }
+    has_violations_ = has_violations_ || !result.findings.errors.empty();
   }
 
-  void TellSummary() const {
-    if (output_.json()) {
-      std::string topics;
-      for (const auto& [topic, tally] : by_topic_) {
-        topics +=
-            fmt::format(R"({}"{}":{{{}}})", topics.empty() ? "" : ",", topic, TallyJson(tally));
-      }
-      output_.Line(fmt::format(R"({{{},"topics":{{{}}}}})", TallyJson(total_), topics));
-      return;
-    }
-    for (const auto& [topic, tally] : by_topic_) {
-      output_.PeopleLine(fmt::format("{:<14}  {}", topic, TallyText(tally)));
-    }
-    output_.PeopleLine(fmt::format("{:<14}  {}", "all", TallyText(total_)));
+  Result<bool> GoesOn() override {
+    if (auto flushed = output_.Flush(); !flushed) return Fail(std::move(flushed.error()));
+    return !StopSignal::Noted();
   }
 
-  [[nodiscard]] const Tally& total() const { return total_; }
+  [[nodiscard]] bool has_violations() const { return has_violations_; }
 
  private:
-  // Retained messages come again with each new connection.
-  bool IsNew(const mqtt::Message& message) {
-    const std::size_t hash = std::hash<std::string>()(message.payload);
-    const auto [known, added] = retained_.try_emplace(message.topic, hash);
-    return added || std::exchange(known->second, hash) != hash;
-  }
-
-  static std::string PlaceOf(const mqtt::Message& message, const ValidationResult& judgement) {
-    return fmt::format("{} {}{}{}", base::Printable(judgement.robot.ToString()),
-                       judgement.topic_name,
-                       judgement.header_id ? fmt::format(" headerId {}", *judgement.header_id) : "",
+  static std::string PlaceOf(const mqtt::Message& message, const ValidationResult& result) {
+    return fmt::format("{} {}{}{}", base::Printable(result.robot.ToString()), result.topic_name,
+                       result.header_id ? fmt::format(" headerId {}", *result.header_id) : "",
                        message.retained ? " (retained)" : "");
   }
 
-  void Tell(const mqtt::Message& message, const ValidationResult& judgement,
+  void Show(const mqtt::Message& message, const ValidationResult& result,
             const schema::Violation& violation) const {
     if (!output_.json()) {
       const std::string path = base::Printable(violation.path);
-      return output_.Line(fmt::format("{}: {}{}{}", PlaceOf(message, judgement), path,
+      return output_.Line(fmt::format("{}: {}{}{}", PlaceOf(message, result), path,
                                       path.empty() ? "" : ": ", violation.message));
     }
     output_.Line(fmt::format(
         R"({{"target":{},"topic":{},"version":"{}","headerId":{},"retained":{},"path":{},"message":{}}})",
-        base::JsonString(judgement.robot.ToString()), base::JsonString(message.topic),
-        judgement.version, judgement.header_id ? std::to_string(*judgement.header_id) : "null",
-        message.retained, base::JsonString(violation.path), base::JsonString(violation.message)));
+        base::JsonString(result.robot.ToString()), base::JsonString(message.topic), result.version,
+        result.header_id ? std::to_string(*result.header_id) : "null", message.retained,
+        base::JsonString(violation.path), base::JsonString(violation.message)));
   }
 
-  vda5050::Conformance& conformance_;
   Output& output_;
-  Tally total_;
-  std::map<std::string, Tally> by_topic_;
-  std::set<vda5050::RobotAddress> escaped_;                // whose names were warned of
-  std::unordered_map<std::string, std::size_t> retained_;  // by topic, the payload's hash
+  bool has_violations_ = false;
+  const InterruptGuard before_;
+  std::optional<StopSignal> stop_;
 };
 
-Result<vda5050::ConformanceOptions> ConformanceOptionsOf(const LiveOptions& options,
-                                                         const LiveRequest& request) {
+Result<vda5050::ConformanceOptions> ParseConformance(const LiveOptions& options) {
   vda5050::ConformanceOptions conformance;
   const auto dialect = app::ParseDialect(options.vda);
   if (!dialect) return Fail(dialect.error());
   conformance.scheme = dialect->topics;
-  auto pattern = vda5050::ParseRobotPattern(request.pattern.empty() ? "*/*" : request.pattern);
+  auto pattern = vda5050::ParseRobotPattern(options.pattern.empty() ? "*/*" : options.pattern);
   if (!pattern) return Fail(std::move(pattern.error()));
   conformance.pattern = std::move(*pattern);
-  if (!request.version.empty()) {
-    const auto version = vda5050::ParseVersion(request.version);
+  if (!options.version.empty()) {
+    const auto version = vda5050::ParseVersion(options.version);
     if (!version) return Fail(version.error());
     conformance.version = *version;
   }
-  conformance.topic = request.topic;
-  conformance.strict = request.strict;
+  conformance.topic = options.topic;
+  conformance.strict = options.strict;
   return conformance;
 }
 
@@ -156,38 +131,23 @@ void DeclareLive(OptionSet& set, LiveOptions& options) {
   DeclareTopicOptions(set, options.vda);
 }
 
-Result<ExitCode> ValidateLive(const LiveOptions& options, const LiveRequest& request,
-                              const Context& context) {
-  auto conformance_options = ConformanceOptionsOf(options, request);
-  if (!conformance_options) return Fail(std::move(conformance_options.error()));
-  schema::Registry registry(context.options.schema_directory);
-  vda5050::Conformance conformance(std::move(*conformance_options), registry);
-  auto filters = conformance.Filters();
-  if (!filters) return Fail(std::move(filters.error()));
+Result<ExitCode> ValidateLive(const LiveOptions& options, const Context& context) {
+  auto conformance = ParseConformance(options);
+  if (!conformance) return Fail(std::move(conformance.error()));
   const auto end = ParseEnd(options.duration);
   if (!end) return Fail(end.error());
-  const auto connect = ConnectOptionsOf(context);
-  if (!connect) return Fail(connect.error());
-
-  const StopSignal stop;
-  Output& output = context.output;
-  auto listener = delivery::Subscription::Open(*std::move(filters), MakeConnectHook(*connect),
-                                               MakeListenHooks(output), *end);
-  if (!listener) return Fail(std::move(listener.error()));
-  Inspector inspector(conformance, output);
-  const auto enough = options.count == 0 ? SIZE_MAX : static_cast<std::size_t>(options.count);
-  while (steady_clock::now() < *end && inspector.total().messages < enough &&
-         !StopSignal::Noted()) {
-    const auto message = (*listener)->Next(std::min(*end, steady_clock::now() + kGlance));
-    if (message) inspector.Take(*message);
-    if (auto flushed = output.Flush(); !flushed) return Fail(std::move(flushed.error()));
-  }
-  (*listener)->Disconnect();
-  inspector.TellSummary();
-  if (inspector.total().messages == 0) {
+  Printer printer(context.output);
+  const auto summary = app::ValidateLive(
+      {.conformance = *std::move(conformance),
+       .end = *end,
+       .count = options.count == 0 ? SIZE_MAX : static_cast<std::size_t>(options.count)},
+      MakeEnvironment(context), printer, context.output);
+  if (!summary) return Fail(summary.error());
+  ShowSummary(*summary, context.output);
+  if (summary->all.messages == 0) {
     return Fail(ErrorKind::kUnconfirmed, "no message came: nothing was checked");
   }
-  return inspector.total().invalid > 0 ? ExitCode::kInvalid : ExitCode::kDone;
+  return printer.has_violations() ? ExitCode::kInvalid : ExitCode::kDone;
 }
 
 }  // namespace fleetpub::cli

@@ -18,10 +18,7 @@ struct LiveOptions {
   std::string duration;
   std::int64_t count = 0;  ///< 0: no end
   app::VdaOptions vda;     ///< interface and topic template
-};
-
-/// What `validate` is told besides.
-struct LiveRequest {
+  // What `validate` is told besides.
   std::string pattern;  ///< empty: everybody
   std::string version;  ///< empty: as each header says
   std::string topic;    ///< empty: all
@@ -31,7 +28,6 @@ struct LiveRequest {
 void DeclareLive(OptionSet& set, LiveOptions& options);
 
 /// kInvalid when any message was, kUnconfirmed when there was none.
-[[nodiscard]] Result<ExitCode> ValidateLive(const LiveOptions& options, const LiveRequest& request,
-                                            const Context& context);
+[[nodiscard]] Result<ExitCode> ValidateLive(const LiveOptions& options, const Context& context);
 
 }  // namespace fleetpub::cli

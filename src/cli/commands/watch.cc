@@ -19,41 +19,23 @@
 #include "cli/output/screen.h"
 #include "cli/parser/option_set.h"
 #include "cli/parser/subcommand.h"
-#include "delivery/subscription.h"
 
 namespace fleetpub::cli {
 namespace {
 
-using std::chrono::milliseconds;
 using std::chrono::seconds;
 using std::chrono::steady_clock;
 using vda5050::FleetView;
 using vda5050::RobotView;
 
-constexpr milliseconds kGlance{100};  // between two looks at the keyboard, and two drawings
-constexpr seconds kLongestStill{1};   // ages grow while nothing happens
+constexpr seconds kLongestStill{1};  // ages grow while nothing happens
 
 struct Options {
   FleetOptions fleet;
   std::string duration;
 };
 
-/// Shows what happens. Called on one thread.
-class Display {
- public:
-  Display() = default;
-  Display(const Display&) = delete;
-  Display& operator=(const Display&) = delete;
-  virtual ~Display() = default;
-
-  virtual void Changed(const RobotView& robot) = 0;
-  virtual void Lost(const Error& error) = 0;
-  virtual void Again() = 0;
-  /// About every kGlance. False: the person has seen enough.
-  [[nodiscard]] virtual Result<bool> Refresh(const FleetView& view) = 0;
-};
-
-class LineDisplay final : public Display {
+class LineDisplay final : public app::FleetDisplay {
  public:
   explicit LineDisplay(Output& output) : output_(output) {}
 
@@ -71,8 +53,8 @@ class LineDisplay final : public Display {
     Output::FlushNow();  // a signal may end us before the next Refresh()
   }
 
-  void Lost(const Error& error) override { output_.Warn(error.message + ": connecting again"); }
-  void Again() override { output_.Warn("connected again"); }
+  void Lost(const Error& error) override { output_.Lost(error); }
+  void ConnectedAgain() override { output_.ConnectedAgain(); }
 
   Result<bool> Refresh(const FleetView& view) override {
     if (view.abridged() > 0 && !std::exchange(has_warned_, true)) {
@@ -88,7 +70,7 @@ class LineDisplay final : public Display {
   bool has_warned_ = false;
 };
 
-class ScreenDisplay final : public Display {
+class ScreenDisplay final : public app::FleetDisplay {
  public:
   ScreenDisplay(std::string title, Output& output) : title_(std::move(title)), output_(output) {}
 
@@ -97,7 +79,7 @@ class ScreenDisplay final : public Display {
     trouble_ = base::Printable(error.message) + ": connecting again";
     is_stale_ = true;
   }
-  void Again() override {
+  void ConnectedAgain() override {
     trouble_.clear();
     is_stale_ = true;
   }
@@ -171,54 +153,26 @@ class ScreenDisplay final : public Display {
   Screen screen_;
 };
 
-std::unique_ptr<Display> DisplayFor(const Options& o, const mqtt::ConnectOptions& connect,
-                                    const Context& context) {
+std::unique_ptr<app::FleetDisplay> MakeDisplay(const Options& o, const mqtt::BrokerUrl& broker,
+                                               const Context& context) {
   // A trace on standard error would run over the screen.
   if (context.output.json() || context.options.debug || !Screen::IsPossible()) {
     EndQuietlyOnSignals();
     return std::make_unique<LineDisplay>(context.output);
   }
-  return std::make_unique<ScreenDisplay>(fmt::format("{}   {}", connect.brokers.front().ToString(),
-                                                     app::FormatFleetName(o.fleet.words)),
-                                         context.output);
-}
-
-// Takes in what comes until the deadline.
-void Take(delivery::Subscription& listener, mqtt::Deadline deadline, FleetView& view,
-          Display& display) {
-  do {
-    const auto message = listener.Next(deadline);
-    if (!message) return;
-    const RobotView* robot =
-        view.Deliver(message->topic, message->payload,
-                     message->retained ? vda5050::Origin::kRetained : vda5050::Origin::kLive);
-    if (robot != nullptr) display.Changed(*robot);
-  } while (steady_clock::now() < deadline);
+  return std::make_unique<ScreenDisplay>(
+      fmt::format("{}   {}", broker.ToString(), app::FormatFleetName(o.fleet.words)),
+      context.output);
 }
 
 Result<ExitCode> RunWatch(const Options& o, const Context& context) {
-  auto view = app::MakeFleetView(o.fleet.words, o.fleet.vda, context.config, context.output);
-  if (!view) return Fail(std::move(view.error()));
-  auto filters = view->Filters();
-  if (!filters) return Fail(std::move(filters.error()));
   const auto end = ParseEnd(o.duration);
   if (!end) return Fail(end.error());
-  const auto connect = ConnectOptionsOf(context);
-  if (!connect) return Fail(connect.error());
-
-  std::unique_ptr<Display> display;
-  auto listener = delivery::Subscription::Open(
-      *std::move(filters), MakeConnectHook(*connect),
-      {[&](const Error& error) { display->Lost(error); }, [&] { display->Again(); }}, *end);
-  if (!listener) return Fail(std::move(listener.error()));
-  display = DisplayFor(o, *connect, context);
-  while (steady_clock::now() < *end) {
-    Take(**listener, std::min(*end, steady_clock::now() + kGlance), *view, *display);
-    const auto goes_on = display->Refresh(*view);
-    if (!goes_on) return Fail(goes_on.error());
-    if (!*goes_on) break;
-  }
-  (*listener)->Disconnect();
+  const auto watched = app::WatchFleet(
+      {.words = o.fleet.words, .vda = o.fleet.vda}, *end, MakeEnvironment(context),
+      [&](const mqtt::BrokerUrl& broker) { return MakeDisplay(o, broker, context); },
+      context.output);
+  if (!watched) return Fail(watched.error());
   return ExitCode::kDone;
 }
 

@@ -141,6 +141,13 @@ Result<std::vector<std::string>> SpecifiedTopics(const TopicScheme& scheme,
   return topics;
 }
 
+Result<std::string> TopicBeside(const TopicScheme& scheme, const TopicLevels& levels,
+                                std::string_view topic_name) {
+  const TopicScheme exact{levels.interface_name,
+                          Replaced(scheme.topic_template, "{major}", levels.major)};
+  return TopicFor(exact, Version::k300, levels.robot, topic_name);
+}
+
 Result<std::vector<std::string>> TopicsAnywhere(const TopicScheme& scheme,
                                                 const RobotAddress& robot,
                                                 std::span<const std::string_view> topic_names) {

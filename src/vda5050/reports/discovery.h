@@ -59,6 +59,10 @@ struct TopicLevels {
 [[nodiscard]] std::optional<TopicLevels> ReadTopic(const TopicScheme& scheme,
                                                    std::string_view topic);
 
+/// Another topic of the same robot at the same place. Errors: ErrorKind::kUsage.
+[[nodiscard]] Result<std::string> TopicBeside(const TopicScheme& scheme, const TopicLevels& levels,
+                                              std::string_view topic_name);
+
 /// A robot's message that says who and how it is.
 struct Discovered {
   RobotAddress robot;

@@ -9,6 +9,7 @@
 
 #include "base/json.h"
 #include "base/text.h"
+#include "base/time.h"
 #include "vda5050/messages/user_message.h"
 #include "vda5050/reports/robot_messages.h"
 #include "vda5050/rules/text_rules.h"
@@ -31,23 +32,41 @@ bool MatchesLevel(Version version, std::string_view major) {
 }
 
 void CompareWithTopic(const Value& message, std::string_view member, std::string_view level,
-                      std::vector<Violation>& errors) {
+                      std::vector<Violation>& warnings) {
   const std::string_view said = StringMember(message, member);
   if (said.empty() || said == level) return;  // a missing one is for the schema to say
-  errors.push_back({fmt::format("/{}", member), fmt::format("is \"{}\", but the topic says \"{}\"",
-                                                            Shown(said, 80), Shown(level, 80))});
+  warnings.push_back(
+      {fmt::format("/{}", member),
+       fmt::format("is \"{}\", but the topic says \"{}\"", Shown(said, 80), Shown(level, 80))});
 }
 
-// The text's rules are no schema rules: they are warnings unless somebody is strict.
-void Soften(delivery::Findings& findings) {
-  if (!findings.satisfies_schema) return;
-  std::move(findings.errors.begin(), findings.errors.end(), std::back_inserter(findings.warnings));
-  findings.errors.clear();
+// What reads it takes what is not Z for a slip, or for UTC all the same.
+void CheckTimestamp(const Value& message, std::vector<Violation>& warnings) {
+  const Value* said = base::FindMember(message, "timestamp");
+  if (said == nullptr || !said->IsString()) return;
+  const std::string_view time = StringMember(message, "timestamp");
+  if (time.ends_with('Z') && base::ParseDateTime(time)) return;
+  warnings.push_back({"/timestamp", fmt::format("must be a time in UTC such as "
+                                                "2026-01-02T03:04:05.678Z, not \"{}\"",
+                                                Shown(time, 80))});
 }
 
 }  // namespace
 
 std::span<const std::string_view> AllTopics() { return kTopics; }
+
+delivery::Findings CheckMessage(const Value& message, Version version, std::string_view topic_name,
+                                bool strict, schema::Registry& registry,
+                                std::vector<Violation> header) {
+  const auto schema =
+      registry.Find(fmt::format("vda5050/{}/{}", FactsOf(version).name, topic_name));
+  if (!schema) return {{{"", schema.error().message}}, std::move(header), false};
+  auto findings = delivery::Check(message, **schema, TextRulesFor(topic_name, version));
+  if (findings.satisfies_schema) CheckTimestamp(message, findings.warnings);
+  std::move(header.begin(), header.end(), std::back_inserter(findings.warnings));
+  strict ? delivery::Harden(findings) : delivery::Soften(findings);
+  return findings;
+}
 
 Conformance::Conformance(ConformanceOptions options, schema::Registry& registry)
     : options_(std::move(options)), registry_(registry) {}
@@ -67,7 +86,7 @@ Result<std::vector<std::string>> Conformance::Filters() const {
 }
 
 std::optional<ValidationResult> Conformance::Validate(std::string_view topic,
-                                                      std::string_view payload) {
+                                                      std::string_view payload) const {
   const auto levels = ReadTopic(options_.scheme, topic);
   if (!levels || !options_.pattern.Matches(levels->robot)) return std::nullopt;
   if (std::find(kTopics.begin(), kTopics.end(), levels->topic_name) == kTopics.end()) {
@@ -90,29 +109,28 @@ std::optional<ValidationResult> Conformance::Validate(std::string_view topic,
 }
 
 void Conformance::ValidateMessage(const Value& message, const TopicLevels& levels,
-                                  ValidationResult& result) {
-  std::vector<Violation> header;
-  const auto version = FindVersion(message, levels, header);
-  CompareWithTopic(message, "manufacturer", levels.robot.manufacturer, header);
-  CompareWithTopic(message, "serialNumber", levels.robot.serial_number, header);
+                                  ValidationResult& result) const {
+  std::vector<Violation> errors;
+  std::vector<Violation> warnings;
+  const auto version = FindVersion(message, levels, errors, warnings);
+  CompareWithTopic(message, "manufacturer", levels.robot.manufacturer, warnings);
+  CompareWithTopic(message, "serialNumber", levels.robot.serial_number, warnings);
   delivery::Findings& findings = result.findings;
   if (version) {
     result.version = FactsOf(*version).name;
-    const auto schema =
-        registry_.Find(fmt::format("vda5050/{}/{}", result.version, levels.topic_name));
-    if (schema) {
-      findings = delivery::Check(message, **schema, TextRulesFor(levels.topic_name, *version));
-      options_.strict ? delivery::Harden(findings) : Soften(findings);
-    } else {
-      header.push_back({"", schema.error().message});
-    }
+    findings = CheckMessage(message, *version, levels.topic_name, options_.strict, registry_,
+                            std::move(warnings));
+  } else {
+    findings.warnings = std::move(warnings);
+    if (options_.strict) delivery::Harden(findings);
   }
-  std::move(header.begin(), header.end(), std::back_inserter(findings.errors));
+  std::move(errors.begin(), errors.end(), std::back_inserter(findings.errors));
 }
 
 // Where the header does not say it as it should, what it seems to mean, or what the topic says.
 std::optional<Version> Conformance::FindVersion(const Value& message, const TopicLevels& levels,
-                                                std::vector<Violation>& errors) const {
+                                                std::vector<Violation>& errors,
+                                                std::vector<Violation>& warnings) const {
   const std::string_view said = StringMember(message, "version");
   const auto spoken = VersionSpoken(said, levels.major);
   const auto exact = spoken && spoken->is_release ? std::optional(spoken->version) : std::nullopt;
@@ -123,18 +141,37 @@ std::optional<Version> Conformance::FindVersion(const Value& message, const Topi
     }
     return options_.version;
   }
-  if (exact && !MatchesLevel(*exact, levels.major)) {
-    errors.push_back({"/version", fmt::format("is \"{}\", but the topic says \"{}\"", said,
-                                              Shown(levels.major, 80))});
+  if (!spoken) {
+    errors.push_back({"/version", fmt::format("\"{}\" is no release of VDA 5050, and the topic "
+                                              "does not tell one either",
+                                              Shown(said, 80))});
+    return std::nullopt;
   }
-  if (exact) return exact;
-  errors.push_back(
-      {"/version", spoken ? fmt::format("\"{}\" is no release of VDA 5050: held against {}",
-                                        Shown(said, 80), FactsOf(spoken->version).name)
-                          : fmt::format("\"{}\" is no release of VDA 5050, and the topic does not "
-                                        "tell one either",
-                                        Shown(said, 80))});
-  return spoken ? std::optional(spoken->version) : std::nullopt;
+  if (!exact) {
+    warnings.push_back({"/version", NoReleaseText(said, spoken->version)});
+  } else if (!MatchesLevel(*exact, levels.major)) {
+    warnings.push_back({"/version", fmt::format("is \"{}\", but the topic says \"{}\"",
+                                                Shown(said, 80), Shown(levels.major, 80))});
+  }
+  return spoken->version;
+}
+
+std::optional<std::string> Conformance::ConnectionTopic(std::string_view topic) const {
+  if (!options_.topic.empty()) return std::nullopt;
+  const auto levels = ReadTopic(options_.scheme, topic);
+  if (!levels || levels->topic_name != "state") return std::nullopt;
+  auto beside = TopicBeside(options_.scheme, *levels, "connection");
+  return beside ? std::optional(*std::move(beside)) : std::nullopt;
+}
+
+ValidationResult Conformance::MissingConnection(RobotAddress robot) const {
+  ValidationResult result{.robot = std::move(robot), .topic_name = "connection"};
+  auto& list = options_.strict ? result.findings.errors : result.findings.warnings;
+  list.push_back({"",
+                  "none is retained that may be read here, although the robot sends states: "
+                  "whoever connects later "
+                  "does not know that it is there"});
+  return result;
 }
 
 }  // namespace fleetpub::vda5050

@@ -28,6 +28,14 @@ struct ConformanceOptions {
   bool strict = false;             ///< the text's rules are errors too
 };
 
+/// A message against the schema of its version and topic, and against the text: its rules (see
+/// TextRulesFor), time stamps in UTC (3.0 §7.1.1; 1.1 to 2.1 §6.5), and what is to be warned of its
+/// header besides. What breaks no schema is a warning; `strict` makes every warning an error.
+[[nodiscard]] delivery::Findings CheckMessage(const base::JsonValue& message, Version version,
+                                              std::string_view topic_name, bool strict,
+                                              schema::Registry& registry,
+                                              std::vector<schema::Violation> header = {});
+
 /// What one message was found to be.
 struct ValidationResult {
   RobotAddress robot;
@@ -48,14 +56,21 @@ class Conformance {
   /// Nothing when the topic is of no robot that is meant, and for the empty payload with which a
   /// retained message is deleted.
   [[nodiscard]] std::optional<ValidationResult> Validate(std::string_view topic,
-                                                         std::string_view payload);
+                                                         std::string_view payload) const;
+
+  /// Where the robot that sends states to this topic must have left its connection message. Nothing
+  /// for another topic, and when connection messages are not listened to.
+  [[nodiscard]] std::optional<std::string> ConnectionTopic(std::string_view topic) const;
+  /// The robot sends states and has left none.
+  [[nodiscard]] ValidationResult MissingConnection(RobotAddress robot) const;
 
  private:
   void ValidateMessage(const base::JsonValue& message, const TopicLevels& levels,
-                       ValidationResult& result);
+                       ValidationResult& result) const;
   [[nodiscard]] std::optional<Version> FindVersion(const base::JsonValue& message,
                                                    const TopicLevels& levels,
-                                                   std::vector<schema::Violation>& errors) const;
+                                                   std::vector<schema::Violation>& errors,
+                                                   std::vector<schema::Violation>& warnings) const;
 
   ConformanceOptions options_;
   schema::Registry& registry_;

@@ -64,6 +64,8 @@ void CheckLease(const Value& response, const std::string& path, base::WallTime n
     AddError(findings, place, "leaseExpiry must be a time such as 2026-11-22T20:15:00.000Z");
   } else if (*expiry <= now) {
     AddError(findings, place, "leaseExpiry has passed already");
+  } else if (!StringMember(response, "leaseExpiry").ends_with('Z')) {
+    AddWarning(findings, place, "leaseExpiry is not in UTC: its end must be Z");
   }
 }
 

@@ -1,0 +1,208 @@
+#include "app/run_batch.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "app/batch_input.h"
+#include "app/dry_run.h"
+#include "delivery/send_all.h"
+
+namespace fleetpub::app {
+namespace {
+
+using message::Command;
+using std::chrono::steady_clock;
+
+constexpr std::size_t kLargestBatch = 1'000;
+
+delivery::SendOptions ChooseSendOptions(const BatchRequest& request) {
+  delivery::SendOptions send{.qos = request.settings.qos};
+  // Each batch waits for the disk once. While nobody waits for a robot's answer, and no
+  // acknowledgement comes, it may be as large as what a default broker queues.
+  if (send.qos == mqtt::Qos::kAtMostOnce && !request.defaults.wait_for) send.batch = kLargestBatch;
+  return send;
+}
+
+class Batch {
+ public:
+  Batch(base::LineReader lines, BatchRequest request, const Environment& environment,
+        BatchObserver& observer, Log& log)
+      : request_(std::move(request)),
+        send_(ChooseSendOptions(request_)),
+        environment_(environment),
+        observer_(observer),
+        log_(log),
+        input_(std::move(lines), request_.defaults,
+               request_.stop_on_error ? AfterBadLine::kPause : AfterBadLine::kGoOn,
+               environment.schema_directory) {}
+
+  // Errors: nothing was sent.
+  Result<BatchEnd> Run() {
+    auto ledger = environment_.ledger(ledger::OpenMode::kCreate);
+    if (!ledger) return Fail(std::move(ledger.error()));
+    auto link = Connect(environment_, log_);
+    if (!link) return Fail(std::move(link.error()));
+    observer_.Begin();
+    send_.acknowledge_timeout = link->connection.timeout;
+    if (!request_.defaults.wait_for) {
+      WarnOfSilentRefusals(link->connection.version, send_.qos, log_);
+    }
+    delivery::CommandSession session(link->transport, **ledger, send_, request_.wait,
+                                     MakeHooks(link->connection));
+    while (!IsDone(session)) {
+      if (MayRead(session)) SendWhatIsThere(session);
+      LookForTheEnd(session);
+      if (!IsDone(session)) Wait(session);
+    }
+    if (link->transport != nullptr) link->transport->Disconnect();
+    if (!session.trouble()) {
+      log_.Warn(fmt::format("sent, but not every outcome is in the ledger: {}",
+                            session.trouble().error().message));
+    }
+    end_.all_read = input_.ended();
+    end_.last_line = input_.number();
+    return end_;
+  }
+
+  // What would be sent. Errors: the ledger cannot be read, or nobody reads the reports.
+  Result<BatchEnd> Show() {
+    auto dry_run = DryRun::Open(environment_.ledger);
+    if (!dry_run) return Fail(std::move(dry_run.error()));
+    while (!input_.ended() && !(request_.stop_on_error && has_error_)) {
+      input_.Await();
+      const LineGroup group = input_.Take(send_.batch);
+      Report(group);
+      for (const Command& command : group.commands) {
+        const auto report = dry_run->Report(command);
+        Report(report ? *report
+                      : BadLineReport(command.reference, {.id = {}, .target = command.target},
+                                      report.error()));
+      }
+      if (auto flushed = observer_.Flush(); !flushed) return Fail(std::move(flushed.error()));
+    }
+    return end_;
+  }
+
+ private:
+  void Report(const message::Report& report) {
+    has_error_ = has_error_ || report.error.has_value();
+    observer_.Report(report);
+  }
+  // What is to be said of lines before anything is sent.
+  void Report(const LineGroup& group) {
+    for (const std::string& warning : group.warnings) log_.Warn(warning);
+    for (const message::Report& bad : group.bad) Report(bad);
+  }
+
+  delivery::SessionHooks MakeHooks(const Connection& connection) {
+    return {.report = [this](const message::Report& report) { Report(report); },
+            .sent =
+                [this] {
+                  ++end_.sent;
+                  observer_.Sent();
+                },
+            .reconnect = MakeReconnectHooks(connection, log_)};
+  }
+
+  [[nodiscard]] bool IsStopped() const { return end_.reason != BatchStop::kEndOfInput; }
+
+  [[nodiscard]] bool IsDone(const delivery::CommandSession& session) const {
+    return (input_.ended() || IsStopped()) && session.waiting() == 0;
+  }
+
+  // What arrives behind a signal is not sent.
+  [[nodiscard]] bool MayRead(const delivery::CommandSession& session) const {
+    return !input_.ended() && !IsStopped() && !observer_.IsStopped() && !session.lost() &&
+           session.waiting() < delivery::kMostWaiting;
+  }
+
+  // The lines that one batch takes now.
+  LineGroup TakeLines() {
+    const auto now = steady_clock::now();
+    const std::size_t most = std::min(request_.settings.rate.Available(now), send_.batch);
+    LineGroup group = input_.Take(most);
+    // While the ledger waits for the disk and the broker for us, the next lines are made ready.
+    const bool reads_ahead = !request_.stop_on_error && !request_.settings.rate.IsLimited();
+    if (reads_ahead && group.commands.size() >= most) input_.ReadAhead(most);
+    request_.settings.rate.Consume(group.commands.size(), steady_clock::now());
+    return group;
+  }
+
+  void SendWhatIsThere(delivery::CommandSession& session) {
+    const LineGroup group = TakeLines();
+    Report(group);
+    // A line with many targets may make more than a batch holds.
+    std::span<const Command> left = group.commands;
+    while (!left.empty()) {
+      const auto some = left.first(std::min(left.size(), send_.batch));
+      static_cast<void>(session.Send(some));  // the reports say it
+      left = left.subspan(some.size());
+    }
+  }
+
+  // Whatever forbids to go on.
+  void LookForTheEnd(delivery::CommandSession& session) {
+    const auto flushed = observer_.Flush();
+    if (IsStopped()) return;
+    if (!session.lost()) lost_at_ = steady_clock::now();  // at the latest
+    if (observer_.IsStopped()) {
+      end_.reason = BatchStop::kStopped;
+    } else if (!flushed) {
+      end_.reason = BatchStop::kUnread;
+    } else if (request_.stop_on_error && has_error_) {
+      end_.reason = BatchStop::kFirstError;
+    } else if (session.lost() && steady_clock::now() >= lost_at_ + request_.reconnect) {
+      end_.reason = BatchStop::kNoConnection;
+      session.EndAll({ErrorKind::kBroker,
+                      "sent, but the connection was lost before the robot answered: whether it "
+                      "was done is not known"});
+    }
+  }
+
+  void Wait(delivery::CommandSession& session) {
+    auto deadline = mqtt::Deadline::max();
+    std::vector<int> wake;
+    if (!observer_.IsStopped()) wake.push_back(observer_.stop_descriptor());
+    if (session.lost() && !IsStopped()) deadline = lost_at_ + request_.reconnect;
+    if (MayRead(session)) {
+      const auto now = steady_clock::now();
+      if (request_.settings.rate.Next() > now) {
+        deadline = std::min(deadline, request_.settings.rate.Next());
+      } else if (input_.Ready()) {
+        deadline = now;
+      } else {
+        wake.push_back(input_.descriptor());
+      }
+    }
+    session.WakeOn(std::move(wake));
+    session.Listen(deadline);
+  }
+
+  BatchRequest request_;
+  delivery::SendOptions send_;
+  const Environment& environment_;
+  BatchObserver& observer_;
+  Log& log_;
+  BatchInput input_;
+  steady_clock::time_point lost_at_{};
+  bool has_error_ = false;  // one of the reports is
+  BatchEnd end_;
+};
+
+}  // namespace
+
+Result<BatchEnd> RunBatch(base::LineReader lines, BatchRequest request,
+                          const Environment& environment, BatchObserver& observer, Log& log) {
+  const bool shows = request.settings.dry_run;
+  Batch batch(std::move(lines), std::move(request), environment, observer, log);
+  if (shows) return batch.Show();
+  auto end = batch.Run();
+  if (!end) end.error().message = "nothing was sent: " + end.error().message;
+  return end;
+}
+
+}  // namespace fleetpub::app

@@ -1,0 +1,145 @@
+#include "app/validate_live.h"
+
+#include <algorithm>
+#include <set>
+#include <unordered_map>
+#include <unordered_set>
+#include <utility>
+#include <vector>
+
+#include "app/targets.h"
+#include "delivery/subscription.h"
+
+namespace fleetpub::app {
+namespace {
+
+using std::chrono::steady_clock;
+using vda5050::RobotAddress;
+using vda5050::ValidationResult;
+
+class Inspector {
+ public:
+  Inspector(const vda5050::Conformance& conformance, std::size_t count,
+            const std::vector<std::string>& filters, LiveObserver& observer, Log& log)
+      : conformance_(conformance),
+        count_(count),
+        filters_(filters),
+        observer_(observer),
+        log_(log) {}
+
+  void Take(const mqtt::Message& message) {
+    const auto result =
+        IsWanted(message) ? conformance_.Validate(message.topic, message.payload) : std::nullopt;
+    if (!result) return;
+    NoteConnection(message, *result);
+    if (IsFull()) return;
+    if (vda5050::IsWrittenOtherwise(result->robot) && escaped_.insert(result->robot).second) {
+      WarnOfEscapedNames({&result->robot, 1}, log_);
+    }
+    for (LiveSummary::Tally* tally : {&summary_.all, &summary_.by_topic[result->topic_name]}) {
+      ++tally->messages;
+      if (!result->findings.errors.empty()) ++tally->invalid;
+    }
+    Tell(message, *result);
+  }
+
+  // Asks where no connection message came of robots that send states. Some brokers have nothing
+  // retained for a filter with wildcards.
+  void LookForConnections(mqtt::Transport* transport) {
+    if (unknown_.empty() || transport == nullptr) return;
+    std::vector<std::string> topics;
+    for (const auto& [topic, robot] : unknown_) topics.push_back(topic);
+    auto asked =
+        delivery::ReadRetained(*transport, topics, {}, [this](const mqtt::Message& message) {
+          Take(message);
+          return unknown_.empty();
+        });
+    std::erase_if(topics, [this](const std::string& topic) {
+      return std::find(filters_.begin(), filters_.end(), topic) != filters_.end();
+    });
+    if (asked && !topics.empty()) {
+      asked = transport->Unsubscribe(topics, steady_clock::now() + kPatience);
+    }
+    if (!asked) spoken_.clear();  // the next states ask again
+    for (const auto& [topic, robot] : std::exchange(unknown_, {})) {
+      if (!asked) continue;
+      ++summary_.without_connection;
+      Tell({.topic = topic}, conformance_.MissingConnection(robot));
+    }
+  }
+
+  [[nodiscard]] bool IsFull() const { return summary_.all.messages >= count_; }
+  [[nodiscard]] LiveSummary summary() const { return summary_; }
+
+ private:
+  static constexpr std::chrono::seconds kPatience{10};
+
+  // Retained messages come again with each new connection.
+  bool IsWanted(const mqtt::Message& message) {
+    if (!message.retained) return true;
+    const std::size_t hash = std::hash<std::string>()(message.payload);
+    const auto [known, added] = retained_.try_emplace(message.topic, hash);
+    return added || std::exchange(known->second, hash) != hash;
+  }
+
+  void NoteConnection(const mqtt::Message& message, const ValidationResult& result) {
+    if (result.topic_name == "connection") {
+      connections_.insert(message.topic);
+      unknown_.erase(message.topic);
+    } else if (!message.retained && result.topic_name == "state" &&
+               spoken_.insert(message.topic).second) {
+      const auto topic = conformance_.ConnectionTopic(message.topic);
+      if (topic && !connections_.contains(*topic)) unknown_.emplace(*topic, result.robot);
+    }
+  }
+
+  void Tell(const mqtt::Message& message, const ValidationResult& result) {
+    const auto& [errors, warnings, satisfies_schema] = result.findings;
+    if (!errors.empty() || !warnings.empty()) observer_.Found(message, result);
+  }
+
+  const vda5050::Conformance& conformance_;
+  std::size_t count_;
+  const std::vector<std::string>& filters_;
+  LiveObserver& observer_;
+  Log& log_;
+  LiveSummary summary_;
+  std::set<RobotAddress> escaped_;                         // whose names were warned of
+  std::unordered_map<std::string, std::size_t> retained_;  // by topic, the payload's hash
+  std::unordered_set<std::string> spoken_;                 // topics of states
+  std::unordered_set<std::string> connections_;            // topics of connection messages
+  std::map<std::string, RobotAddress> unknown_;            // by topic: whose was not seen
+};
+
+}  // namespace
+
+Result<LiveSummary> ValidateLive(LiveRequest request, const Environment& environment,
+                                 LiveObserver& observer, Log& log) {
+  schema::Registry registry(environment.schema_directory);
+  const vda5050::Conformance conformance(std::move(request.conformance), registry);
+  auto found = conformance.Filters();
+  if (!found) return Fail(std::move(found.error()));
+  const std::vector<std::string> filters = *std::move(found);
+  auto link = Connect(environment, log);
+  if (!link) return Fail(std::move(link.error()));
+  auto subscription = delivery::Subscription::Open(
+      std::move(link->transport), filters, MakeReconnectHooks(link->connection, log), request.end);
+  if (!subscription) return Fail(std::move(subscription.error()));
+  observer.Begin();
+  Inspector inspector(conformance, request.count, filters, observer, log);
+  const auto read = subscription->Read(
+      [&](const mqtt::Message& message) {
+        inspector.Take(message);
+        return inspector.IsFull();
+      },
+      [&]() -> Result<bool> {
+        inspector.LookForConnections(subscription->transport());
+        return observer.GoesOn();
+      });
+  if (!read) return Fail(read.error());
+  inspector.LookForConnections(subscription->transport());
+  subscription->Disconnect();
+  return inspector.summary();
+}
+
+}  // namespace fleetpub::app

@@ -1,0 +1,149 @@
+#include "app/run_batch.h"
+
+#include <gmock/gmock.h>
+
+#include "support/fake_environment.h"
+#include "support/fake_observer.h"
+#include "support/report_matchers.h"
+#include "support/temporary_folder.h"
+
+namespace fleetpub::app {
+namespace {
+
+using message::CommandStatus;
+using ::testing::AllOf;
+using ::testing::Contains;
+using ::testing::ElementsAre;
+using ::testing::Field;
+using testing::Is;
+using ::testing::IsEmpty;
+using testing::Says;
+using ::testing::SizeIs;
+
+/// Reads the results, and may have enough.
+class Reader final : public BatchObserver {
+ public:
+  std::vector<message::Report> reports;
+  std::size_t sent = 0;
+  bool has_begun = false;
+  bool is_stopped = false;
+  Status readable;
+
+  void Begin() override { has_begun = true; }
+  void Sent() override { ++sent; }
+  void Report(const message::Report& report) override { reports.push_back(report); }
+  Status Flush() override { return readable; }
+  [[nodiscard]] bool IsStopped() const override { return is_stopped; }
+  [[nodiscard]] int stop_descriptor() const override { return -1; }
+};
+
+class RunningBatches : public ::testing::Test {
+ protected:
+  static std::string Pause(const std::string& serial, const std::string& more = "") {
+    return R"({"target":"KIT/)" + serial + R"(","action":"startPause")" + more + "}\n";
+  }
+
+  Result<BatchEnd> Batch(const std::string& lines) {
+    auto reader = base::LineReader::Open(folder_.Write("lines", lines));
+    return RunBatch(*std::move(reader), request_, world_.Get(), reader_, log_);
+  }
+
+  [[nodiscard]] auto Published() const {
+    const auto& entries = world_.journal.entries();
+    return std::count_if(entries.begin(), entries.end(),
+                         [](const std::string& entry) { return entry.starts_with("publish "); });
+  }
+
+  testing::TemporaryFolder folder_;
+  testing::FakeEnvironment world_;
+  testing::FakeLog log_;
+  Reader reader_;
+  BatchRequest request_;
+};
+
+TEST_F(RunningBatches, SendsEachLineAndReportsOnIt) {
+  const auto end = Batch(Pause("0001", R"(,"id":"a")") + "\n" + Pause("0002"));
+  ASSERT_TRUE(end) << end.error().message;
+  EXPECT_EQ(end->reason, BatchStop::kEndOfInput);
+  EXPECT_TRUE(end->all_read);
+  EXPECT_EQ(end->sent, 2U);
+  EXPECT_EQ(reader_.sent, 2U);
+  EXPECT_THAT(reader_.reports,
+              ElementsAre(AllOf(Is(CommandStatus::kSent),
+                                Field(&message::Report::reference, R"("line":1,"id":"a")")),
+                          AllOf(Is(CommandStatus::kSent),
+                                Field(&message::Report::reference, R"("line":3)"))));
+  EXPECT_EQ(world_.connections, 1);
+  EXPECT_THAT(world_.journal.entries(), Contains("disconnect"));
+}
+
+TEST_F(RunningBatches, GoesOnBehindABadLine) {
+  const auto end = Batch("nonsense\n" + Pause("0002"));
+  ASSERT_TRUE(end);
+  EXPECT_THAT(reader_.reports, ElementsAre(Is(CommandStatus::kInvalid), Is(CommandStatus::kSent)));
+}
+
+TEST_F(RunningBatches, StopsAtTheFirstErrorWhenTold) {
+  request_.stop_on_error = true;
+  const auto end = Batch(Pause("0001") + "nonsense\n" + Pause("0003"));
+  ASSERT_TRUE(end);
+  EXPECT_EQ(end->reason, BatchStop::kFirstError);
+  EXPECT_FALSE(end->all_read);
+  EXPECT_EQ(end->last_line, 2U);
+  EXPECT_EQ(Published(), 1);
+}
+
+TEST_F(RunningBatches, ReadsNothingOnceStopped) {
+  reader_.is_stopped = true;
+  const auto end = Batch(Pause("0001"));
+  ASSERT_TRUE(end);
+  EXPECT_EQ(end->reason, BatchStop::kStopped);
+  EXPECT_EQ(end->last_line, 0U);
+  EXPECT_EQ(Published(), 0);
+}
+
+TEST_F(RunningBatches, StopsWhenNobodyReadsTheResults) {
+  reader_.readable = Fail(ErrorKind::kLedger, "closed");
+  request_.settings.rate = delivery::RateLimiter(1);
+  const auto end = Batch(Pause("0001") + Pause("0002"));
+  ASSERT_TRUE(end);
+  EXPECT_EQ(end->reason, BatchStop::kUnread);
+  EXPECT_EQ(end->sent, 1U);
+}
+
+TEST_F(RunningBatches, GivesUpWhenTheConnectionStaysLost) {
+  world_.on_connect = [this](testing::FakeTransport& broker) {
+    broker.publish_fails_at = 1;
+    world_.connect_error = Error{ErrorKind::kBroker, "broker: refused"};
+  };
+  request_.reconnect = std::chrono::milliseconds(1);
+  request_.settings.rate = delivery::RateLimiter(1000);
+  std::string lines;
+  for (int i = 0; i < 200; ++i) lines += Pause("0001");
+  const auto end = Batch(lines);
+  ASSERT_TRUE(end);
+  EXPECT_EQ(end->reason, BatchStop::kNoConnection);
+  EXPECT_FALSE(end->all_read);
+  EXPECT_THAT(reader_.reports, Contains(Says("perhaps sent")));
+}
+
+TEST_F(RunningBatches, SendsNothingWithoutAConnection) {
+  world_.connect_error = Error{ErrorKind::kBroker, "broker: refused"};
+  const auto end = Batch(Pause("0001"));
+  ASSERT_FALSE(end);
+  EXPECT_EQ(end.error().kind, ErrorKind::kBroker);
+  EXPECT_THAT(reader_.reports, IsEmpty());
+  EXPECT_FALSE(reader_.has_begun);
+}
+
+TEST_F(RunningBatches, ShowsWhatWouldBeSentInADryRun) {
+  request_.settings.dry_run = true;
+  const auto end = Batch(Pause("0001") + "nonsense\n" + Pause("0001"));
+  ASSERT_TRUE(end);
+  EXPECT_THAT(reader_.reports, SizeIs(3));
+  EXPECT_THAT(reader_.reports, Contains(Is(CommandStatus::kDryRun)).Times(2));
+  EXPECT_EQ(world_.connections, 0);
+}
+
+}  // namespace
+}  // namespace fleetpub::app
