@@ -14,7 +14,7 @@ app::Environment MakeEnvironment(const Context& context) {
   return {.config = context.config,
           .schema_directory = context.options.schema_directory,
           .connection = [context]() -> Result<app::Connection> {
-            auto options = ConnectOptionsOf(context);
+            auto options = MakeConnectOptions(context);
             if (!options) return Fail(std::move(options.error()));
             const auto timeout = options->connect_timeout;
             const auto version = options->version;

@@ -16,8 +16,8 @@ constexpr std::size_t kBrokersQueue = 1'000;
 // What many have left takes its time, and it ends.
 constexpr std::chrono::seconds kMaxReadTime{60};
 
-Status Gather(mqtt::Transport& transport, std::span<const std::string> filters,
-              const RetainedOptions& options, const MessageCallback& take) {
+Status ReadInto(mqtt::Transport& transport, std::span<const std::string> filters,
+                const RetainedOptions& options, const MessageCallback& take) {
   while (!filters.empty()) {
     const auto some = filters.first(std::min(kFiltersAtOnce, filters.size()));
     filters = filters.subspan(some.size());
@@ -47,7 +47,7 @@ Status Gather(mqtt::Transport& transport, std::span<const std::string> filters,
 
 Status ReadRetained(mqtt::Transport& transport, std::span<const std::string> filters,
                     const RetainedOptions& options, const MessageCallback& take) {
-  auto ok = Gather(transport, filters, options, take);
+  auto ok = ReadInto(transport, filters, options, take);
   if (!ok || filters.size() <= kFiltersAtOnce) return ok;
   return transport.Unsubscribe(filters, steady_clock::now() + options.subscribe);
 }

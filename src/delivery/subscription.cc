@@ -26,10 +26,10 @@ Subscription::Subscription(std::vector<std::string> filters, ConnectHook connect
 Result<std::unique_ptr<Subscription>> Subscription::Open(std::vector<std::string> filters,
                                                          ConnectHook connect, ListenHooks hooks,
                                                          mqtt::Deadline end) {
-  std::unique_ptr<Subscription> listener(
+  std::unique_ptr<Subscription> subscription(
       new Subscription(std::move(filters), std::move(connect), std::move(hooks), end));
-  if (auto ok = listener->Connect(); !ok) return Fail(std::move(ok.error()));
-  return listener;
+  if (auto ok = subscription->Connect(); !ok) return Fail(std::move(ok.error()));
+  return subscription;
 }
 
 std::optional<mqtt::Message> Subscription::Next(mqtt::Deadline deadline) {

@@ -62,7 +62,7 @@ class Runner {
   // With one robot the will is on the connection that everything goes over.
   Status Connect() {
     mqtt::ConnectOptions main = options_.connect;
-    if (fleet_.size() == 1) main.will = fleet_.WillOf(0, Now());
+    if (fleet_.size() == 1) main.will = fleet_.MakeWill(0, Now());
     auto transport = mqtt::ConnectPahoAsRobot(main);
     if (!transport) return Fail(std::move(transport.error()));
     transport_ = *std::move(transport);
@@ -71,7 +71,7 @@ class Runner {
       wills_.emplace_back();
       if (fleet_.IsGone(i)) continue;
       mqtt::ConnectOptions aside = options_.connect;
-      aside.will = fleet_.WillOf(i, Now());
+      aside.will = fleet_.MakeWill(i, Now());
       if (!aside.client_id.empty()) aside.client_id += fmt::format("-{}", i + 1);
       auto connection = mqtt::ConnectPaho(aside);
       if (!connection) return Fail(std::move(connection.error()));

@@ -89,7 +89,7 @@ Result<std::vector<RobotAddress>> RobotsMeant(const Options& o, const Context& c
   if (words->patterns.empty()) return std::move(words->robots);
   const auto dialect = app::ParseDialect(app::Configured(o.vda, context.config));
   if (!dialect) return Fail(dialect.error());
-  const auto connect = ConnectOptionsOf(context);
+  const auto connect = MakeConnectOptions(context);
   if (!connect) return Fail(connect.error());
   const auto transport = mqtt::ConnectPaho(*connect);
   if (!transport) return Fail(transport.error());
@@ -137,7 +137,7 @@ class Awaiter {
       : wish_(wish), context_(context), start_(steady_clock::now()) {}
 
   Result<ExitCode> Run() {
-    auto connect = ConnectOptionsOf(context_);
+    auto connect = MakeConnectOptions(context_);
     if (!connect) return Fail(std::move(connect.error()));
     const InterruptGuard interrupt;
     start_ = steady_clock::now();

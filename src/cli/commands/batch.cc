@@ -68,7 +68,7 @@ class BatchResults {
 
   // The report's reference is its line's.
   void Show(const message::Report& report) {
-    const ExitCode code = CodeOf(report);
+    const ExitCode code = GetExitCode(report);
     worst_ = Worse(worst_, code);
     output_.JsonLine("{" + report.reference + R"(,"exitCode":)" +
                      std::to_string(static_cast<int>(code)) +
@@ -284,7 +284,7 @@ Result<Plan> PlanOf(const Options& options, const config::Config& config) {
   SoarOptions soar;
   soar.prefix = options.prefix;
   soar.source = options.source;
-  auto sender = SenderOf(soar);
+  auto sender = ParseSender(soar);
   if (!sender) return Fail(std::move(sender.error()));
   plan.defaults.soar = std::move(*sender);
   const auto settings = ParseSendingOptions(options.sending);
@@ -309,7 +309,7 @@ Result<ExitCode> RunBatch(const Options& options, const Context& context) {
   auto reader = base::LineReader::Open(options.file);
   if (!reader) return Fail(std::move(reader.error()));
   if (options.sending.dry_run) return ShowOnly(std::move(*reader), *plan, context);
-  const auto connect = ConnectOptionsOf(context);
+  const auto connect = MakeConnectOptions(context);
   if (!connect) return Fail(connect.error());
   plan->send.acknowledge_timeout = connect->connect_timeout;
   auto code = Batch(std::move(*reader), std::move(*plan), *connect, context).Run();

@@ -166,7 +166,7 @@ Result<ExitCode> ValidateLive(const LiveOptions& options, const LiveRequest& req
   if (!filters) return Fail(std::move(filters.error()));
   const auto end = ParseEnd(options.duration);
   if (!end) return Fail(end.error());
-  const auto connect = ConnectOptionsOf(context);
+  const auto connect = MakeConnectOptions(context);
   if (!connect) return Fail(connect.error());
 
   const StopSignal stop;

@@ -203,7 +203,7 @@ Result<ExitCode> RunWatch(const Options& o, const Context& context) {
   if (!filters) return Fail(std::move(filters.error()));
   const auto end = ParseEnd(o.duration);
   if (!end) return Fail(end.error());
-  const auto connect = ConnectOptionsOf(context);
+  const auto connect = MakeConnectOptions(context);
   if (!connect) return Fail(connect.error());
 
   std::unique_ptr<Display> display;

@@ -26,7 +26,7 @@ constexpr std::array<std::string_view, 8> kTopics = {"state",         "connectio
 
 // 1.1's text has v2 in its example, and there are robots that follow it.
 bool MatchesLevel(Version version, std::string_view major) {
-  return major.empty() || major == FactsOf(version).major ||
+  return major.empty() || major == GetFacts(version).major ||
          (version == Version::k110 && major == "v2");
 }
 
@@ -97,7 +97,7 @@ void Conformance::ValidateMessage(const Value& message, const TopicLevels& level
   CompareWithTopic(message, "serialNumber", levels.robot.serial_number, header);
   delivery::Findings& findings = result.findings;
   if (version) {
-    result.version = FactsOf(*version).name;
+    result.version = GetFacts(*version).name;
     const auto schema =
         registry_.Find(fmt::format("vda5050/{}/{}", result.version, levels.topic_name));
     if (schema) {
@@ -119,7 +119,7 @@ std::optional<Version> Conformance::FindVersion(const Value& message, const Topi
   if (options_.version) {
     if (exact != options_.version) {
       errors.push_back({"/version", fmt::format("is \"{}\", not \"{}\"", Shown(said, 80),
-                                                FactsOf(*options_.version).name)});
+                                                GetFacts(*options_.version).name)});
     }
     return options_.version;
   }
@@ -130,7 +130,7 @@ std::optional<Version> Conformance::FindVersion(const Value& message, const Topi
   if (exact) return exact;
   errors.push_back(
       {"/version", spoken ? fmt::format("\"{}\" is no release of VDA 5050: held against {}",
-                                        Shown(said, 80), FactsOf(spoken->version).name)
+                                        Shown(said, 80), GetFacts(spoken->version).name)
                           : fmt::format("\"{}\" is no release of VDA 5050, and the topic does not "
                                         "tell one either",
                                         Shown(said, 80))});
