@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <ranges>
 #include <set>
 #include <utility>
 
@@ -33,7 +34,7 @@ class NotAwaited final : public message::ResponseTracker {
 };
 
 std::string DescribeOffline(const ListedRobot& robot) {
-  return "sent all the same, but not waited for: it is " +
+  return "sent anyway, but not waited for: it is " +
          vda5050::ConnectionText(*robot.second.connection);
 }
 
@@ -58,14 +59,32 @@ Status CommandFactory::Validate(const std::vector<const ListedRobot*>& robots) {
   return request_.targets.IsSet() && any_good ? Status() : first;
 }
 
+Status CommandFactory::ValidateInAnyVersion(const std::vector<const ListedRobot*>& robots) {
+  const auto message = request_.make_message();
+  Status newest;
+  for (const ListedRobot* robot : robots) {
+    Dialect dialect = *robot->second.base;
+    for (const vda5050::Version version : std::views::reverse(vda5050::kVersions)) {
+      if (!dialect.assumed && version != dialect.version) continue;
+      dialect.version = version;
+      const auto command = message->Build(robot->first, dialect, request_.header_id);
+      const auto warnings = command ? ValidateCommand(*command, registry_) : Fail(command.error());
+      if (warnings) return {};
+      if (newest) newest = Fail(warnings.error());
+    }
+    if (message->IsAlikeForAll()) break;
+  }
+  return newest;
+}
+
 Status CommandFactory::Build(const ListedRobot& robot, Built& built) {
   const auto message = request_.make_message();
   const vda5050::RobotEntry& entry = robot.second;
   if (entry.factsheet) message->ApplyLimits(*entry.factsheet);
   const bool is_set = request_.targets.IsSet();
   bool is_offline =
-      entry.connection && !entry.IsOnline() && entry.connection->connection_state != "HIBERNATING";
-  if (check_ || entry.automatic) {
+      entry.connection && !entry.IsAlive() && entry.connection->connection_state != "HIBERNATING";
+  if (look_ && (look_->check || entry.automatic)) {
     PreflightFindings findings = FindingsOn(robot, *message);
     is_offline = is_offline || findings.unreachable;
     if (!findings.refusals.empty()) {
@@ -86,7 +105,7 @@ Status CommandFactory::Build(const ListedRobot& robot, Built& built) {
 Status CommandFactory::AddCommand(const ListedRobot& robot, const RobotMessage& message,
                                   bool is_offline, Built& built) {
   const auto& [address, entry] = robot;
-  const auto dialect = DialectFor(robot);
+  const auto& dialect = entry.Spoken();
   auto command = message.Build(address, *dialect, request_.header_id);
   auto warnings = command ? ValidateCommand(*command, registry_) : Fail(command.error());
   if (!warnings) {
@@ -106,39 +125,41 @@ Status CommandFactory::AddCommand(const ListedRobot& robot, const RobotMessage& 
   return {};
 }
 
-// What has passed a check is no assumption any more.
-std::shared_ptr<const Dialect> CommandFactory::DialectFor(const ListedRobot& robot) {
-  const auto& dialect = robot.second.Spoken();
-  if (!dialect->assumed || !(check_ || robot.second.automatic)) return dialect;
-  auto& checked = checked_[dialect.get()];
-  if (!checked) {
-    Dialect copy = *dialect;
-    copy.assumed = false;
-    checked = std::make_shared<const Dialect>(std::move(copy));
+PreflightFindings CommandFactory::FindingsOnUnknown(const ListedRobot& robot,
+                                                    const RobotMessage& message) const {
+  const auto& [address, entry] = robot;
+  const std::string sentence =
+      fmt::format("{} is unknown to {}{}", base::Printable(address.ToString()), look_->site,
+                  look_->why_nobody.empty() ? "" : ": " + look_->why_nobody);
+  PreflightFindings findings;
+  if (message.IsOnlyStartPause()) {
+    const vda5050::Dialect& dialect = *entry.Spoken();
+    findings.warnings.push_back(fmt::format("{}; startPause is sent anyway, in {}{}", sentence,
+                                            vda5050::GetFacts(dialect.version).name,
+                                            dialect.assumed ? " (assumed)" : ""));
+    return findings;
   }
-  return checked;
+  const std::string sends =
+      entry.automatic ? "--vda VERSION --no-check sends it anyway" : "--no-check sends it anyway";
+  const auto suggestion = suggestions_.find(address);
+  findings.refusals.push_back(
+      fmt::format("{}{}; fleetpub fleet shows who is there, {}", sentence,
+                  suggestion == suggestions_.end() ? "" : "; " + suggestion->second, sends));
+  return findings;
 }
 
 PreflightFindings CommandFactory::FindingsOn(const ListedRobot& robot,
                                              const RobotMessage& message) const {
   const auto& [address, entry] = robot;
-  const bool is_unspeakable = entry.WasHeard() && !entry.own;
+  if (!entry.WasHeard()) return FindingsOnUnknown(robot, message);
   PreflightFindings findings;
-  if (entry.automatic && is_unspeakable) {
+  if (entry.automatic && !entry.own) {
     findings.refusals.emplace_back(
         "it speaks a version of VDA 5050 that fleetpub does not: try one with --vda");
-  } else if (check_) {
+  } else if (look_->check) {
     findings = message.Check(address, *entry.Spoken(), entry.Known());
-  } else if (!entry.WasHeard()) {  // `--vda auto` alone: only the version must be known
-    findings.refusals.emplace_back(
-        "no message of this robot is known to the broker, so its version cannot be told: name it "
-        "with --vda");
   } else if (auto rival = vda5050::RivalText(address, entry.Known())) {
     findings.warnings.push_back(*std::move(rival));
-  }
-  const auto suggestion = suggestions_.find(address);
-  if (!findings.refusals.empty() && suggestion != suggestions_.end()) {
-    findings.refusals.front() += "; " + suggestion->second;
   }
   return findings;
 }

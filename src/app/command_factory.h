@@ -44,18 +44,21 @@ class RobotMessage {
   [[nodiscard]] virtual Result<std::unique_ptr<message::ResponseTracker>> Track(
       const vda5050::RobotAddress& robot, const vda5050::Dialect& dialect,
       const message::Command& command, vda5050::WaitFor wait_for) const = 0;
+  /// Whether all it asks is to stop: that goes to a robot of which nothing is known, too.
+  [[nodiscard]] virtual bool IsOnlyStartPause() const { return false; }
+  /// Whether a factsheet tells anything of it.
+  [[nodiscard]] virtual bool NeedsFactsheet() const { return true; }
   /// Whether, in one dialect, it is valid for every robot or for none.
   [[nodiscard]] virtual bool IsAlikeForAll() const { return false; }
   /// The robot's limits, before it is built for the last time.
   virtual void ApplyLimits(const vda5050::Factsheet& /*factsheet*/) {}
 };
 
-/// Whether robots are looked at before, and how long they are waited for afterwards.
+/// Whether robots are checked before, and how long they are waited for afterwards.
 struct Waiting {
   std::optional<vda5050::WaitFor> wait_for;  ///< nothing: do not wait
   delivery::WaitOptions wait;
-  bool check = false;
-  bool no_check = false;  ///< said outright
+  bool check = true;
   delivery::RetainedOptions discover;
 };
 
@@ -63,6 +66,7 @@ struct Waiting {
 struct CommandRequest {
   Targets targets;
   DialectResolver resolver;
+  std::string title;  ///< what they are told: `stopPause`, `order`
   NeedsConsent needs_consent = NeedsConsent::kYes;
   std::optional<std::uint32_t> header_id;
   std::function<std::unique_ptr<RobotMessage>()> make_message;  ///< one for each robot
@@ -75,8 +79,13 @@ class CommandFactory {
   CommandFactory(const CommandRequest& request, const std::string& schema_directory)
       : request_(request), registry_(schema_directory) {}
 
-  /// Whether robots are checked before they are commanded.
-  void SetCheck(bool check) { check_ = check; }
+  /// How the broker was asked. Without, nothing is known of any robot and nothing is checked.
+  struct Look {
+    bool check = false;      ///< else only how each is spoken to is wanted
+    std::string site;        ///< where: `mqtts://north (profile north)`
+    std::string why_nobody;  ///< why it may know nobody; empty: no reason is known
+  };
+  void SetLook(Look look) { look_ = std::move(look); }
 
   /// What to say of a robot that nothing is known of: `did you mean KIT/0001?`
   void Suggest(const vda5050::RobotAddress& robot, std::string suggestion) {
@@ -87,6 +96,9 @@ class CommandFactory {
   /// anything is sent. When a word stands for several, it is enough that it is valid in one: robots
   /// of the others are refused one by one. Errors: ErrorKind::kInvalid, kUsage.
   [[nodiscard]] Status Validate(const std::vector<const ListedRobot*>& robots);
+  /// Whether it is valid in any version, where these robots' own are not known yet. Errors: the same,
+  /// of the newest version.
+  [[nodiscard]] Status ValidateInAnyVersion(const std::vector<const ListedRobot*>& robots);
 
   struct Built {
     std::vector<message::Command> commands;
@@ -103,16 +115,15 @@ class CommandFactory {
  private:
   [[nodiscard]] vda5050::PreflightFindings FindingsOn(const ListedRobot& robot,
                                                       const RobotMessage& message) const;
-  [[nodiscard]] std::shared_ptr<const vda5050::Dialect> DialectFor(const ListedRobot& robot);
+  [[nodiscard]] vda5050::PreflightFindings FindingsOnUnknown(const ListedRobot& robot,
+                                                             const RobotMessage& message) const;
   Status AddCommand(const ListedRobot& robot, const RobotMessage& message, bool is_offline,
                     Built& built);
 
   const CommandRequest& request_;
   schema::Registry registry_;
-  bool check_ = false;
+  std::optional<Look> look_;
   std::map<vda5050::RobotAddress, std::string> suggestions_;
-  /// Checked ones are no assumption any more.
-  std::map<const vda5050::Dialect*, std::shared_ptr<const vda5050::Dialect>> checked_;
 };
 
 }  // namespace fleetpub::app

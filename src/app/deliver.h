@@ -21,7 +21,8 @@ namespace fleetpub::app {
 /// How commands are sent.
 struct SendSettings {
   bool dry_run = false;
-  bool agreed = false;  ///< many robots may be commanded unasked
+  bool offline = false;  ///< a dry run that asks no broker
+  bool agreed = false;   ///< many robots may be commanded unasked
   mqtt::Qos qos = mqtt::Qos::kAtMostOnce;
   delivery::RateLimiter rate;
 };

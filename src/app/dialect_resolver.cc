@@ -41,8 +41,8 @@ Result<std::shared_ptr<const Dialect>> Shared(const VdaOptions& options,
 
 Result<vda5050::Dialect> ParseDialect(const VdaOptions& o) {
   vda5050::Dialect dialect;
-  dialect.assumed = o.version.empty();
-  if (!dialect.assumed && !o.IsAutomatic()) {
+  dialect.assumed = o.IsAutomatic();
+  if (!dialect.assumed) {
     const auto version = vda5050::ParseVersion(o.version);
     if (!version) return Fail(version.error());
     dialect.version = *version;
@@ -82,29 +82,24 @@ Result<DialectResolver> DialectResolver::For(const VdaOptions& given,
   auto dialect = Shared(common, {});
   if (!dialect) return Fail(std::move(dialect.error()));
   resolver.common_ = *std::move(dialect);
-  resolver.automatic_ = common.IsAutomatic();
   return resolver;
 }
 
-Result<AddressedRobot> DialectResolver::Named(vda5050::RobotAddress robot) const {
-  if (!config_->robots.contains(robot))
-    return AddressedRobot{std::move(robot), common_, automatic_};
-  const VdaOptions own = Configured(given_, *config_, robot);
-  auto dialect = Shared(own, assumed_);
-  if (!dialect) return Fail(std::move(dialect.error()));
-  return AddressedRobot{std::move(robot), *std::move(dialect), own.IsAutomatic()};
-}
-
-Result<AddressedRobot> DialectResolver::Found(vda5050::RobotAddress robot) const {
-  auto found = Named(std::move(robot));
-  if (found && found->dialect->assumed) found->automatic = true;
-  return found;
+Result<AddressedRobot> DialectResolver::Resolve(vda5050::RobotAddress robot) const {
+  auto dialect = common_;
+  if (config_->robots.contains(robot)) {
+    auto own = Shared(Configured(given_, *config_, robot), assumed_);
+    if (!own) return Fail(std::move(own.error()));
+    dialect = *std::move(own);
+  }
+  const bool is_assumed = dialect->assumed;
+  return AddressedRobot{std::move(robot), std::move(dialect), is_assumed};
 }
 
 Result<std::vector<vda5050::TopicScheme>> DialectResolver::Schemes() const {
   std::vector<vda5050::TopicScheme> schemes = {common_->topics};
   for (const auto& [robot, table] : config_->robots) {
-    const auto own = Named(robot);
+    const auto own = Resolve(robot);
     if (!own) return Fail(own.error());
     const vda5050::TopicScheme& scheme = own->dialect->topics;
     if (std::find(schemes.begin(), schemes.end(), scheme) == schemes.end()) {

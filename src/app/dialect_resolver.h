@@ -14,7 +14,7 @@ namespace fleetpub::app {
 
 /// What somebody has said; an empty text says nothing.
 struct VdaOptions {
-  std::string version;  ///< empty: 3.0.0, assumed; `auto`: as each robot's own messages say
+  std::string version;  ///< empty or `auto`: as each robot's own messages say
   std::string interface_name;
   std::string topic_template;
   std::string actions_key;
@@ -22,7 +22,7 @@ struct VdaOptions {
   std::string header_manufacturer;
   std::string header_serial;
 
-  [[nodiscard]] bool IsAutomatic() const { return version == "auto"; }
+  [[nodiscard]] bool IsAutomatic() const { return version.empty() || version == "auto"; }
 };
 
 /// `given`, completed with what the configuration says of everybody.
@@ -37,8 +37,9 @@ struct VdaOptions {
 /// Robots of one make mostly share a dialect.
 struct AddressedRobot {
   vda5050::RobotAddress robot;
-  std::shared_ptr<const vda5050::Dialect> dialect;  ///< that it is spoken to in at first; not null
-  bool automatic = false;                           ///< then in its own
+  /// That it is spoken to in at first; not null. Its version is assumed where nobody states one.
+  std::shared_ptr<const vda5050::Dialect> dialect;
+  bool automatic = false;  ///< then in its own
 };
 
 /// How each robot is spoken to at first, as flags and configuration say.
@@ -48,10 +49,9 @@ class DialectResolver {
   [[nodiscard]] static Result<DialectResolver> For(const VdaOptions& given,
                                                    const config::Config& config);
 
-  /// One that was named outright. Errors: ErrorKind::kUsage, in the robot's own table.
-  [[nodiscard]] Result<AddressedRobot> Named(vda5050::RobotAddress robot) const;
-  /// One that the broker knows: in its own version unless somebody states one.
-  [[nodiscard]] Result<AddressedRobot> Found(vda5050::RobotAddress robot) const;
+  /// In its own version unless somebody states one. Errors: ErrorKind::kUsage, in the robot's own
+  /// table.
+  [[nodiscard]] Result<AddressedRobot> Resolve(vda5050::RobotAddress robot) const;
 
   /// The message says which version it is in: that of all for whom nobody states one.
   void Assume(vda5050::Version version);
@@ -69,7 +69,6 @@ class DialectResolver {
   VdaOptions given_;
   const config::Config* config_;
   std::shared_ptr<const vda5050::Dialect> common_;
-  bool automatic_ = false;
   std::optional<vda5050::Version> assumed_;
 };
 

@@ -4,7 +4,15 @@
 
 #include <utility>
 
+#include "base/text.h"
+
 namespace fleetpub::app {
+
+std::string FormatSite(const mqtt::BrokerUrl& broker, const std::string& profile) {
+  std::string site = broker.ToString();
+  if (!profile.empty()) site += fmt::format(" (profile {})", base::Printable(profile));
+  return site;
+}
 
 Result<Link> Connect(const Environment& environment, Log& log) {
   auto connection = environment.connection();

@@ -29,6 +29,8 @@ using LedgerHook = std::function<Result<std::unique_ptr<ledger::Ledger>>(ledger:
 struct Environment {
   const config::Config& config;
   std::string schema_directory;
+  bool names_broker = false;  ///< somebody says which broker; else it is the default one
+  std::string site;           ///< which, as a person reads it (FormatSite)
   /// Asked when a connection is needed: it may ask a person for a password. Errors: kUsage, kLedger.
   std::function<Result<Connection>()> connection;
   LedgerHook ledger;
@@ -39,6 +41,9 @@ struct Link {
   Connection connection;
   std::unique_ptr<mqtt::Transport> transport;
 };
+
+/// `mqtts://north (profile north)`.
+[[nodiscard]] std::string FormatSite(const mqtt::BrokerUrl& broker, const std::string& profile);
 
 [[nodiscard]] Result<Link> Connect(const Environment& environment, Log& log);
 

@@ -27,12 +27,20 @@ class Log {
   virtual void Debug(std::string_view text) = 0;
 };
 
+/// What somebody has to agree to.
+struct ConsentRequest {
+  std::span<const vda5050::RobotAddress> robots;
+  std::size_t offline = 0;  ///< so many of them
+  std::string_view set;     ///< the word that stands for them
+  std::string_view title;   ///< what they are told: `stopPause`
+  std::string_view site;    ///< where: `mqtts://north (profile north)`
+};
+
 /// Whoever sends commands.
 class Observer : public Log {
  public:
-  /// Whether all of these are meant; `set` is the word that stands for them. Errors: they are not.
-  [[nodiscard]] virtual Status Consent(std::span<const vda5050::RobotAddress> robots,
-                                       std::string_view set) = 0;
+  /// Whether all of these are meant. Errors: they are not.
+  [[nodiscard]] virtual Status Consent(const ConsentRequest& request) = 0;
   /// It is known which targets get the message; a report on each follows.
   virtual void Chosen(std::span<const std::string> targets) = 0;
   /// From now on messages leave, so many in all.

@@ -55,12 +55,9 @@ RobotFilter Exactly(const RobotAddress& robot) {
   return {.manufacturer = robot.manufacturer, .serial_number = robot.serial_number};
 }
 
-// The robot's topics in whichever interface and version.
-Result<std::vector<std::string>> AnyTopics(const vda5050::TopicScheme& scheme,
-                                           const RobotAddress& robot,
-                                           std::span<const std::string_view> topic_names) {
-  return vda5050::DiscoveryFilters(scheme, Exactly(robot), topic_names);
-}
+// Robots at work send states every second or so, and all of them every 30 s (VDA 5050, chapter on
+// the topic state): so many silences are listened for those that are not ONLINE.
+constexpr int kLifeFactor = 5;
 
 class Discoverer {
  public:
@@ -74,52 +71,68 @@ class Discoverer {
 
   Status Run() {
     const auto start = steady_clock::now();
+    const bool finds = !targets_.include.patterns.empty();
     auto ok = ReadNamed();
-    if (ok && !targets_.include.patterns.empty()) ok = ReadFound();
-    if (ok && NeedsFactsheets() && !targets_.include.patterns.empty()) ok = ReadFactsheets();
+    if (ok && finds) ok = ReadFound();
+    if (ok && (finds || AnyMissing())) ok = ListenForLife();
+    if (ok && NeedsFactsheets() && finds) ok = ReadFactsheets();
     if (ok && Needs(targets_, "state")) ok = AwaitStates(start + targets_.state_wait);
     return ok;
   }
 
  private:
   [[nodiscard]] bool NeedsFactsheets() const {
-    return options_.check || Needs(targets_, "factsheet");
+    return options_.factsheets || Needs(targets_, "factsheet");
+  }
+  [[nodiscard]] bool IsWanted(const RobotEntry& entry) const {
+    return options_.all || !targets_.where.empty() || entry.automatic;
+  }
+  [[nodiscard]] bool HasFactsheet(const RobotEntry& entry) const {
+    return !NeedsFactsheets() || entry.factsheet || !entry.factsheet_fault.empty();
+  }
+  // A robot may have left messages under another version long ago: only one that is there ends the
+  // search at once.
+  static bool IsDecided(const RobotEntry& entry) {
+    const bool hibernates = entry.connection && entry.connection->connection_state == "HIBERNATING";
+    return entry.IsAlive() || hibernates;
+  }
+  [[nodiscard]] bool AnyMissing() const {
+    const auto& robots = directory_.robots();
+    return std::any_of(robots.begin(), robots.end(), [this](const auto& listed) {
+      return IsWanted(listed.second) && !IsDecided(listed.second);
+    });
   }
 
-  void Take(const mqtt::Message& message) {
+  const RobotEntry* Take(const mqtt::Message& message) {
     const auto origin = message.retained ? vda5050::Origin::kRetained : vda5050::Origin::kLive;
-    directory_.Deliver(message.topic, message.payload, origin);
+    return directory_.Deliver(message.topic, message.payload, origin);
+  }
+
+  // Until nothing is missing of these robots.
+  Status Read(std::vector<std::string> filters, std::set<const RobotEntry*> waiting,
+              const delivery::RetainedOptions& options, const auto& is_complete) {
+    if (waiting.empty() || filters.empty()) return {};
+    return delivery::ReadRetained(transport_, filters, options, [&](const mqtt::Message& message) {
+      const RobotEntry* entry = Take(message);
+      if (entry != nullptr && is_complete(*entry)) waiting.erase(entry);
+      return waiting.empty();
+    });
   }
 
   // Those that are named outright, by topics of their own.
   Status ReadNamed() {
-    if (auto ok = ReadUnheard(AnyTopics); !ok) return ok;
-    // RabbitMQ has nothing retained for a filter with wildcards.
-    return ReadUnheard(vda5050::SpecifiedTopics);
-  }
-
-  // Those of them that were not heard yet.
-  Status ReadUnheard(const auto& topics_of) {
-    // In the order in which a broker hands them out: when the connection message is there, so is
-    // the factsheet.
-    constexpr std::array<std::string_view, 2> kTopics = {"factsheet", "connection"};
-    const bool all = options_.check || !targets_.where.empty();
+    std::vector<std::string_view> topics = {"connection"};
+    if (NeedsFactsheets()) topics.emplace_back("factsheet");
     Filters filters;
-    std::size_t wanted = directory_.online();
-    const std::size_t known = wanted;
+    std::set<const RobotEntry*> waiting;
     for (const auto& [robot, entry] : directory_.robots()) {
-      if (entry.WasHeard() || (!all && !entry.automatic)) continue;
-      ++wanted;
-      if (auto ok = filters.Add(topics_of(entry.base->topics, robot, kTopics)); !ok) return ok;
+      if (!IsWanted(entry)) continue;
+      waiting.insert(&entry);
+      if (auto ok = filters.Add(entry.base->topics, Exactly(robot), topics); !ok) return ok;
     }
-    if (wanted == known) return {};
-    // A robot may have left messages under another version long ago: only ONLINE ends the search at
-    // once.
-    return delivery::ReadRetained(transport_, filters.Take(), options_.discover,
-                                  [&](const mqtt::Message& message) {
-                                    Take(message);
-                                    return directory_.online() >= wanted;
-                                  });
+    return Read(
+        filters.Take(), std::move(waiting), options_.discover,
+        [this](const RobotEntry& entry) { return IsDecided(entry) && HasFactsheet(entry); });
   }
 
   // Connection messages alone: with the large ones the broker's queue would run over sooner.
@@ -137,35 +150,55 @@ class Discoverer {
         [&] { return directory_.robots().size(); });
   }
 
+  // Robots that send states live, whatever their connection messages say or whether there are any.
+  // RabbitMQ moreover has nothing retained for a filter with wildcards: the same by full names.
+  Status ListenForLife() {
+    constexpr std::array<std::string_view, 1> kState = {"state"};
+    std::vector<std::string_view> topics = {"connection"};
+    if (NeedsFactsheets()) topics.emplace_back("factsheet");
+    Filters filters;
+    std::set<const RobotEntry*> missing;
+    for (const auto& [robot, entry] : directory_.robots()) {
+      if (!IsWanted(entry) || IsDecided(entry)) continue;
+      missing.insert(&entry);
+      const auto& scheme = entry.base->topics;
+      if (auto ok = filters.Add(vda5050::TopicsAnywhere(scheme, robot, kState)); !ok) return ok;
+      if (entry.WasHeard()) continue;
+      if (auto ok = filters.Add(vda5050::SpecifiedTopics(scheme, robot, topics)); !ok) return ok;
+    }
+    for (const vda5050::TopicScheme& scheme : directory_.schemes()) {
+      for (const RobotPattern& pattern : targets_.include.patterns) {
+        if (auto ok = filters.Add(scheme, pattern.Filter(), kState); !ok) return ok;
+      }
+    }
+    auto options = options_.discover;
+    if (!missing.empty()) options.quiet = options.most = kLifeFactor * options.quiet;
+    // Those of whom nothing is known may be found until the end.
+    if (!targets_.include.patterns.empty()) missing.insert(nullptr);
+    return Read(filters.Take(), std::move(missing), options, IsDecided);
+  }
+
   // Of those that have been found.
   Status ReadFactsheets() {
     constexpr std::array<std::string_view, 1> kTopics = {"factsheet"};
     Filters filters;
-    std::set<const RobotEntry*> wanted;
+    std::set<const RobotEntry*> waiting;
     for (const auto& [robot, entry] : directory_.robots()) {
-      if (!entry.own || entry.factsheet || !entry.factsheet_fault.empty()) continue;
-      wanted.insert(&entry);
+      if (!entry.own || HasFactsheet(entry)) continue;
+      waiting.insert(&entry);
       if (auto ok = filters.Add(entry.base->topics, Exactly(robot), kTopics); !ok) return ok;
     }
-    if (wanted.empty()) return {};
-    return delivery::ReadRetained(
-        transport_, filters.Take(), options_.discover, [&](const mqtt::Message& message) {
-          const auto* entry =
-              directory_.Deliver(message.topic, message.payload, vda5050::Origin::kRetained);
-          const bool is_told =
-              entry != nullptr && (entry->factsheet || !entry->factsheet_fault.empty());
-          if (is_told) wanted.erase(entry);
-          return wanted.empty();
-        });
+    return Read(filters.Take(), std::move(waiting), options_.discover,
+                [this](const RobotEntry& entry) { return HasFactsheet(entry); });
   }
 
-  // Until every robot that is online has sent a state, or time is up.
+  // Until every robot that is there has sent a state, or time is up.
   Status AwaitStates(mqtt::Deadline end) {
     constexpr std::array<std::string_view, 1> kTopics = {"state"};
     Filters filters;
     std::set<const RobotEntry*> silent;
     for (const auto& [robot, entry] : directory_.robots()) {
-      if (!entry.IsOnline()) continue;
+      if (!entry.IsAlive() || entry.state_heard) continue;
       silent.insert(&entry);
       if (auto ok = filters.Add(entry.base->topics, Exactly(robot), kTopics); !ok) return ok;
     }
@@ -175,16 +208,14 @@ class Discoverer {
                           silent.size() == 1 ? "" : "s"));
     const auto left = std::max(end - steady_clock::now(), steady_clock::duration(0));
     const auto most = std::chrono::ceil<std::chrono::milliseconds>(left);
-    return delivery::ReadRetained(
-        transport_, filters.Take(), {.quiet = most, .most = most},
-        [&](const mqtt::Message& message) {
-          const auto origin =
-              message.retained ? vda5050::Origin::kRetained : vda5050::Origin::kLive;
-          const auto* entry = directory_.Deliver(message.topic, message.payload, origin);
-          const bool is_heard = entry != nullptr && (entry->state_heard || !entry->IsOnline());
-          if (is_heard) silent.erase(entry);
-          return silent.empty();
-        });
+    return delivery::ReadRetained(transport_, filters.Take(), {.quiet = most, .most = most},
+                                  [&](const mqtt::Message& message) {
+                                    const RobotEntry* entry = Take(message);
+                                    const bool is_heard = entry != nullptr &&
+                                                          (entry->state_heard || !entry->IsAlive());
+                                    if (is_heard) silent.erase(entry);
+                                    return silent.empty();
+                                  });
   }
 
   mqtt::Transport& transport_;
@@ -203,7 +234,7 @@ Answer Satisfies(const Targets& targets, const RobotEntry& entry) {
     if (unmet && unmet->empty()) continue;
     const bool is_state = vda5050::TopicOf(targets.where[i]) == "state";
     if (unmet || !is_state) return Answer::kNo;
-    answer = entry.IsOnline() ? Answer::kUnheard : Answer::kAway;
+    answer = entry.IsAlive() ? Answer::kUnheard : Answer::kAway;
   }
   return answer;
 }
@@ -243,7 +274,7 @@ Result<RobotDirectory> MakeDirectory(const Targets& targets, const DialectResolv
         excluded.insert(robot);
         return std::nullopt;
       }
-      auto found = resolver.Found(robot);
+      auto found = resolver.Resolve(robot);
       if (!found) return std::nullopt;  // no table is wrong: Schemes() has read them all
       return std::pair(std::move(found->dialect), found->automatic);
     };
@@ -255,7 +286,7 @@ Result<RobotDirectory> MakeDirectory(const Targets& targets, const DialectResolv
     for (const vda5050::TopicScheme& scheme : *schemes) directory.AddScheme(scheme);
   }
   for (const RobotAddress& robot : targets.include.robots) {
-    auto addressed = targets.where.empty() ? resolver.Named(robot) : resolver.Found(robot);
+    auto addressed = resolver.Resolve(robot);
     if (!addressed) return Fail(std::move(addressed.error()));
     directory.Add(robot, std::move(addressed->dialect), addressed->automatic);
   }
@@ -295,7 +326,8 @@ Chosen Choose(const Targets& targets, const RobotDirectory& directory, Log& log)
   }
   if (!targets.include.patterns.empty()) {
     for (const ListedRobot& listed : directory.robots()) {
-      if (!listed.second.connection || named.contains(listed.first)) continue;
+      const bool is_known = listed.second.connection || listed.second.speaks;
+      if (!is_known || named.contains(listed.first)) continue;
       discovered.push_back(listed.first);
       consider(listed);
     }
@@ -330,32 +362,34 @@ std::optional<std::string> UnusedExclusion(const Targets& targets, const Exclude
 
 Error NobodyChosen(mqtt::Transport& transport, const Targets& targets,
                    const DialectResolver& resolver, const RobotDirectory& directory,
-                   const delivery::RetainedOptions& discover) {
-  const auto meant =
-      std::count_if(directory.robots().begin(), directory.robots().end(),
-                    [](const ListedRobot& listed) { return listed.second.connection.has_value(); });
+                   const delivery::RetainedOptions& discover, const std::string& site) {
+  const auto meant = std::count_if(
+      directory.robots().begin(), directory.robots().end(), [](const ListedRobot& listed) {
+        return listed.second.connection.has_value() || listed.second.speaks;
+      });
   const std::string nobody =
-      fmt::format("nothing was sent: no robot matches {}", FormatSpec(targets));
+      fmt::format("nothing was sent: no robot matches {} at {}", FormatSpec(targets), site);
   if (meant > 0) {
     return {ErrorKind::kPreflight,
             fmt::format("{}: {} robot{} heard, none satisfies every --where{}", nobody, meant,
                         meant == 1 ? " was" : "s were", FirstReason(directory))};
   }
-  const auto all = ListAllRobots(transport, resolver.common().topics, discover);
-  const std::string heard = all.empty()
+  const auto all = ListRobots(transport, resolver.common().topics, discover, Robots::kAll);
+  const std::string heard = !all.empty()
+                                ? fmt::format("it knows {} robot{}: {}", all.size(),
+                                              all.size() == 1 ? "" : "s", FormatRobotList(all))
+                            : transport.server().retain_available.value_or(true)
                                 ? "it knows no robot: none has left a connection message"
-                                : fmt::format("it knows {} robot{}: {}", all.size(),
-                                              all.size() == 1 ? "" : "s", FormatRobotList(all));
+                                : std::string(kNothingRetained);
   return {ErrorKind::kPreflight,
-          fmt::format("{} at {}: {}{}", nobody, transport.server().broker.ToString(), heard,
+          fmt::format("{}: {}{}", nobody, heard,
                       targets.except.set.empty() && targets.except.robots.empty()
                           ? ""
                           : " (--except spares some)")};
 }
 
-std::vector<RobotAddress> ListAllRobots(mqtt::Transport& transport,
-                                        const vda5050::TopicScheme& scheme,
-                                        const delivery::RetainedOptions& discover) {
+std::vector<RobotAddress> ListRobots(mqtt::Transport& transport, const vda5050::TopicScheme& scheme,
+                                     const delivery::RetainedOptions& discover, Robots which) {
   constexpr std::array<std::string_view, 1> kConnection = {"connection"};
   const auto filters = vda5050::DiscoveryFilters(scheme, {}, kConnection);
   if (!filters) return {};
@@ -363,7 +397,10 @@ std::vector<RobotAddress> ListAllRobots(mqtt::Transport& transport,
   const auto collected =
       delivery::ReadRetained(transport, *filters, discover, [&](const mqtt::Message& message) {
         const auto levels = vda5050::ReadTopic(scheme, message.topic);
-        if (levels && !message.payload.empty()) robots.insert(levels->robot);
+        if (!levels || message.payload.empty()) return false;
+        const auto connection = vda5050::ReadConnection(message.payload);
+        const bool is_online = connection && connection->connection_state == "ONLINE";
+        if (which == Robots::kAll || is_online) robots.insert(levels->robot);
         return false;
       });
   if (!collected) return {};

@@ -36,13 +36,19 @@ using Excluded = std::set<vda5050::RobotAddress>;
                                                             Excluded& excluded);
 
 struct DiscoveryOptions {
-  bool check = false;  ///< of all; else only of those whose dialect is wanted
+  bool all = false;         ///< else only those whose dialect is wanted
+  bool factsheets = false;  ///< these are wanted too
   delivery::RetainedOptions discover;
 };
 
-/// Gathers what is retained of the directory's robots and of those that the patterns find, and, where
-/// a condition needs them, the states of those that are online. Errors: ErrorKind::kBroker, kUsage
-/// (a topic template).
+/// Why a broker knows nothing.
+inline constexpr std::string_view kNothingRetained =
+    "it keeps no retained messages (so it says on connecting), so it knows no robot";
+
+/// Gathers what is retained of the directory's robots and of those that the patterns find; of those
+/// that are not ONLINE whether they send states; and, where a condition needs them, the states of all
+/// that are there. One round trip for robots that are ONLINE. Errors: ErrorKind::kBroker, kUsage (a
+/// topic template).
 [[nodiscard]] Status DiscoverRobots(mqtt::Transport& transport, const Targets& targets,
                                     const DiscoveryOptions& options,
                                     vda5050::RobotDirectory& directory, Log& log);
@@ -53,8 +59,8 @@ struct DiscoveryOptions {
                                                          const Excluded& excluded,
                                                          const config::Config& config);
 
-/// Those that are meant, and satisfy the conditions. Robots without a connection message are meant
-/// only when they are named outright. Warns of robots that are offline and whose state is not
+/// Those that are meant, and satisfy the conditions. Robots that have neither left a connection
+/// message nor sent a state are meant only when they are named outright. Warns of robots that are offline and whose state is not
 /// known. Nobody at all is not an error.
 [[nodiscard]] Chosen Choose(const Targets& targets, const vda5050::RobotDirectory& directory,
                             Log& log);
@@ -63,11 +69,14 @@ struct DiscoveryOptions {
 [[nodiscard]] Error NobodyChosen(mqtt::Transport& transport, const Targets& targets,
                                  const DialectResolver& resolver,
                                  const vda5050::RobotDirectory& directory,
-                                 const delivery::RetainedOptions& discover);
+                                 const delivery::RetainedOptions& discover,
+                                 const std::string& site);
 
-/// The names of all robots that the broker knows. Nothing when it cannot be asked.
-[[nodiscard]] std::vector<vda5050::RobotAddress> ListAllRobots(
+enum class Robots { kAll, kOnline };
+
+/// The names of robots that the broker knows. Nothing when it cannot be asked.
+[[nodiscard]] std::vector<vda5050::RobotAddress> ListRobots(
     mqtt::Transport& transport, const vda5050::TopicScheme& scheme,
-    const delivery::RetainedOptions& discover);
+    const delivery::RetainedOptions& discover, Robots which = Robots::kAll);
 
 }  // namespace fleetpub::app

@@ -9,7 +9,6 @@
 #include <utility>
 
 #include "app/dry_run.h"
-#include "app/recent_targets.h"
 #include "app/robot_discovery.h"
 #include "base/text.h"
 #include "base/time.h"
@@ -70,30 +69,24 @@ class CommandSender final : private delivery::CommandSource {
         factory_(request, environment.schema_directory),
         warnings_(observer) {}
 
-  // Robots that were named: the broker is asked only what each has said of itself.
+  // Robots that were named: the broker is asked only what each has said of itself, and that only
+  // unless somebody states the version and wants no check.
   Status SendToNamed() {
-    const bool any_automatic =
-        std::any_of(directory_.robots().begin(), directory_.robots().end(),
-                    [](const ListedRobot& listed) { return listed.second.automatic; });
-    SetCheck(request_.waiting.check && !settings_.dry_run);
     ChooseRobots();
-    if (auto ok = AskConsent(); !ok) return ok;
     // What is invalid anyway costs no connection.
-    if (!any_automatic) {
-      if (auto ok = Validate(); !ok) return ok;
-    }
-    if (check_ || any_automatic) {
+    if (auto ok = ValidateUnseen(); !ok) return ok;
+    if (NeedsLook()) {
       if (auto ok = Discover(); !ok) return ok;
       ChooseRobots();
       SuggestNames();
-      if (auto ok = Validate(); !ok) return ok;
     }
+    if (auto ok = AskConsent(); !ok) return ok;
+    if (auto ok = Validate(); !ok) return ok;
     return BuildAndSend();
   }
 
   // Robots that patterns or conditions find: the broker says who they are.
   Status SendToFound() {
-    SetCheck(request_.waiting.check || !request_.waiting.no_check);
     if (auto ok = Discover(); !ok) return ok;
     if (auto ok = CheckExclusions(); !ok) return ok;
     ChooseRobots();
@@ -105,10 +98,12 @@ class CommandSender final : private delivery::CommandSource {
   }
 
  private:
-  // Preflight, as a part of building.
-  void SetCheck(bool check) {
-    check_ = check;
-    factory_.SetCheck(check);
+  [[nodiscard]] bool NeedsLook() const {
+    if (settings_.dry_run && (settings_.offline || !environment_.names_broker)) return false;
+    const auto& robots = directory_.robots();
+    return request_.waiting.check ||
+           std::any_of(robots.begin(), robots.end(),
+                       [](const ListedRobot& listed) { return listed.second.automatic; });
   }
 
   Status AskConsent() {
@@ -117,9 +112,29 @@ class CommandSender final : private delivery::CommandSource {
     if (!is_many || is_agreed || request_.needs_consent == NeedsConsent::kNo) return {};
     std::vector<RobotAddress> robots;
     robots.reserve(robots_.size());
-    for (const ListedRobot* robot : robots_) robots.push_back(robot->first);
+    std::size_t offline = 0;
+    for (const ListedRobot* robot : robots_) {
+      robots.push_back(robot->first);
+      if (link_ && !robot->second.IsAlive()) ++offline;
+    }
     const std::string& set = request_.targets.include.set;
-    return observer_.Consent(robots, set.empty() ? "--where" : set);
+    return observer_.Consent({.robots = robots,
+                              .offline = offline,
+                              .set = set.empty() ? "--where" : set,
+                              .title = request_.title,
+                              .site = Site()});
+  }
+
+  // The broker in use, and the profile that names it.
+  [[nodiscard]] std::string Site() const {
+    if (!link_ || link_->transport == nullptr) return environment_.site;
+    return FormatSite(link_->transport->server().broker, environment_.config.profile);
+  }
+
+  Status ValidateUnseen() {
+    auto valid = factory_.ValidateInAnyVersion(robots_);
+    if (valid) return valid;
+    return Fail(ReportNothingSent(CommandStatus::kInvalid, std::move(valid.error())));
   }
 
   Status Validate() {
@@ -131,7 +146,16 @@ class CommandSender final : private delivery::CommandSource {
   // Collects what the robots have said of themselves.
   Status Discover() {
     if (auto ok = Connect(); !ok) return ok;
-    DiscoveryOptions options{check_, request_.waiting.discover};
+    const bool check = request_.waiting.check;
+    const auto& server = link_->transport->server();
+    factory_.SetLook({.check = check,
+                      .site = Site(),
+                      .why_nobody = server.retain_available.value_or(true)
+                                        ? ""
+                                        : std::string(kNothingRetained)});
+    DiscoveryOptions options{.all = check,
+                             .factsheets = check && request_.make_message()->NeedsFactsheet(),
+                             .discover = request_.waiting.discover};
     options.discover.subscribe = link_->connection.timeout;
     auto discovered =
         DiscoverRobots(*link_->transport, request_.targets, options, directory_, observer_);
@@ -149,8 +173,8 @@ class CommandSender final : private delivery::CommandSource {
     if (!robots_.empty() || !unheard_.empty()) return {};
     delivery::RetainedOptions discover = request_.waiting.discover;
     discover.subscribe = link_->connection.timeout;
-    return Fail(
-        NobodyChosen(*link_->transport, request_.targets, request_.resolver, directory_, discover));
+    return Fail(NobodyChosen(*link_->transport, request_.targets, request_.resolver, directory_,
+                             discover, Site()));
   }
 
   Status CheckExclusions() {
@@ -171,12 +195,13 @@ class CommandSender final : private delivery::CommandSource {
     constexpr std::size_t kMost = 20;
     std::vector<const ListedRobot*> unknown;
     for (const ListedRobot* robot : robots_) {
-      const bool is_looked_for = check_ || robot->second.automatic;
+      const bool is_looked_for = request_.waiting.check || robot->second.automatic;
       if (is_looked_for && !robot->second.WasHeard()) unknown.push_back(robot);
     }
-    if (unknown.empty() || unknown.size() > kMost) return;
-    std::set<std::string> names = KnownNames();
-    for (const ListedRobot* robot : unknown) names.erase(robot->first.ToString());
+    if (unknown.empty() || unknown.size() > kMost || request_.make_message()->IsOnlyStartPause()) {
+      return;
+    }
+    const std::set<std::string> names = NamesOnline();
     const std::vector<std::string_view> candidates(names.begin(), names.end());
     for (const ListedRobot* robot : unknown) {
       const auto nearest = base::Nearest(robot->first.ToString(), candidates);
@@ -185,16 +210,13 @@ class CommandSender final : private delivery::CommandSource {
     }
   }
 
-  // At the broker, in the configuration, and in the newest part of the ledger.
-  std::set<std::string> KnownNames() {
+  // Only who is there may be meant.
+  std::set<std::string> NamesOnline() {
     std::set<std::string> names;
-    for (const RobotAddress& robot : ListAllRobots(
-             *link_->transport, request_.resolver.common().topics, request_.waiting.discover)) {
+    for (const RobotAddress& robot :
+         ListRobots(*link_->transport, request_.resolver.common().topics, request_.waiting.discover,
+                    Robots::kOnline)) {
       names.insert(robot.ToString());
-    }
-    for (const auto& [robot, table] : environment_.config.robots) names.insert(robot.ToString());
-    for (std::string& target : FindRecentTargets(environment_.ledger, "vda5050")) {
-      names.insert(std::move(target));
     }
     return names;
   }
@@ -242,12 +264,26 @@ class CommandSender final : private delivery::CommandSource {
     const std::size_t end = next_ + std::min(left(), most);
     built_.commands.reserve(end - next_);
     for (; next_ < end; ++next_) {
+      const std::size_t before = built_.commands.size();
       built_all_ = factory_.Build(*robots_[next_], built_);
       if (!built_all_) return Fail(built_all_.error());
+      if (settings_.dry_run && built_.commands.size() > before) Explain(*robots_[next_]);
     }
     for (const std::string& warning : built_.warnings) warnings_.Tell(warning);
     for (const Report& refused : built_.refused) observer_.Report(refused);
     return built_.commands;
+  }
+
+  // Where a dry run would go, and why there.
+  void Explain(const ListedRobot& robot) {
+    const message::Command& command = built_.commands.back();
+    const auto& entry = robot.second;
+    const std::string_view why = entry.automatic && entry.own ? "as the robot itself says"
+                                 : !entry.base->assumed       ? "as stated"
+                                 : link_                      ? "assumed"
+                                                              : "assumed: no broker was asked";
+    observer_.Info(fmt::format("would be published to {} in {} ({})",
+                               base::Printable(command.topic), command.version, why));
   }
 
   void GiveUp(const Error& reason) override {
@@ -275,7 +311,6 @@ class CommandSender final : private delivery::CommandSource {
   CommandFactory factory_;
   Warnings warnings_;
   std::optional<Link> link_;
-  bool check_ = false;
   std::vector<const ListedRobot*> robots_;   // of the directory
   std::vector<const ListedRobot*> unheard_;  // whether --where is true is not known
   std::size_t next_ = 0;
@@ -287,6 +322,11 @@ class CommandSender final : private delivery::CommandSource {
 
 Status SendCommand(const CommandRequest& request, const SendSettings& settings,
                    const Environment& environment, Observer& observer) {
+  if (settings.offline && request.targets.AreFound()) {
+    return Fail(ErrorKind::kUsage,
+                "--offline asks no broker, and only the broker knows which robots are meant: name "
+                "them, or leave --offline out");
+  }
   Excluded excluded;
   auto directory = MakeDirectory(request.targets, request.resolver, excluded);
   if (!directory) return Fail(std::move(directory.error()));

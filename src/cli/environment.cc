@@ -10,9 +10,17 @@ namespace fleetpub::cli {
 
 using std::chrono::milliseconds;
 
+std::string FormatSite(const Context& context) {
+  const auto brokers = ParseBrokers(context.options);
+  return brokers ? app::FormatSite(brokers->front(), context.config.profile) : "";
+}
+
 app::Environment MakeEnvironment(const Context& context) {
+  const GlobalOptions& o = context.options;
   return {.config = context.config,
-          .schema_directory = context.options.schema_directory,
+          .schema_directory = o.schema_directory,
+          .names_broker = !o.brokers.empty() || !o.host.empty() || !o.port.empty(),
+          .site = FormatSite(context),
           .connection = [context]() -> Result<app::Connection> {
             auto options = MakeConnectOptions(context);
             if (!options) return Fail(std::move(options.error()));

@@ -10,6 +10,10 @@ namespace fleetpub::cli {
 /// The context must outlive it.
 [[nodiscard]] app::Environment MakeEnvironment(const Context& context);
 
+/// The broker that the options name, and the profile: `mqtts://north (profile north)`. Empty when they
+/// name none that can be read.
+[[nodiscard]] std::string FormatSite(const Context& context);
+
 /// Connects as these options say; at most the connect timeout and the deadline.
 [[nodiscard]] delivery::ConnectHook MakeConnectHook(mqtt::ConnectOptions options);
 

@@ -46,6 +46,12 @@ class InstantMessage final : public app::RobotMessage {
     return vda5050::TrackInstantAction(robot, dialect, action.type, action.id, wait_for);
   }
 
+  [[nodiscard]] bool IsOnlyStartPause() const override {
+    return vda5050::IsOnlyStartPause({&action_, 1});
+  }
+  [[nodiscard]] bool NeedsFactsheet() const override {
+    return vda5050::NeedsFactsheet({&action_, 1});
+  }
   [[nodiscard]] bool IsAlikeForAll() const override { return true; }
 
   void ApplyLimits(const vda5050::Factsheet& factsheet) override {
@@ -72,7 +78,10 @@ Result<ExitCode> SendToRobots(const app::CommandRequest& request, const app::Sen
                               const Context& context) {
   using Show = SendingObserver::Show;
   SendingObserver observer(context.output,
-                           request.targets.IsSet() ? Show::kResultsAndProgress : Show::kResults);
+                           settings.dry_run          ? Show::kPayloads
+                           : request.targets.IsSet() ? Show::kResultsAndProgress
+                                                     : Show::kResults,
+                           FormatSite(context));
   auto sent = app::SendCommand(request, settings, MakeEnvironment(context), observer);
   if (!sent) return Fail(std::move(sent.error()));
   return observer.Conclude();
@@ -98,6 +107,7 @@ Result<ExitCode> SendInstantAction(const InstantSendingOptions& options, std::st
   if (!settings) return Fail(settings.error());
   return SendToRobots({.targets = *std::move(targets),
                        .resolver = *std::move(resolver),
+                       .title = std::string(type),
                        .needs_consent = app::DecideConsent(type),
                        .header_id = *header_id,
                        .make_message =

@@ -67,7 +67,10 @@ Result<ExitCode> SendSoarMessage(const SoarSendingOptions& options, soar::Messag
          .count = waiting->count,
          .on_level = LevelTeller(destination->name, context.output)});
   }
-  SendingObserver observer(context.output, SendingObserver::Show::kResults);
+  SendingObserver observer(
+      context.output,
+      settings->dry_run ? SendingObserver::Show::kPayloads : SendingObserver::Show::kResults,
+      FormatSite(context));
   auto sent =
       app::SendMessages({std::move(command)}, *settings, wait, MakeEnvironment(context), observer);
   if (!sent) return Fail(std::move(sent.error()));

@@ -16,6 +16,21 @@ constexpr std::size_t kBrokersQueue = 1'000;
 // What many have left takes its time, and it ends.
 constexpr std::chrono::seconds kMaxReadTime{60};
 
+// A broker hands out what it has retained in one go: what follows the last wanted message within
+// this belongs to it, such as another message of the same robot at another topic.
+constexpr std::chrono::milliseconds kBurstGap{2};
+
+Status ReadBurst(mqtt::Transport& transport, mqtt::Deadline end, const MessageCallback& take) {
+  while (steady_clock::now() < end) {
+    const auto message = transport.Receive(steady_clock::now() + kBurstGap);
+    if (!message) return Fail(message.error());
+    if (!*message) return {};
+    take(**message);
+    if (!(*message)->retained) return {};
+  }
+  return {};
+}
+
 Status ReadInto(mqtt::Transport& transport, std::span<const std::string> filters,
                 const RetainedOptions& options, const MessageCallback& take) {
   while (!filters.empty()) {
@@ -28,7 +43,9 @@ Status ReadInto(mqtt::Transport& transport, std::span<const std::string> filters
       const auto message = transport.Receive(steady_clock::now());
       if (!message) return Fail(message.error());
       if (!*message) break;
-      if (take(**message)) return {};
+      if (take(**message)) {
+        return ReadBurst(transport, steady_clock::now() + options.quiet, take);
+      }
     }
   }
   // A broker may take long to grant a subscription; what it has retained follows then.
@@ -37,7 +54,8 @@ Status ReadInto(mqtt::Transport& transport, std::span<const std::string> filters
   for (;;) {
     const auto message = transport.Receive(std::min(quiet_at, start + options.most));
     if (!message) return Fail(message.error());
-    if (!*message || take(**message)) return {};
+    if (!*message) return {};
+    if (take(**message)) return ReadBurst(transport, steady_clock::now() + options.quiet, take);
     if ((*message)->retained) quiet_at = steady_clock::now() + options.quiet;
     if (steady_clock::now() >= std::min(quiet_at, start + options.most)) return {};
   }

@@ -18,32 +18,31 @@ config::Config WithTug(const std::string& key, const std::string& value) {
   return config;
 }
 
-TEST(DialectResolver, AssumesTheNewestVersion) {
+TEST(DialectResolver, AssumesTheNewestVersionUntilTheRobotSaysItsOwn) {
   const config::Config config;
   const auto resolver = DialectResolver::For({}, config);
   ASSERT_TRUE(resolver);
-  const auto named = resolver->Named(kTug);
+  const auto named = resolver->Resolve(kTug);
   ASSERT_TRUE(named);
   EXPECT_EQ(named->dialect->version, Version::k300);
   EXPECT_TRUE(named->dialect->assumed);
-  EXPECT_FALSE(named->automatic);
-  EXPECT_TRUE(resolver->Found(kTug)->automatic) << "the broker knows its version";
+  EXPECT_TRUE(named->automatic);
 }
 
 TEST(DialectResolver, SpeaksAsTheRobotsTableSays) {
   const config::Config config = WithTug("vda", "2.0.0");
   const auto resolver = DialectResolver::For({}, config);
   ASSERT_TRUE(resolver);
-  EXPECT_EQ(resolver->Named(kTug)->dialect->version, Version::k200);
-  EXPECT_FALSE(resolver->Found(kTug)->automatic);
-  EXPECT_EQ(resolver->Named({"KIT", "0001"})->dialect->version, Version::k300);
+  EXPECT_EQ(resolver->Resolve(kTug)->dialect->version, Version::k200);
+  EXPECT_FALSE(resolver->Resolve(kTug)->automatic);
+  EXPECT_EQ(resolver->Resolve({"KIT", "0001"})->dialect->version, Version::k300);
 }
 
 TEST(DialectResolver, PrefersWhatWasSaidToTheTable) {
   const config::Config config = WithTug("vda", "2.0.0");
   const auto resolver = DialectResolver::For({.version = "2.1.0"}, config);
   ASSERT_TRUE(resolver);
-  EXPECT_EQ(resolver->Named(kTug)->dialect->version, Version::k210);
+  EXPECT_EQ(resolver->Resolve(kTug)->dialect->version, Version::k210);
 }
 
 TEST(DialectResolver, TakesTheMessagesVersionWhereNobodyStatesOne) {
@@ -51,9 +50,9 @@ TEST(DialectResolver, TakesTheMessagesVersionWhereNobodyStatesOne) {
   auto resolver = DialectResolver::For({}, config);
   ASSERT_TRUE(resolver);
   resolver->Assume(Version::k110);
-  EXPECT_EQ(resolver->Named({"KIT", "0001"})->dialect->version, Version::k110);
+  EXPECT_EQ(resolver->Resolve({"KIT", "0001"})->dialect->version, Version::k110);
   EXPECT_FALSE(resolver->common().assumed);
-  EXPECT_EQ(resolver->Named(kTug)->dialect->version, Version::k200);
+  EXPECT_EQ(resolver->Resolve(kTug)->dialect->version, Version::k200);
 }
 
 TEST(DialectResolver, KnowsEachShapeOfTopicsOnce) {

@@ -24,10 +24,10 @@ using testing::Says;
 using ::testing::SizeIs;
 using vda5050::RobotAddress;
 
-class Pause final : public RobotMessage {
+class Action final : public RobotMessage {
  public:
-  explicit Pause(std::string blocking_type) {
-    action_.type = "startPause";
+  explicit Action(std::string type, std::string blocking_type = "") {
+    action_.type = std::move(type);
     action_.id = "3f2c8a2e-7b51-4c4e-9d0a-5a4f0f6d1c22";
     action_.blocking_type = std::move(blocking_type);
   }
@@ -46,6 +46,10 @@ class Pause final : public RobotMessage {
       const message::Command& /*command*/, vda5050::WaitFor /*wait_for*/) const override {
     return std::make_unique<testing::FakeTracker>("state");
   }
+  [[nodiscard]] bool IsOnlyStartPause() const override { return action_.type == "startPause"; }
+  [[nodiscard]] bool NeedsFactsheet() const override {
+    return vda5050::NeedsFactsheet({&action_, 1});
+  }
   [[nodiscard]] bool IsAlikeForAll() const override { return true; }
 
  private:
@@ -60,10 +64,15 @@ class SendingCommands : public ::testing::Test {
   }
 
   void IsThere(const std::string& serial, const std::string& state = "ONLINE") {
-    retained_[fmt::format("vda5050/v3/KIT/{}/connection", serial)] =
-        fmt::format(R"({{"headerId":1,"timestamp":"2026-01-02T03:04:05.678Z","version":"3.0.0",)"
+    Leaves("vda5050/v3", "3.0.0", serial, state);
+  }
+
+  void Leaves(std::string_view place, std::string_view version, const std::string& serial,
+              const std::string& state) {
+    retained_[fmt::format("{}/KIT/{}/connection", place, serial)] =
+        fmt::format(R"({{"headerId":1,"timestamp":"2026-01-02T03:04:05.678Z","version":"{}",)"
                     R"("manufacturer":"KIT","serialNumber":"{}","connectionState":"{}"}})",
-                    serial, state);
+                    version, serial, state);
   }
 
   Status Send(std::vector<std::string> words, std::vector<std::string> except = {},
@@ -81,7 +90,7 @@ class SendingCommands : public ::testing::Test {
         .resolver = DialectResolver::For({.version = version_}, world_.config).value(),
         .needs_consent = needs_consent_,
         .header_id = {},
-        .make_message = [this] { return std::make_unique<Pause>(blocking_type_); },
+        .make_message = [this] { return std::make_unique<Action>(type_, blocking_type_); },
         .waiting = waiting_};
     return SendCommand(request, settings_, world_.Get(), observer_);
   }
@@ -98,6 +107,7 @@ class SendingCommands : public ::testing::Test {
   testing::FakeObserver observer_;
   std::map<std::string, std::string> retained_;
   std::string version_;
+  std::string type_ = "startPause";
   std::string blocking_type_;
   NeedsConsent needs_consent_ = NeedsConsent::kYes;
   SendSettings settings_;
@@ -108,6 +118,8 @@ using SendingToNamedRobots = SendingCommands;
 using SendingToFoundRobots = SendingCommands;
 
 TEST_F(SendingToNamedRobots, SendsToEachInTheOrderOfTheWords) {
+  IsThere("0001");
+  IsThere("0002");
   EXPECT_TRUE(Send({"KIT/0002", "KIT/0001"}));
   EXPECT_THAT(Published(), ElementsAre("vda5050/v3/KIT/0002/instantActions",
                                        "vda5050/v3/KIT/0001/instantActions"));
@@ -120,13 +132,14 @@ TEST_F(SendingToNamedRobots, SendsToEachInTheOrderOfTheWords) {
 }
 
 TEST_F(SendingToNamedRobots, WaitsForTheirEnds) {
+  IsThere("0001");
   waiting_.wait_for = vda5050::WaitFor::kFinished;
   EXPECT_TRUE(Send({"KIT/0001"}));
   EXPECT_THAT(observer_.reports, ElementsAre(Is(CommandStatus::kFinished)));
 }
 
 TEST_F(SendingToNamedRobots, RefusesWhomTheCheckDoesNotFind) {
-  waiting_.check = true;
+  type_ = "stopPause";
   IsThere("0001");
   EXPECT_TRUE(Send({"KIT/0001", "KIT/0003"}));
   EXPECT_THAT(Published(), ElementsAre("vda5050/v3/KIT/0001/instantActions"));
@@ -155,6 +168,8 @@ TEST_F(SendingToNamedRobots, SendsNothingWithoutAConnection) {
 
 TEST_F(SendingToNamedRobots, SaysOfEachWhatALostConnectionMeans) {
   world_.on_connect = [](testing::FakeTransport& broker) { broker.publish_fails_at = 1; };
+  version_ = "3.0.0";
+  waiting_.check = false;
   EXPECT_TRUE(Send({"KIT/0001", "KIT/0002", "KIT/0003"}));
   EXPECT_THAT(observer_.reports,
               ElementsAre(Is(CommandStatus::kSent), Says("perhaps sent: "), Says("not sent: ")));
@@ -162,11 +177,76 @@ TEST_F(SendingToNamedRobots, SaysOfEachWhatALostConnectionMeans) {
   EXPECT_THAT(observer_.warnings, IsEmpty());
 }
 
-TEST_F(SendingToNamedRobots, ShowsWhatWouldBeSentInADryRun) {
-  settings_.dry_run = true;
+TEST_F(SendingToNamedRobots, SpeaksToEachInItsOwnVersionAtItsOwnTopics) {
+  Leaves("uagv/v2", "2.1.0", "0001", "ONLINE");
+  Leaves("own/v1", "1.1.0", "0002", "ONLINE");
+  for (const bool check : {true, false}) {
+    waiting_.check = check;
+    EXPECT_TRUE(Send({"KIT/0001", "KIT/0002"}));
+  }
+  const std::vector<std::string> once = {"uagv/v2/KIT/0001/instantActions",
+                                         "own/v1/KIT/0002/instantActions"};
+  EXPECT_THAT(Published(), ElementsAre(once[0], once[1], once[0], once[1]));
+  EXPECT_THAT(observer_.reports, Each(Field(&message::Report::version_assumed, false)));
+}
+
+TEST_F(SendingToNamedRobots, AsksNothingWhereTheVersionIsStatedAndNoCheckIsWanted) {
+  Leaves("uagv/v2", "2.1.0", "0001", "ONLINE");
+  version_ = "3.0.0";
+  waiting_.check = false;
+  EXPECT_TRUE(Send({"KIT/0001"}));
+  EXPECT_THAT(Published(), ElementsAre("vda5050/v3/KIT/0001/instantActions"));
+  EXPECT_THAT(observer_.reports, ElementsAre(Is(CommandStatus::kSent)));
   waiting_.check = true;
   EXPECT_TRUE(Send({"KIT/0001"}));
+  EXPECT_THAT(observer_.reports, Contains(Is(CommandStatus::kRefused))) << "it speaks 2.1.0";
+}
+
+TEST_F(SendingToNamedRobots, StopsEvenARobotThatNobodyKnows) {
+  for (const bool check : {true, false}) {
+    waiting_.check = check;
+    EXPECT_TRUE(Send({"KIT/0007"}));
+  }
+  EXPECT_THAT(observer_.reports, Each(Is(CommandStatus::kSent)));
+  EXPECT_THAT(observer_.reports, Each(Field(&message::Report::version_assumed, true)));
+  EXPECT_THAT(observer_.warnings, Each(HasSubstr("KIT/0007 is unknown to mqtt://broker")));
+  EXPECT_THAT(observer_.warnings, SizeIs(2));
+}
+
+TEST_F(SendingToNamedRobots, SendsNothingElseToARobotThatNobodyKnows) {
+  type_ = "cancelOrder";
+  world_.config.profile = "north";
+  IsThere("0008", "OFFLINE");
+  for (const bool check : {true, false}) {
+    waiting_.check = check;
+    EXPECT_TRUE(Send({"KIT/0007"}));
+  }
+  EXPECT_THAT(observer_.reports, SizeIs(2));
+  EXPECT_THAT(observer_.reports, Each(AllOf(Is(CommandStatus::kRefused), Says("mqtt://broker"),
+                                            Says("north"), ::testing::Not(Says("did you mean")))))
+      << "who is away is no proposal";
+  EXPECT_THAT(Published(), IsEmpty());
+}
+
+TEST_F(SendingToNamedRobots, ShowsTheMessageThatWouldBeSentInADryRun) {
+  Leaves("uagv/v2", "2.1.0", "0001", "ONLINE");
+  settings_.dry_run = true;
+  world_.names_broker = true;
+  EXPECT_TRUE(Send({"KIT/0001"}));
   ASSERT_THAT(observer_.reports, ElementsAre(Is(CommandStatus::kDryRun)));
+  EXPECT_EQ(observer_.reports.front().version, "2.1.0");
+  EXPECT_EQ(world_.connections, 1);
+  EXPECT_THAT(Published(), IsEmpty());
+}
+
+TEST_F(SendingToNamedRobots, AsksNobodyInADryRunWithoutABroker) {
+  settings_.dry_run = true;
+  EXPECT_TRUE(Send({"KIT/0001"}));
+  settings_.offline = true;
+  world_.names_broker = true;
+  EXPECT_TRUE(Send({"KIT/0001"}));
+  EXPECT_THAT(observer_.reports, SizeIs(2));
+  EXPECT_THAT(observer_.reports, Each(Is(CommandStatus::kDryRun)));
   EXPECT_THAT(observer_.reports.front().payload, HasSubstr("startPause"));
   EXPECT_EQ(world_.connections, 0);
 }
@@ -177,9 +257,28 @@ TEST_F(SendingToFoundRobots, SendsToWhomThePatternFinds) {
   EXPECT_TRUE(Send({"KIT/*"}));
   EXPECT_THAT(observer_.asked_for,
               ElementsAre(RobotAddress{"KIT", "0001"}, RobotAddress{"KIT", "0002"}));
+  EXPECT_EQ(observer_.offline, 0U);
   EXPECT_THAT(observer_.reports, SizeIs(2));
   EXPECT_THAT(observer_.reports, Each(Is(CommandStatus::kSent)));
   EXPECT_EQ(world_.connections, 1);
+}
+
+TEST_F(SendingToFoundRobots, SaysHowManyAreOfflineWhenItAsks) {
+  for (const std::string serial : {"0001", "0002"}) IsThere(serial);
+  for (const std::string serial : {"0003", "0004", "0005"}) IsThere(serial, "OFFLINE");
+  EXPECT_TRUE(Send({"KIT/*"}));
+  EXPECT_THAT(observer_.asked_for, SizeIs(5));
+  EXPECT_EQ(observer_.offline, 3U);
+}
+
+TEST_F(SendingToFoundRobots, SaysWhenTheBrokerKeepsNothing) {
+  world_.on_connect = [](testing::FakeTransport& broker) { broker.keeps_nothing = true; };
+  const Status found = Send({"KIT/*"});
+  ASSERT_FALSE(found);
+  EXPECT_THAT(found.error().message, HasSubstr("retained"));
+  type_ = "cancelOrder";
+  EXPECT_TRUE(Send({"KIT/0001"}));
+  EXPECT_THAT(observer_.reports, ElementsAre(Says("retained")));
 }
 
 TEST_F(SendingToFoundRobots, SendsNothingWithoutConsent) {
@@ -250,8 +349,8 @@ TEST_F(SendingToFoundRobots, LooksEvenInADryRun) {
 
 TEST_F(SendingCommands, SendsPreparedOnesOrNone) {
   vda5050::Dialect dialect;
-  auto good = Pause("").Build({"KIT", "0001"}, dialect, {});
-  auto bad = Pause("SOMETIMES").Build({"KIT", "0002"}, dialect, {});
+  auto good = Action("startPause").Build({"KIT", "0001"}, dialect, {});
+  auto bad = Action("startPause", "SOMETIMES").Build({"KIT", "0002"}, dialect, {});
   ASSERT_TRUE(good && bad);
   EXPECT_TRUE(SendMessages({*good}, settings_, {}, world_.Get(), observer_));
   EXPECT_THAT(Published(), SizeIs(1));

@@ -18,10 +18,13 @@ class FakeEnvironment {
   std::function<void(FakeTransport&)> on_connect = [](FakeTransport&) {};
   std::optional<Error> connect_error;
   int connections = 0;
+  bool names_broker = false;
 
   app::Environment Get() {
     return {.config = config,
             .schema_directory = "",
+            .names_broker = names_broker,
+            .site = "mqtt://broker",
             .connection = [this]() -> Result<app::Connection> {
               return app::Connection{.open = [this](mqtt::Deadline) { return Open(); }};
             },

@@ -25,6 +25,7 @@ class FakeObserver : public app::Observer {
 
   std::vector<std::string> warnings;
   std::vector<vda5050::RobotAddress> asked_for;  ///< whom consent was asked for
+  std::size_t offline = 0;
   std::vector<std::string> chosen;
   std::vector<message::Report> reports;
   std::vector<message::Report> nothing_sent;
@@ -34,8 +35,9 @@ class FakeObserver : public app::Observer {
   void Warn(std::string_view text) override { warnings.emplace_back(text); }
   void Info(std::string_view /*text*/) override {}
   void Debug(std::string_view /*text*/) override {}
-  Status Consent(std::span<const vda5050::RobotAddress> robots, std::string_view /*set*/) override {
-    asked_for.assign(robots.begin(), robots.end());
+  Status Consent(const app::ConsentRequest& request) override {
+    asked_for.assign(request.robots.begin(), request.robots.end());
+    offline = request.offline;
     return consent;
   }
   void Chosen(std::span<const std::string> targets) override {

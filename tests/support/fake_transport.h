@@ -39,7 +39,12 @@ class FakeTransport : public mqtt::Transport {
   [[nodiscard]] const std::vector<mqtt::Message>& published() const { return published_; }
   [[nodiscard]] const std::set<std::string>& subscribed() const { return subscribed_; }
 
-  const mqtt::ServerInfo& server() const override { return server_; }
+  bool keeps_nothing = false;  ///< and says so
+
+  const mqtt::ServerInfo& server() const override {
+    server_.retain_available = !keeps_nothing;
+    return server_;
+  }
   Status Subscribe(std::span<const std::string> filters, mqtt::Qos /*qos*/,
                    mqtt::Deadline /*deadline*/) override {
     for (const std::string& filter : filters) {
@@ -111,7 +116,7 @@ class FakeTransport : public mqtt::Transport {
 
  private:
   Journal& journal_;
-  mqtt::ServerInfo server_;
+  mutable mqtt::ServerInfo server_;
   std::set<std::string> subscribed_;
   std::deque<mqtt::Message> incoming_;
   std::vector<mqtt::Message> published_;

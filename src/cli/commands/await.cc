@@ -57,7 +57,7 @@ Status Listen(const Options& o, const RobotAddress& robot, const config::Config&
   if (std::find(wish.schemes.begin(), wish.schemes.end(), scheme) == wish.schemes.end()) {
     wish.schemes.push_back(scheme);
   }
-  if (o.vda.version.empty() || o.vda.IsAutomatic()) {
+  if (o.vda.IsAutomatic()) {
     const std::string_view topic = o.topic;
     auto filters = vda5050::TopicsAnywhere(scheme, robot, {&topic, 1});
     if (!filters) return Fail(std::move(filters.error()));
@@ -93,7 +93,7 @@ Result<std::vector<RobotAddress>> RobotsMeant(const Options& o, const Context& c
   if (!connect) return Fail(connect.error());
   const auto transport = mqtt::ConnectPaho(*connect);
   if (!transport) return Fail(transport.error());
-  auto robots = app::ListAllRobots(**transport, dialect->topics, {});
+  auto robots = app::ListRobots(**transport, dialect->topics, {});
   (*transport)->Disconnect();
   std::erase_if(robots,
                 [&](const RobotAddress& robot) { return !words->patterns.front().Matches(robot); });

@@ -257,7 +257,7 @@ Result<ExitCode> ShowOnly(base::LineReader reader, const Plan& plan, const Conte
 
 Result<Plan> PlanOf(const Options& options, const config::Config& config) {
   Plan plan;
-  if (options.vda.IsAutomatic()) {
+  if (options.vda.version == "auto") {
     return Fail(ErrorKind::kUsage,
                 "batch does not ask robots for their version: name it with --vda, or with vda in "
                 "each line");
@@ -268,7 +268,7 @@ Result<Plan> PlanOf(const Options& options, const config::Config& config) {
                               std::string_view word) -> Result<app::AddressedRobot> {
     auto robot = app::ResolveRobot(std::string(word), config);
     if (!robot) return Fail(std::move(robot.error()));
-    return resolver.Named(*std::move(robot));
+    return resolver.Resolve(*std::move(robot));
   };
   WaitingOptions waiting_options = options.waiting;
   waiting_options.timeout.clear();  // it also holds for lines that wait on their own account

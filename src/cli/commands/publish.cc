@@ -72,6 +72,11 @@ class UserMessage final : public app::RobotMessage {
     return vda5050::TrackUserMessage(robot, dialect, topic_, *message_, wait_for);
   }
 
+  [[nodiscard]] bool IsOnlyStartPause() const override {
+    return topic_ == "instantActions" &&
+           vda5050::IsOnlyStartPause(vda5050::ActionsIn(*message_, Dialect()));
+  }
+
  private:
   std::string_view topic_;
   std::shared_ptr<const base::JsonDocument> message_;
@@ -122,6 +127,7 @@ Result<ExitCode> Send(std::string_view topic, const TargetOptions& target_option
   return SendToRobots(
       {.targets = *std::move(targets),
        .resolver = *std::move(resolver),
+       .title = std::string(topic),
        .needs_consent = app::NeedsConsent::kYes,
        .header_id = *header_id,
        .make_message = [=] { return std::make_unique<UserMessage>(topic, shared, foreign); },

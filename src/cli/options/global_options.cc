@@ -210,32 +210,6 @@ Result<int> ParseWhole(std::string_view text, int least, int most, std::string_v
                                              option, least, most, base::Printable(text)));
 }
 
-Result<std::vector<mqtt::BrokerUrl>> ParseBrokers(const GlobalOptions& o) {
-  std::vector<mqtt::BrokerUrl> brokers;
-  const bool by_host = !o.host.empty() || !o.port.empty();
-  if (by_host && !o.brokers.empty()) {
-    return Fail(ErrorKind::kUsage,
-                "say where the broker is with --broker (FLEETPUB_BROKER) or with --host and --port "
-                "(FLEETPUB_HOST, FLEETPUB_PORT), not with both");
-  }
-  if (by_host) {
-    mqtt::BrokerUrl broker;
-    broker.host = o.host.empty() ? "localhost" : o.host;
-    const auto port = ParseWhole(o.port.empty() ? "1883" : o.port, 1, 65'535, "--port");
-    if (!port) return Fail(port.error());
-    broker.port = static_cast<std::uint16_t>(*port);
-    brokers.push_back(broker);
-    return brokers;
-  }
-  for (const std::string& text : o.brokers) {
-    auto broker = mqtt::ParseBrokerUrl(text);
-    if (!broker) return Fail(std::move(broker.error()));
-    brokers.push_back(std::move(*broker));
-  }
-  if (brokers.empty()) brokers.push_back({.host = "localhost"});
-  return brokers;
-}
-
 // Who names an authority expects to be encrypted. A configuration may do so for other brokers.
 Status CheckEncryption(const Context& context, std::span<const mqtt::BrokerUrl> brokers) {
   const GlobalOptions& o = context.options;
@@ -362,6 +336,32 @@ Status ApplyConfig(const config::Config& config, OptionSet& set, GlobalOptions& 
   }
   options.configured = set.bindings().Apply(config, std::move(except));
   return {};
+}
+
+Result<std::vector<mqtt::BrokerUrl>> ParseBrokers(const GlobalOptions& o) {
+  std::vector<mqtt::BrokerUrl> brokers;
+  const bool by_host = !o.host.empty() || !o.port.empty();
+  if (by_host && !o.brokers.empty()) {
+    return Fail(ErrorKind::kUsage,
+                "say where the broker is with --broker (FLEETPUB_BROKER) or with --host and --port "
+                "(FLEETPUB_HOST, FLEETPUB_PORT), not with both");
+  }
+  if (by_host) {
+    mqtt::BrokerUrl broker;
+    broker.host = o.host.empty() ? "localhost" : o.host;
+    const auto port = ParseWhole(o.port.empty() ? "1883" : o.port, 1, 65'535, "--port");
+    if (!port) return Fail(port.error());
+    broker.port = static_cast<std::uint16_t>(*port);
+    brokers.push_back(broker);
+    return brokers;
+  }
+  for (const std::string& text : o.brokers) {
+    auto broker = mqtt::ParseBrokerUrl(text);
+    if (!broker) return Fail(std::move(broker.error()));
+    brokers.push_back(std::move(*broker));
+  }
+  if (brokers.empty()) brokers.push_back({.host = "localhost"});
+  return brokers;
 }
 
 Result<mqtt::ConnectOptions> MakeConnectOptions(const Context& context) {

@@ -78,6 +78,9 @@ struct Context {
   const config::Config& config;
 };
 
+/// Which brokers are named; the default one when none is. Errors: ErrorKind::kUsage.
+[[nodiscard]] Result<std::vector<mqtt::BrokerUrl>> ParseBrokers(const GlobalOptions& options);
+
 /// Brokers, credentials and TLS as the options, the environment and files say. May prompt for a
 /// password. Errors: ErrorKind::kUsage (also a profile whose broker somebody contradicts, and a
 /// login that is another broker's), kLedger (a password file that cannot be read).

@@ -44,6 +44,9 @@ void DeclareSendingOptions(OptionSet& set, SendingOptions& options) {
 }
 
 void DeclareManyOptions(OptionSet& set, SendingOptions& options) {
+  set.AddFlag("--offline", options.offline,
+              "With --dry-run: do not ask the broker how the robot is spoken to")
+      .Group("Sending");
   set.AddFlag("--yes", options.yes, "Send to many robots without asking").Group("Sending");
   DeclareRate(set, options);
 }
@@ -70,8 +73,16 @@ Result<app::SendSettings> ParseSendingOptions(const SendingOptions& options) {
   if (!qos) return Fail(qos.error());
   const auto rate = ParseRate(options.rate);
   if (!rate) return Fail(rate.error());
-  return app::SendSettings{
-      .dry_run = options.dry_run, .agreed = options.yes, .qos = *qos, .rate = *rate};
+  if (options.offline && !options.dry_run) {
+    return Fail(ErrorKind::kUsage,
+                "--offline belongs to --dry-run: to send without asking the broker, state the "
+                "version and --no-check");
+  }
+  return app::SendSettings{.dry_run = options.dry_run,
+                           .offline = options.offline,
+                           .agreed = options.yes,
+                           .qos = *qos,
+                           .rate = *rate};
 }
 
 }  // namespace fleetpub::cli

@@ -12,6 +12,7 @@ class OptionSet;
 
 struct SendingOptions {
   bool dry_run = false;
+  bool offline = false;
   std::string qos = "0";
   bool yes = false;  ///< many robots may be commanded unasked
   std::string rate;  ///< messages per second; empty: no limit

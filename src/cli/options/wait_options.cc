@@ -47,11 +47,14 @@ void DeclareWaitingOptions(OptionSet& set, WaitingOptions& options) {
       .InRange(0, 100)
       .Group(kWaiting);
   set.AddFlag("--check", options.check,
-              "Look first whether the robot is online and supports the action [with --wait]")
+              "Look first whether the robot is online and supports the action [the default]")
       .Group(kWaiting);
-  set.AddFlag("--no-check", options.no_check, "Send without looking").Group(kWaiting);
+  set.AddFlag("--no-check", options.no_check,
+              "Send unchecked; with a version stated, without asking the broker anything")
+      .Group(kWaiting);
   set.AddOption("--discover", options.discover,
-                "Silence in ms after which a retained message is not there [300]")
+                "Silence in ms after which a retained message is not there [300]; five times as "
+                "long for the states of robots that are not online")
       .Type("MS")
       .Group(kWaiting);
 }
@@ -73,8 +76,7 @@ Result<app::Waiting> ParseWaitingOptions(const WaitingOptions& options) {
   if (options.check && options.no_check) {
     return Fail(ErrorKind::kUsage, "--check and --no-check exclude each other");
   }
-  waiting.check = options.check || (waiting.wait_for && !options.no_check);
-  waiting.no_check = options.no_check;
+  waiting.check = !options.no_check;
   const auto discover = ParseDiscover(options.discover);
   if (!discover) return Fail(discover.error());
   waiting.discover = *discover;

@@ -15,7 +15,7 @@ struct WaitingOptions {
   std::string wait_for;  ///< accepted, finished; empty: as `wait` says
   std::string timeout;   ///< in total; empty: 35 s to be seen, 10 min to be done
   int resend = 0;
-  bool check = false;
+  bool check = false;  ///< the default, said outright
   bool no_check = false;
   std::string discover = "300";
 };

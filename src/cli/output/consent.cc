@@ -13,11 +13,24 @@
 namespace fleetpub::cli {
 namespace {
 
-using vda5050::RobotAddress;
+// `Resume 46 of 49 robots (3 offline) at mqtts://north (profile north)`.
+std::string FormatQuestion(const app::ConsentRequest& request) {
+  const std::size_t all = request.robots.size();
+  const std::string what = request.title == "stopPause" ? "Resume"
+                           : request.title == "startPause"
+                               ? "Pause"
+                               : fmt::format("Send {} to", base::Printable(request.title));
+  const std::string many = request.offline == 0
+                               ? fmt::format("{}", all)
+                               : fmt::format("{} of {}", all - request.offline, all);
+  const std::string offline =
+      request.offline == 0 ? "" : fmt::format(" ({} offline)", request.offline);
+  return fmt::format("{} {} robots{} at {}", what, many, offline, request.site);
+}
 
-bool Agrees(std::span<const RobotAddress> robots) {
-  Print(stderr, fmt::format("{}\nSend to these {} robots? [y/N] ", app::FormatRobotList(robots),
-                            robots.size()));
+bool Agrees(const app::ConsentRequest& request) {
+  Print(stderr, fmt::format("{}\n{}? [y/N] ", app::FormatRobotList(request.robots),
+                            FormatQuestion(request)));
   std::fflush(stderr);
   std::string answer;
   char c = 0;
@@ -27,13 +40,16 @@ bool Agrees(std::span<const RobotAddress> robots) {
 
 }  // namespace
 
-Status AskForConsent(std::span<const RobotAddress> robots, std::string_view set) {
+Status AskForConsent(const app::ConsentRequest& request) {
   if (isatty(STDIN_FILENO) == 0 || isatty(STDERR_FILENO) == 0) {
-    return Fail(ErrorKind::kUsage,
-                fmt::format("nothing was sent: {} means {} robots ({}): --yes sends to all of them",
-                            base::Printable(set), robots.size(), app::FormatRobotList(robots)));
+    return Fail(
+        ErrorKind::kUsage,
+        fmt::format("nothing was sent: {} means {} robots at {} ({}): --yes sends to all of "
+                    "them",
+                    base::Printable(request.set), request.robots.size(), request.site,
+                    app::FormatRobotList(request.robots)));
   }
-  if (Agrees(robots)) return {};
+  if (Agrees(request)) return {};
   return Fail(ErrorKind::kUsage, "nothing was sent: not confirmed");
 }
 

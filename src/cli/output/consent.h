@@ -1,17 +1,13 @@
 // Whether many robots are meant.
 #pragma once
 
-#include <span>
-#include <string_view>
-
+#include "app/observer.h"
 #include "base/result.h"
-#include "vda5050/model/robot_address.h"
 
 namespace fleetpub::cli {
 
-/// Asks on a terminal whether all of these are meant; `set` is the word that stands for them.
-/// Errors: ErrorKind::kUsage: refused, or nobody is there to be asked.
-[[nodiscard]] Status AskForConsent(std::span<const vda5050::RobotAddress> robots,
-                                   std::string_view set);
+/// Asks on a terminal whether all of these are meant. Errors: ErrorKind::kUsage: refused, or nobody
+/// is there to be asked.
+[[nodiscard]] Status AskForConsent(const app::ConsentRequest& request);
 
 }  // namespace fleetpub::cli

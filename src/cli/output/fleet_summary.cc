@@ -93,9 +93,9 @@ std::vector<FleetSummary::Slow> FleetSummary::TheSlow() const {
   return slow;
 }
 
-std::vector<std::string> FleetSummary::Lines(nanoseconds elapsed) const {
-  std::vector<std::string> lines = {fmt::format("{} robot{}: {}  {}", robots(),
-                                                robots() == 1 ? "" : "s", Counts(),
+std::vector<std::string> FleetSummary::Lines(nanoseconds elapsed, std::string_view site) const {
+  std::vector<std::string> lines = {fmt::format("{} robot{} at {}: {}  {}", robots(),
+                                                robots() == 1 ? "" : "s", site, Counts(),
                                                 base::FormatElapsed(elapsed))};
   for (std::size_t i = 0; i < kGroups; ++i) {
     if (names_[i].empty()) continue;
@@ -114,8 +114,9 @@ std::vector<std::string> FleetSummary::Lines(nanoseconds elapsed) const {
   return lines;
 }
 
-std::string FleetSummary::Json(nanoseconds elapsed, ExitCode code) const {
-  std::string json = fmt::format(R"({{"summary":{{"robots":{})", robots());
+std::string FleetSummary::Json(nanoseconds elapsed, ExitCode code, std::string_view site) const {
+  std::string json =
+      fmt::format(R"({{"summary":{{"site":{},"robots":{})", base::JsonString(site), robots());
   for (std::size_t i = 0; i < kGroups; ++i) {
     json += fmt::format(R"(,"{}":{})", kGroupNames[i], counts_[i]);
   }

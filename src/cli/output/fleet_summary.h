@@ -33,9 +33,11 @@ class FleetSummary {
   [[nodiscard]] std::string Counts() const;
   /// For people: a line of counts, and one for each group that a person has to look after, naming
   /// the first fifty of it, and for those that took much longer than the others.
-  [[nodiscard]] std::vector<std::string> Lines(std::chrono::nanoseconds elapsed) const;
+  [[nodiscard]] std::vector<std::string> Lines(std::chrono::nanoseconds elapsed,
+                                               std::string_view site) const;
   /// The last object of the results (docs/manual.md).
-  [[nodiscard]] std::string Json(std::chrono::nanoseconds elapsed, ExitCode code) const;
+  [[nodiscard]] std::string Json(std::chrono::nanoseconds elapsed, ExitCode code,
+                                 std::string_view site) const;
 
  private:
   using Slow = std::pair<std::chrono::nanoseconds, std::string>;

@@ -22,4 +22,9 @@ void Reporter::Show(const message::Report& report) {
   }
 }
 
+void Reporter::Explain(const message::Report& report) {
+  worst_ = Worse(worst_, GetExitCode(report));
+  Print(stderr, ReportText(report, width_, output_) + "\n");
+}
+
 }  // namespace fleetpub::cli

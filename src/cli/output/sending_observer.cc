@@ -4,9 +4,8 @@
 
 namespace fleetpub::cli {
 
-Status SendingObserver::Consent(std::span<const vda5050::RobotAddress> robots,
-                                std::string_view set) {
-  return AskForConsent(robots, set);
+Status SendingObserver::Consent(const app::ConsentRequest& request) {
+  return AskForConsent(request);
 }
 
 void SendingObserver::Chosen(std::span<const std::string> targets) {
@@ -28,6 +27,7 @@ void SendingObserver::Report(const message::Report& report) {
   if (report.status == message::CommandStatus::kDryRun) {
     return output_.JsonLine(output_.json() ? ReportJson(report) : report.payload);
   }
+  if (show_ == Show::kPayloads && !output_.json()) return reporter_.Explain(report);
   summary_.Add(report);
   reporter_.Show(report);
   Output::FlushNow();
@@ -45,12 +45,12 @@ std::function<void()> SendingObserver::tick() {
 ExitCode SendingObserver::Conclude() {
   const bool has_sent = bar_ != nullptr;
   bar_.reset();
-  if (show_ == Show::kResults || !has_sent) return reporter_.worst();
+  if (show_ != Show::kResultsAndProgress || !has_sent) return reporter_.worst();
   const auto elapsed = std::chrono::steady_clock::now() - start_;
   if (output_.json()) {
-    output_.Line(summary_.Json(elapsed, reporter_.worst()));
+    output_.Line(summary_.Json(elapsed, reporter_.worst(), site_));
   } else {
-    for (const std::string& line : summary_.Lines(elapsed)) output_.PeopleLine(line);
+    for (const std::string& line : summary_.Lines(elapsed, site_)) output_.PeopleLine(line);
   }
   return reporter_.worst();
 }

@@ -17,15 +17,17 @@ namespace fleetpub::cli {
 /// sent.
 class SendingObserver final : public app::Observer {
  public:
-  enum class Show { kResults, kResultsAndProgress };
+  /// kPayloads: of a dry run, with everything else on standard error.
+  enum class Show { kResults, kResultsAndProgress, kPayloads };
 
-  SendingObserver(Output& output, Show show) : output_(output), show_(show), reporter_(output) {}
+  /// `site`: where they are sent, as a person reads it.
+  SendingObserver(Output& output, Show show, std::string site)
+      : output_(output), show_(show), site_(std::move(site)), reporter_(output) {}
 
   void Warn(std::string_view text) override { output_.Warn(text); }
   void Info(std::string_view text) override { output_.Info(text); }
   void Debug(std::string_view text) override { output_.Debug(text); }
-  [[nodiscard]] Status Consent(std::span<const vda5050::RobotAddress> robots,
-                               std::string_view set) override;
+  [[nodiscard]] Status Consent(const app::ConsentRequest& request) override;
   void Chosen(std::span<const std::string> targets) override;
   void WillSend(std::size_t total) override;
   void Sent() override;
@@ -39,6 +41,7 @@ class SendingObserver final : public app::Observer {
  private:
   Output& output_;
   Show show_;
+  std::string site_;
   const InterruptGuard interrupt_;
   Reporter reporter_;
   FleetSummary summary_;

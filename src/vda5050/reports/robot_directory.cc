@@ -57,14 +57,21 @@ std::string_view TopicOf(const Condition& condition) {
 
 bool RobotEntry::IsOnline() const { return connection && connection->connection_state == "ONLINE"; }
 
+bool RobotEntry::IsAlive() const {
+  const bool hibernates = connection && connection->connection_state == "HIBERNATING";
+  return IsOnline() || (speaks && !hibernates);
+}
+
 KnownRobot RobotEntry::Known() const {
   const auto rival = std::find_if(others.begin(), others.end(), [&](const RobotPlace& other) {
     return IsOnline() && other.standing.rank == standing.rank &&
            other.standing.is_live == standing.is_live;
   });
   return {.connection = connection,
-          .connection_topic = connection_topic,
-          .other_topic = rival == others.end() ? "" : rival->connection_topic,
+          .topic = topic,
+          .said_version = said_version,
+          .speaks = speaks,
+          .other_topic = rival == others.end() ? "" : rival->topic,
           .factsheet = factsheet,
           .factsheet_fault = factsheet_fault,
           .operating_mode = operating_mode};
@@ -104,10 +111,7 @@ const RobotEntry* RobotDirectory::Deliver(std::string_view topic, std::string_vi
     if (!levels) continue;
     RobotEntry* entry = Find(levels->robot, scheme);
     if (entry == nullptr) continue;
-    const bool was_online = entry->IsOnline();
-    if (!Take(*entry, *levels, topic, payload, origin)) return nullptr;
-    if (entry->IsOnline() != was_online) was_online ? --online_ : ++online_;
-    return entry;
+    return Take(*entry, *levels, topic, payload, origin) ? entry : nullptr;
   }
   return nullptr;
 }
@@ -115,31 +119,41 @@ const RobotEntry* RobotDirectory::Deliver(std::string_view topic, std::string_vi
 bool RobotDirectory::Take(RobotEntry& entry, const TopicLevels& levels, std::string_view topic,
                           std::string_view payload, Origin origin) {
   // Asked for again, a broker repeats what it has.
-  if (origin == Origin::kRetained && topic == entry.connection_topic) return true;
+  if (origin == Origin::kRetained && entry.connection && topic == entry.topic) return true;
+  if (payload.empty()) return false;
   const bool is_state = levels.topic_name == "state";
-  if (payload.empty() || (is_state && origin == Origin::kRetained)) return false;
   RobotPlace& place = PlaceIn(entry, levels.Place());
   const auto message = ReadMessage(payload);
   if (is_state) {
-    TakeState(place, message);
+    TakeState(place, *entry.base, topic, message, origin);
   } else if (!TakeOther(place, *entry.base, topic, message)) {
     return false;
   }
   // A robot that was away when it last was heard lives elsewhere, if anywhere.
-  place.standing.is_live =
-      (place.standing.is_live || origin == Origin::kLive) &&
-      !(place.connection && IsAway(place.connection->connection_state) && !is_state);
+  const bool is_live = origin == Origin::kLive;
+  const bool leaves = !is_state && place.connection && IsAway(place.connection->connection_state) &&
+                      (is_live || !place.speaks);
+  place.standing.is_live = (place.standing.is_live || is_live) && !leaves;
+  if (leaves) place.speaks = false;
   for (RobotPlace& other : entry.others) {
     RobotPlace& best = entry;
-    const bool is_better = !best.connection || best.standing < other.standing;
-    if (other.connection && is_better) std::swap(best, other);
+    const bool is_better = (!best.connection && !best.speaks) || best.standing < other.standing;
+    if ((other.connection || other.speaks) && is_better) std::swap(best, other);
   }
   return true;
 }
 
-void RobotDirectory::TakeState(RobotPlace& place, const Result<base::JsonDocument>& message) {
-  place.state_fault = message ? "" : message.error().message;
-  if (!message) return;
+// A retained one is the past: it tells that there is a robot and how to speak to it.
+void RobotDirectory::TakeState(RobotPlace& place, const Dialect& base, std::string_view topic,
+                               const Result<base::JsonDocument>& message, Origin origin) {
+  const bool is_live = origin == Origin::kLive;
+  place.speaks = place.speaks || is_live;
+  if (is_live) place.state_fault = message ? "" : message.error().message;
+  if (!place.connection) {
+    auto found = DialectFrom(base, topic, message ? ReadConnection(*message) : ConnectionMessage());
+    if (found) TakeDialect(place, *std::move(found));
+  }
+  if (!message || !is_live) return;
   place.state_heard = true;
   place.operating_mode = NormalisedMode(base::StringMember(*message, "operatingMode"));
   Judge(place, "state", *message);
@@ -158,16 +172,20 @@ bool RobotDirectory::TakeOther(RobotPlace& place, const Dialect& base, std::stri
     place.factsheet_fault = fault;
   }
   if (message) Judge(place, found->topic_name, *message);
-  if (found->topic_name != "connection" && place.connection) return true;
-  const bool is_live = place.standing.is_live;
-  place.standing = StandingOf(*found);
-  place.standing.is_live = is_live;
-  place.own = found->dialect ? Share(*std::move(found->dialect)) : nullptr;
-  if (found->topic_name == "connection") {
-    place.connection = std::move(found->message);
-    place.connection_topic = std::move(found->topic);
+  if (found->topic_name == "connection" || !place.connection) {
+    TakeDialect(place, *std::move(found));
   }
   return true;
+}
+
+void RobotDirectory::TakeDialect(RobotPlace& place, Discovered found) {
+  const bool is_live = place.standing.is_live;
+  place.standing = StandingOf(found);
+  place.standing.is_live = is_live;
+  place.own = found.dialect ? Share(*std::move(found.dialect)) : nullptr;
+  place.topic = std::move(found.topic);
+  place.said_version = found.message.header.version;
+  if (found.topic_name == "connection") place.connection = std::move(found.message);
 }
 
 void RobotDirectory::Judge(RobotPlace& place, std::string_view topic_name,

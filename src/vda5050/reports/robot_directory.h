@@ -32,9 +32,11 @@ struct RobotPlace {
   std::shared_ptr<const Factsheet> factsheet;
   std::string factsheet_fault;  ///< why it cannot be read
   std::optional<ConnectionMessage> connection;
-  std::string connection_topic;
-  Standing standing;  ///< of what all this was taken from; rank -1: nothing was heard
+  std::string topic;         ///< of the message that `own` was told from: `connection`'s, if any
+  std::string said_version;  ///< that this message names
+  Standing standing;         ///< of what all this was taken from; rank -1: nothing was heard
 
+  bool speaks = false;         ///< a live state came, readable or not, and no leave behind it
   bool state_heard = false;    ///< live: a retained one is the past
   std::string state_fault;     ///< why the last message on its state topic could not be read
   std::string operating_mode;  ///< of its last state; normalised
@@ -51,6 +53,8 @@ struct RobotEntry : RobotPlace {
 
   [[nodiscard]] bool WasHeard() const { return standing.rank >= 0; }
   [[nodiscard]] bool IsOnline() const;
+  /// ONLINE, or it sends states whatever its connection message says; but not HIBERNATING.
+  [[nodiscard]] bool IsAlive() const;
   /// In which it is to be spoken to. Never null.
   [[nodiscard]] const std::shared_ptr<const Dialect>& Spoken() const {
     return automatic && own ? own : base;
@@ -79,15 +83,16 @@ class RobotDirectory {
 
   [[nodiscard]] const std::map<RobotAddress, RobotEntry>& robots() const { return robots_; }
   [[nodiscard]] std::span<const TopicScheme> schemes() const { return schemes_; }
-  [[nodiscard]] std::size_t online() const { return online_; }
 
  private:
   RobotEntry* Find(const RobotAddress& robot, const TopicScheme& scheme);
   bool Take(RobotEntry& entry, const TopicLevels& levels, std::string_view topic,
             std::string_view payload, Origin origin);
-  void TakeState(RobotPlace& place, const Result<base::JsonDocument>& message);
+  void TakeState(RobotPlace& place, const Dialect& base, std::string_view topic,
+                 const Result<base::JsonDocument>& message, Origin origin);
   bool TakeOther(RobotPlace& place, const Dialect& base, std::string_view topic,
                  const Result<base::JsonDocument>& message);
+  void TakeDialect(RobotPlace& place, Discovered found);
   void Judge(RobotPlace& place, std::string_view topic_name, const base::JsonValue& message);
   std::shared_ptr<const Dialect> Share(Dialect dialect);
   std::shared_ptr<const Factsheet> Share(Factsheet factsheet);
@@ -98,7 +103,6 @@ class RobotDirectory {
   std::vector<TopicScheme> schemes_;  // few, however many robots there are
   std::vector<std::shared_ptr<const Dialect>> dialects_;
   std::vector<std::shared_ptr<const Factsheet>> factsheets_;
-  std::size_t online_ = 0;
 };
 
 }  // namespace fleetpub::vda5050

@@ -14,7 +14,7 @@
 namespace fleetpub::vda5050 {
 namespace {
 
-constexpr std::string_view kOverride = "--no-check sends it all the same";
+constexpr std::string_view kOverride = "--no-check sends it anyway";
 
 // What a robot in this mode may be sent, by the specification's table of operatingMode. Any other
 // mode is no reason to refuse.
@@ -57,6 +57,14 @@ bool IsOnly(std::span<const InstantAction> actions, std::string_view type) {
                                          [&](const auto& action) { return action.type == type; });
 }
 
+// Which every robot shall support (3.0 §6.2.3), or which stands in no factsheet as it asks for it:
+// a factsheet that leaves them out must not stand in the way of stopping.
+bool IsRequiredOfAll(std::string_view type) {
+  constexpr std::array<std::string_view, 4> kTypes = {"startPause", "stopPause", "cancelOrder",
+                                                      "factsheetRequest"};
+  return std::find(kTypes.begin(), kTypes.end(), type) != kTypes.end();
+}
+
 // ── connection ──
 
 void CheckStopHibernation(Check& check, const ConnectionMessage& connection) {
@@ -69,16 +77,37 @@ void CheckStopHibernation(Check& check, const ConnectionMessage& connection) {
   }
 }
 
-void CheckConnection(Check& check, const ConnectionMessage& connection) {
+// Nothing tells whether a robot is there that has left no connection message and sends no state.
+void CheckWithoutConnection(Check& check) {
+  if (check.known.speaks) {
+    return check.Warn(check.name + " has left no connection message, but sends states");
+  }
+  const std::string sentence =
+      check.name + " has left no connection message, and sent no state while it was listened to";
+  if (IsOnlyStartPause(check.actions)) {
+    check.Warn(sentence + "; startPause is sent anyway");
+  } else {
+    check.Refuse(sentence);
+  }
+}
+
+void CheckConnection(Check& check) {
+  if (!check.known.connection) return CheckWithoutConnection(check);
+  const ConnectionMessage& connection = *check.known.connection;
   if (IsOnly(check.actions, "stopHibernation")) return CheckStopHibernation(check, connection);
   if (connection.connection_state == "ONLINE") return;
+  if (check.known.speaks && connection.connection_state != "HIBERNATING") {
+    // A last will that was left behind, or a robot that does not say when it comes back.
+    return check.Warn(fmt::format("the broker has {} as {}, but it sends states", check.name,
+                                  ConnectionText(connection)));
+  }
   check.findings.unreachable = true;
   const std::string sentence =
       connection.fault.empty()
           ? fmt::format("{} is {}", check.name, ConnectionText(connection))
           : fmt::format("{}'s connection message cannot be read: {}", check.name, connection.fault);
-  if (IsOnly(check.actions, "startPause")) {
-    check.Warn(sentence + "; startPause is sent all the same");
+  if (IsOnlyStartPause(check.actions)) {
+    check.Warn(sentence + "; startPause is sent anyway");
   } else if (connection.connection_state == "HIBERNATING") {
     check.RefuseUnless(sentence, "wake it with stopHibernation");
   } else {
@@ -100,14 +129,16 @@ bool Fits(std::string_view spoken, Version theirs, Version ours) {
 
 // Whether the robot's connection message is where the version's topics are.
 bool IsFoundAt(const Check& check, Version version) {
-  const auto topic = TopicFor(check.dialect.topics, version, check.robot, "connection");
-  return check.known.connection_topic.empty() || !topic || *topic == check.known.connection_topic;
+  const std::size_t last = check.known.topic.rfind('/') + 1;
+  const auto topic =
+      TopicFor(check.dialect.topics, version, check.robot, check.known.topic.substr(last));
+  return check.known.topic.empty() || !topic || *topic == check.known.topic;
 }
 
 // False when the robot speaks another version.
 bool CheckVersion(Check& check, const std::string& spoken) {
   const std::string sentence = fmt::format("{} speaks {}", check.name, Shown(spoken));
-  const auto levels = ReadTopic(check.dialect.topics, check.known.connection_topic);
+  const auto levels = ReadTopic(check.dialect.topics, check.known.topic);
   const auto theirs = VersionSpoken(spoken, levels ? levels->major : "");
   if (!theirs || !HasDigit(spoken)) {
     if (!HasDigit(spoken)) return true;  // a text that says nothing is no contradiction
@@ -129,7 +160,7 @@ bool CheckVersion(Check& check, const std::string& spoken) {
 void CheckTopics(Check& check) {
   if (IsFoundAt(check, check.dialect.version)) return;
   check.RefuseUnless(fmt::format("{} is found at {}, which is not where it would be sent to",
-                                 check.name, Shown(check.known.connection_topic)),
+                                 check.name, Shown(check.known.topic)),
                      "use --vda auto, or --interface and --topic-template");
 }
 
@@ -145,7 +176,7 @@ void CheckMode(Check& check, std::string_view mode) {
   std::string sentence =
       fmt::format("{} is in {}, in which it obeys {}", check.name, rule->mode,
                   rule->obeys == Obeys::kNothing ? "no instant action" : "cancelOrder alone");
-  if (IsOnly(check.actions, "startPause")) return check.Warn(std::move(sentence));
+  if (IsOnlyStartPause(check.actions)) return check.Warn(std::move(sentence));
   check.Refuse(sentence);
 }
 
@@ -191,14 +222,6 @@ void CheckBlockingType(Check& check, const InstantAction& action, const Factshee
   if (GetFacts(check.dialect.version).only_blocking_type_none) return check.Warn(sentence);
   check.RefuseUnless(sentence,
                      "use --blocking-type " + Shown(base::Join(listed.blocking_types, " or ")));
-}
-
-// Which every robot shall support (3.0 §6.2.3), or which stands in no factsheet as it asks for it:
-// a factsheet that leaves them out must not stand in the way of stopping.
-bool IsRequiredOfAll(std::string_view type) {
-  constexpr std::array<std::string_view, 4> kTypes = {"startPause", "stopPause", "cancelOrder",
-                                                      "factsheetRequest"};
-  return std::find(kTypes.begin(), kTypes.end(), type) != kTypes.end();
 }
 
 void CheckListing(Check& check, const Factsheet& factsheet, const InstantAction& action) {
@@ -263,13 +286,11 @@ PreflightFindings CheckRobot(const RobotAddress& robot, const Dialect& dialect,
                              std::span<const InstantAction> actions, const KnownRobot& known,
                              std::size_t payload_bytes) {
   Check check{robot, dialect, actions, known, base::Printable(robot.ToString())};
-  if (!known.connection) {
-    check.Refuse(check.name + " is unknown: no connection message of it is at the broker");
-    return std::move(check.findings);
-  }
-  CheckConnection(check, *known.connection);
+  CheckConnection(check);
   const bool is_exempt = !dialect.header_version.empty() || !dialect.version_said.empty();
-  if (is_exempt || CheckVersion(check, known.connection->header.version)) CheckTopics(check);
+  const std::string& said =
+      known.connection ? known.connection->header.version : known.said_version;
+  if (is_exempt || CheckVersion(check, said)) CheckTopics(check);
   if (auto rival = RivalText(robot, known)) check.Warn(*std::move(rival));
   CheckMode(check, known.operating_mode);
   if (!known.factsheet_fault.empty()) {
@@ -283,10 +304,20 @@ PreflightFindings CheckRobot(const RobotAddress& robot, const Dialect& dialect,
   return std::move(check.findings);
 }
 
+bool IsOnlyStartPause(std::span<const InstantAction> actions) {
+  return IsOnly(actions, "startPause");
+}
+
+bool NeedsFactsheet(std::span<const InstantAction> actions) {
+  return actions.empty() || !std::all_of(actions.begin(), actions.end(), [](const auto& action) {
+           return IsRequiredOfAll(action.type);
+         });
+}
+
 std::optional<std::string> RivalText(const RobotAddress& robot, const KnownRobot& known) {
   if (known.other_topic.empty()) return std::nullopt;
   return fmt::format("{} is ONLINE at {} and at {}: the first one is taken for the living one",
-                     base::Printable(robot.ToString()), Shown(known.connection_topic),
+                     base::Printable(robot.ToString()), Shown(known.topic),
                      Shown(known.other_topic));
 }
 

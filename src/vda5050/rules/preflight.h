@@ -16,12 +16,14 @@
 
 namespace fleetpub::vda5050 {
 
-/// What is known of a robot. Whatever is missing is not checked, but for the connection message:
-/// without one the robot is unknown.
+/// What is known of a robot. Whatever is missing is not checked, but for the connection message: a
+/// robot without one has to send states.
 struct KnownRobot {
   std::optional<ConnectionMessage> connection;
-  std::string connection_topic;  ///< where that message stood; empty: where the dialect expects it
-  std::string other_topic;       ///< where another one stands that may as well be the living one
+  std::string topic;         ///< of that, or of what else told how it is spoken to
+  std::string said_version;  ///< that this message names; of `connection` its header tells
+  bool speaks = false;       ///< it sends states, whatever its connection message says
+  std::string other_topic;   ///< where another one stands that may as well be the living one
   std::shared_ptr<const Factsheet> factsheet;  ///< robots of one make share it; may be null
   std::string factsheet_fault;                 ///< why it cannot be read
   std::string operating_mode;                  ///< of a live state, normalised; empty: not known
@@ -36,7 +38,7 @@ struct PreflightFindings {
   bool unreachable = false;
 };
 
-/// Checks the actions of one message, in this order: is the robot known and ONLINE, does it speak
+/// Checks the actions of one message, in this order: is the robot ONLINE or sends states, does it speak
 /// the dialect's version (not checked when the dialect has a header version of its own) at the
 /// dialect's topics, does its mode allow instant actions (the table of operatingMode), does its
 /// factsheet list the actions with scope INSTANT and with these parameters, do its limits hold.
@@ -45,6 +47,12 @@ struct PreflightFindings {
 [[nodiscard]] PreflightFindings CheckRobot(const RobotAddress& robot, const Dialect& dialect,
                                            std::span<const InstantAction> actions,
                                            const KnownRobot& known, std::size_t payload_bytes = 0);
+
+/// Whether to stop is all that they ask: that is never held back.
+[[nodiscard]] bool IsOnlyStartPause(std::span<const InstantAction> actions);
+
+/// Whether a factsheet tells anything of these actions: every robot shall know those of stopping.
+[[nodiscard]] bool NeedsFactsheet(std::span<const InstantAction> actions);
 
 /// `KIT/0001 is ONLINE at … and at …`: of a robot that lives at two topics, or two of one name.
 [[nodiscard]] std::optional<std::string> RivalText(const RobotAddress& robot,

@@ -29,8 +29,8 @@ TEST(FleetSummary, NamesThoseThatAPersonHasToLookAfter) {
   Add(summary, "KIT/3", CommandStatus::kTimeout, milliseconds(5));
   Add(summary, "KIT/5", CommandStatus::kOffline, milliseconds(0));
   EXPECT_THAT(
-      summary.Lines(milliseconds(42)),
-      ElementsAre("5 robots: 1 finished, 2 failed, 1 unconfirmed, 1 offline  42 ms",
+      summary.Lines(milliseconds(42), "mqtt://north"),
+      ElementsAre("5 robots at mqtt://north: 1 finished, 2 failed, 1 unconfirmed, 1 offline  42 ms",
                   "  failed      KIT/2, KIT/4", "  unconfirmed KIT/3", "  offline     KIT/5"));
 }
 
@@ -38,15 +38,16 @@ TEST(FleetSummary, NamesTheSlowOnesAmongTheFinished) {
   FleetSummary summary;
   for (int i = 0; i < 9; ++i) Add(summary, "KIT/1", CommandStatus::kFinished, milliseconds(400));
   Add(summary, "KIT/2", CommandStatus::kFinished, milliseconds(1'100));
-  EXPECT_THAT(summary.Lines(milliseconds(1)), SizeIs(1)) << "not three times the median";
+  EXPECT_THAT(summary.Lines(milliseconds(1), "mqtt://north"), SizeIs(1))
+      << "not three times the median";
   Add(summary, "KIT/3", CommandStatus::kFinished, milliseconds(1'300));
-  EXPECT_EQ(summary.Lines(milliseconds(1)).back(), "  slow        KIT/3 1.3 s");
+  EXPECT_EQ(summary.Lines(milliseconds(1), "mqtt://north").back(), "  slow        KIT/3 1.3 s");
 }
 
 TEST(FleetSummary, BoundsItsLists) {
   FleetSummary summary;
   for (int i = 0; i < 60; ++i) Add(summary, "KIT/1", CommandStatus::kTimeout, milliseconds(1));
-  EXPECT_THAT(summary.Lines(milliseconds(1)).back(), HasSubstr(" and 10 more"));
+  EXPECT_THAT(summary.Lines(milliseconds(1), "mqtt://north").back(), HasSubstr(" and 10 more"));
 }
 
 TEST(FleetSummary, IsAnObjectForScripts) {
@@ -54,9 +55,11 @@ TEST(FleetSummary, IsAnObjectForScripts) {
   Add(summary, "KIT/1", CommandStatus::kPublished, milliseconds(2));
   Add(summary, "KIT/2", CommandStatus::kRefused, milliseconds(0));
   Add(summary, "KIT/3", CommandStatus::kError, milliseconds(0));
-  const auto json = base::ParseJson(summary.Json(milliseconds(7), ExitCode::kBroker));
+  const auto json =
+      base::ParseJson(summary.Json(milliseconds(7), ExitCode::kBroker, "mqtt://north"));
   ASSERT_TRUE(json.has_value());
   const auto& members = (*json)["summary"];
+  EXPECT_STREQ(members["site"].GetString(), "mqtt://north");
   EXPECT_EQ(members["robots"].GetInt(), 3);
   EXPECT_EQ(members["sent"].GetInt(), 1);
   EXPECT_EQ(members["refused"].GetInt(), 1);

@@ -52,7 +52,6 @@ TEST_F(RobotDirectoryTest, FindsWhomItAdmitsEachInItsOwnDialect) {
       directory.Deliver("uagv/v2/KIT/0002/connection", "no JSON", Origin::kRetained);
   ASSERT_NE(broken, nullptr);
   EXPECT_NE(broken->connection->fault, "") << "there is a robot, and why it is not known how";
-  EXPECT_EQ(directory.online(), 1U);
 }
 
 TEST_F(RobotDirectoryTest, SharesWhatRobotsOfOneMakeHaveInCommon) {
@@ -81,8 +80,7 @@ TEST_F(RobotDirectoryTest, BelievesTheMessageOfTheGreaterStanding) {
   const auto* entry = deliver("uagv/v2/KIT/0001/connection", Connection("2.1.0", "ONLINE", 1));
   EXPECT_EQ(entry->Spoken()->version, Version::k210) << "ONLINE goes before a newer one";
   deliver("uagv/v2/KIT/0001/factsheet", Message("2.1.0", R"("protocolLimits":{})", 30));
-  EXPECT_EQ(entry->connection_topic, "uagv/v2/KIT/0001/connection");
-  EXPECT_EQ(directory.online(), 1U);
+  EXPECT_EQ(entry->topic, "uagv/v2/KIT/0001/connection");
 }
 
 TEST_F(RobotDirectoryTest, TestsConditionsByTheTopicThatTheyAreAbout) {
@@ -137,7 +135,41 @@ TEST_F(RobotDirectoryTest, BelievesThePlaceAtWhichARobotSpeaks) {
   EXPECT_EQ(entry->Known().other_topic, "");
   EXPECT_EQ(entry->unmet[0], "");
   EXPECT_EQ(entry->unmet[1], "version is \"3.0.0\"");
-  EXPECT_EQ(directory.online(), 1U);
+}
+
+TEST_F(RosterTest, TakesARobotThatSendsStatesForAlive) {
+  RobotDirectory directory = Open();
+  const auto* entry = directory.Deliver("uagv/v2/KIT/0001/state",
+                                        Message("2.1.0", R"("paused":true)"), Origin::kLive);
+  ASSERT_NE(entry, nullptr);
+  EXPECT_TRUE(entry->IsAlive()) << "without any connection message";
+  EXPECT_EQ(entry->Spoken()->version, Version::k210);
+  directory.Deliver("uagv/v2/KIT/0001/connection", Connection("2.1.0", "CONNECTIONBROKEN"),
+                    Origin::kRetained);
+  EXPECT_TRUE(entry->IsAlive()) << "the will of an older connection";
+  EXPECT_FALSE(entry->IsOnline());
+  directory.Deliver("uagv/v2/KIT/0001/connection", Connection("2.1.0", "OFFLINE", 30),
+                    Origin::kLive);
+  EXPECT_FALSE(entry->IsAlive()) << "it has just left";
+}
+
+TEST_F(RosterTest, TakesNobodyForAliveByWhatIsRetained) {
+  RobotDirectory directory = Open();
+  const auto* entry = directory.Deliver("uagv/v2/KIT/0001/state",
+                                        Message("2.1.0", R"("paused":true)"), Origin::kRetained);
+  ASSERT_NE(entry, nullptr) << "there is, or was, such a robot";
+  EXPECT_TRUE(entry->WasHeard());
+  EXPECT_FALSE(entry->IsAlive());
+  EXPECT_EQ(entry->Spoken()->version, Version::k210);
+}
+
+TEST_F(RosterTest, LetsAHibernatingRobotHibernate) {
+  RobotDirectory directory = Open();
+  directory.Deliver("vda5050/v3/KIT/0001/connection", Connection("3.0.0", "HIBERNATING"),
+                    Origin::kRetained);
+  const auto* entry = directory.Deliver("vda5050/v3/KIT/0001/state",
+                                        Message("3.0.0", R"("paused":true)", 9), Origin::kLive);
+  EXPECT_FALSE(entry->IsAlive());
 }
 
 TEST_F(RobotDirectoryTest, SaysWhyAFactsheetCannotBeRead) {

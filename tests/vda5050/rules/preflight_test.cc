@@ -14,6 +14,7 @@ std::shared_ptr<const Factsheet> Shared(std::string_view payload) {
 }
 
 using ::testing::AllOf;
+using ::testing::Contains;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
@@ -84,19 +85,45 @@ TEST(Preflight, FindsNothingWrongWithARobotThatIsOnline) {
   EXPECT_THAT(Findings(Online(), Action("startPause")), IsEmpty());
 }
 
-TEST(Preflight, RefusesARobotThatNobodyKnows) {
-  for (const std::string type : {"cancelOrder", "startPause", "stopHibernation"}) {
+TEST(Preflight, RefusesARobotOfWhichNothingTellsThatItIsThere) {
+  for (const std::string type : {"cancelOrder", "stopPause", "stopHibernation"}) {
     EXPECT_THAT(Findings({}, Action(type)),
-                ElementsAre("refused: KIT/0001 is unknown: no connection message of it is at the "
-                            "broker; --no-check sends it all the same"));
+                ElementsAre(AllOf(StartsWith("refused: KIT/0001"), HasSubstr("connection message"),
+                                  HasSubstr("--no-check"))));
   }
+  EXPECT_THAT(Findings({}, Action("startPause")), ElementsAre(StartsWith("warning: KIT/0001")))
+      << "to stop is never held back";
+}
+
+TEST(Preflight, OnlyWarnsOfARobotThatSendsStatesWithoutBeingOnline) {
+  KnownRobot silent_about_it;
+  silent_about_it.speaks = true;
+  silent_about_it.said_version = "3.0.0";
+  EXPECT_THAT(Findings(silent_about_it, Action("cancelOrder")),
+              ElementsAre(AllOf(StartsWith("warning: "), HasSubstr("sends states"))));
+  KnownRobot old_will = In("CONNECTIONBROKEN");
+  old_will.speaks = true;
+  EXPECT_THAT(Findings(old_will, Action("cancelOrder")),
+              ElementsAre(AllOf(StartsWith("warning: "), HasSubstr("CONNECTION_BROKEN"),
+                                HasSubstr("sends states"))));
+  KnownRobot asleep = In("HIBERNATING");
+  asleep.speaks = true;
+  EXPECT_THAT(Findings(asleep, Action("cancelOrder")), ElementsAre(StartsWith("refused: ")));
+}
+
+TEST(Preflight, HoldsTheVersionOfAStateAgainstTheDialectToo) {
+  KnownRobot known;
+  known.speaks = true;
+  known.said_version = "2.1.0";
+  EXPECT_THAT(Findings(known, Action("cancelOrder")),
+              Contains(AllOf(StartsWith("refused: "), HasSubstr("speaks 2.1.0"))));
 }
 
 TEST(Preflight, RefusesARobotThatIsNotOnline) {
   for (const std::string state : {"OFFLINE", "DISCONNECTED", "disconnected"}) {
     EXPECT_THAT(Findings(In(state), Action("cancelOrder")),
                 ElementsAre("refused: KIT/0001 is OFFLINE since 2026-01-02T03:04:05.678Z; "
-                            "--no-check sends it all the same"));
+                            "--no-check sends it anyway"));
   }
   EXPECT_THAT(Findings(In("CONNECTIONBROKEN"), Action("cancelOrder")),
               ElementsAre(HasSubstr("CONNECTION_BROKEN (connected at 2026-01-02T03:04:05.678Z)")))
@@ -113,9 +140,8 @@ TEST(Preflight, SaysHowToWakeARobotThatHibernates) {
 
 TEST(Preflight, SendsAPauseToARobotThatLooksOffline) {
   for (const std::string state : {"OFFLINE", "CONNECTION_BROKEN", "HIBERNATING", ""}) {
-    EXPECT_THAT(
-        Findings(In(state), Action("startPause")),
-        ElementsAre(MatchesRegex("warning: KIT/0001 is .*; startPause is sent all the same")));
+    EXPECT_THAT(Findings(In(state), Action("startPause")),
+                ElementsAre(MatchesRegex("warning: KIT/0001 is .*; startPause is sent anyway")));
   }
 }
 
@@ -151,7 +177,7 @@ TEST(Preflight, NamesTheVersionThatTheRobotSpeaks) {
               ElementsAre("refused: KIT/0001 speaks v2: use --vda auto, or --no-check"));
   EXPECT_THAT(Findings(Online("4.0.0"), Action("startPause")),
               ElementsAre("refused: KIT/0001 speaks 4.0.0, which fleetpub does not; --no-check "
-                          "sends it all the same"));
+                          "sends it anyway"));
 }
 
 TEST(Preflight, TakesAVersionThatIsSaidInOtherWords) {
@@ -175,7 +201,7 @@ TEST(Preflight, TakesAVersionThatIsSaidInOtherWords) {
 
 TEST(Preflight, WeighsTheTopicOfAVersionThatIsNoRelease) {
   KnownRobot known = Online("1.4.7");
-  known.connection_topic = "uagv/v2/KIT/0001/connection";
+  known.topic = "uagv/v2/KIT/0001/connection";
   EXPECT_THAT(Findings(known, Action("startPause"), {.version = Version::k210}),
               ElementsAre(AllOf(StartsWith("warning"), HasSubstr("1.4.7"), HasSubstr("2.1.0"))));
 }
@@ -188,7 +214,7 @@ TEST(Preflight, DoesNotCheckTheVersionBesideAHeaderVersionOfItsOwn) {
 
 KnownRobot At(std::string topic, std::string_view version) {
   KnownRobot known = Online(version);
-  known.connection_topic = std::move(topic);
+  known.topic = std::move(topic);
   return known;
 }
 
@@ -222,8 +248,8 @@ TEST(Preflight, ObeysTheTableOfModes) {
          {"stopPause", "cancelOrder", "stateRequest", "factsheetRequest", "initializePosition"}) {
       EXPECT_THAT(Findings(InMode(mode), Action(type)),
                   ElementsAre("refused: KIT/0001 is in " + mode +
-                              ", in which it obeys no instant action; --no-check sends it all the "
-                              "same"));
+                              ", in which it obeys no instant action; --no-check sends it "
+                              "anyway"));
     }
   }
   EXPECT_THAT(Findings(InMode("teachin"), Action("startPause")),
@@ -234,7 +260,7 @@ TEST(Preflight, CancelsAnOrderOfARobotThatIsIntervened) {
   EXPECT_THAT(Findings(InMode("INTERVENED"), Action("cancelOrder")), IsEmpty());
   EXPECT_THAT(Findings(InMode("INTERVENED"), Action("stopPause")),
               ElementsAre("refused: KIT/0001 is in INTERVENED, in which it obeys cancelOrder "
-                          "alone; --no-check sends it all the same"));
+                          "alone; --no-check sends it anyway"));
 }
 
 // ── factsheet: actions ──
@@ -242,9 +268,9 @@ TEST(Preflight, CancelsAnOrderOfARobotThatIsIntervened) {
 TEST(Preflight, RefusesAnActionThatTheFactsheetDoesNotList) {
   const auto known = WithActions(R"({"actionType":"startPause","actionScopes":["INSTANT"]})");
   EXPECT_THAT(Findings(known, Action("startPause")), IsEmpty());
-  EXPECT_THAT(Findings(known, Action("beep")),
-              ElementsAre("refused: KIT/0001's factsheet does not list beep; --no-check sends it "
-                          "all the same"));
+  EXPECT_THAT(
+      Findings(known, Action("beep")),
+      ElementsAre("refused: KIT/0001's factsheet does not list beep; --no-check sends it anyway"));
 }
 
 TEST(Preflight, RefusesAnActionThatIsNotInstant) {
@@ -252,7 +278,7 @@ TEST(Preflight, RefusesAnActionThatIsNotInstant) {
       Findings(WithActions(R"({"actionType":"beep","actionScopes":["NODE","EDGE"]})"),
                Action("beep")),
       ElementsAre("refused: KIT/0001's factsheet lists beep for NODE, EDGE only, not INSTANT; "
-                  "--no-check sends it all the same"));
+                  "--no-check sends it anyway"));
   EXPECT_THAT(Findings(WithActions(R"({"actionType":"beep"})"), Action("beep")), IsEmpty());
 }
 
@@ -276,7 +302,7 @@ TEST(Preflight, RefusesAnActionWithoutAParameterThatTheFactsheetNeeds) {
   action.parameters = {{"volume", "1"}};
   EXPECT_THAT(Findings(WithActions(kBeep), action),
               ElementsAre("refused: KIT/0001's factsheet has the parameter tone for beep and needs "
-                          "it; --no-check sends it all the same"));
+                          "it; --no-check sends it anyway"));
 }
 
 TEST(Preflight, WarnsOfAParameterOfWhichTheFactsheetDoesNotSayIfItIsOptional) {
