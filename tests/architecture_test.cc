@@ -52,7 +52,7 @@ constexpr Library kLibraries[] = {
 };
 
 // Of `base/json.h` it is `base`, of `main.cc` `main.cc`.
-std::string FolderOf(const std::string& path) { return path.substr(0, path.find('/')); }
+std::string GetFolder(const std::string& path) { return path.substr(0, path.find('/')); }
 
 std::string ReadText(const std::filesystem::path& path) {
   std::ostringstream text;
@@ -70,7 +70,7 @@ Tree ReadTree(const std::filesystem::path& root) {
   return tree;
 }
 
-std::vector<Include> IncludesOf(const Tree& tree) {
+std::vector<Include> ReadIncludes(const Tree& tree) {
   std::vector<Include> includes;
   for (const auto& [file, text] : tree) {
     std::istringstream lines(text);
@@ -86,8 +86,8 @@ std::vector<Include> IncludesOf(const Tree& tree) {
 }
 
 std::string FaultOfArrow(const Include& include, const Tree& tree) {
-  const std::string from = FolderOf(include.file);
-  const std::string to = FolderOf(include.header);
+  const std::string from = GetFolder(include.file);
+  const std::string to = GetFolder(include.header);
   if (!tree.contains(include.header)) return "is not a path below src";
   if (!Ranks().contains(from) || !Ranks().contains(to)) return "concerns a folder without a place";
   if (from == to || Ranks().at(from) < Ranks().at(to)) return "";
@@ -96,14 +96,14 @@ std::string FaultOfArrow(const Include& include, const Tree& tree) {
 
 bool IsSeenOutside(const std::string& header, const std::vector<Include>& includes) {
   return std::any_of(includes.begin(), includes.end(), [&](const Include& include) {
-    return include.header == header && FolderOf(include.file) != FolderOf(header);
+    return include.header == header && GetFolder(include.file) != GetFolder(header);
   });
 }
 
 std::string FaultOfLibrary(const Include& include, const std::vector<Include>& includes) {
   for (const auto& [prefix, folder, in_headers] : kLibraries) {
     if (!include.header.starts_with(prefix)) continue;
-    if (FolderOf(include.file) != folder) return fmt::format("belongs into {} alone", folder);
+    if (GetFolder(include.file) != folder) return fmt::format("belongs into {} alone", folder);
     if (include.file.ends_with(".cc") || prefix == "rapidjson/") return "";
     if (!in_headers) return "belongs into .cc files";
     if (IsSeenOutside(include.file, includes)) return "is seen by other folders";
@@ -113,7 +113,7 @@ std::string FaultOfLibrary(const Include& include, const std::vector<Include>& i
 
 // `cli/a.cc includes b/c.h, which …`, one per include that may not be.
 std::vector<std::string> Faults(const Tree& tree) {
-  const std::vector<Include> includes = IncludesOf(tree);
+  const std::vector<Include> includes = ReadIncludes(tree);
   std::vector<std::string> faults;
   for (const Include& include : includes) {
     const std::string fault =
@@ -129,19 +129,19 @@ const std::filesystem::path kRoot = FLEETPUB_SOURCE_DIR;
 TEST(Architecture, HasNoArrowUpwardsOrSideways) {
   const Tree tree = ReadTree(kRoot / "src");
   ASSERT_GT(tree.size(), 50U);
-  ASSERT_GT(IncludesOf(tree).size(), 300U);
+  ASSERT_GT(ReadIncludes(tree).size(), 300U);
   EXPECT_THAT(Faults(tree), IsEmpty());
 }
 
 TEST(Architecture, HasAMainThatOnlyCallsTheCommandLine) {
   const Tree tree = ReadTree(kRoot / "src");
-  for (const Include& include : IncludesOf({{"main.cc", tree.at("main.cc")}})) {
-    EXPECT_EQ(FolderOf(include.header), "cli");
+  for (const Include& include : ReadIncludes({{"main.cc", tree.at("main.cc")}})) {
+    EXPECT_EQ(GetFolder(include.header), "cli");
   }
 }
 
 TEST(Architecture, ConfiguresRapidJsonInOnePlace) {
-  for (const Include& include : IncludesOf(ReadTree(kRoot / "src"))) {
+  for (const Include& include : ReadIncludes(ReadTree(kRoot / "src"))) {
     if (include.header != "rapidjson/document.h") continue;
     EXPECT_EQ(include.file, "base/rapidjson.h");
   }

@@ -120,7 +120,7 @@ TEST(AnyBrokerUrl, IsParsedFromItsText) {
   }));
 }
 
-vda5050::Parameter AnyValueOf(const vda5050::ParameterSpec& spec) {
+vda5050::Parameter MakeAnyValue(const vda5050::ParameterSpec& spec) {
   std::string text = *LevelName();
   if (spec.type == vda5050::ParameterType::kFloat64) {
     text = std::to_string(*rc::gen::inRange(-1'000'000, 1'000'000)) + ".5e-3";
@@ -136,7 +136,7 @@ vda5050::Parameter AnyValueOf(const vda5050::ParameterSpec& spec) {
 TEST(AnyInstantAction, IsValidOnceItIsBuilt) {
   schema::Registry registry;
   for (const vda5050::Version version : vda5050::kVersions) {
-    auto actions = vda5050::ActionsOf(version);
+    auto actions = vda5050::ListActions(version);
     std::erase_if(actions, [](const auto* spec) { return !spec->scopes.instant; });
     std::size_t turn = 0;  // each action several times
     EXPECT_TRUE(rc::check([&] {
@@ -145,7 +145,7 @@ TEST(AnyInstantAction, IsValidOnceItIsBuilt) {
       action.descriptor = *rc::gen::oneOf(LevelName(), rc::gen::just(std::string()));
       for (const vda5050::ParameterSpec& parameter : spec.parameters) {
         if (parameter.required || *rc::gen::arbitrary<bool>()) {
-          action.parameters.push_back(AnyValueOf(parameter));
+          action.parameters.push_back(MakeAnyValue(parameter));
         }
       }
       const auto command = vda5050::BuildInstantActions({*LevelName(), *LevelName()},

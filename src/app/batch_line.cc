@@ -245,7 +245,7 @@ struct Request {
                                   .descriptor = std::string(StringMember(line, "descriptor")),
                                   .blocking_type = std::string(StringMember(line, "blockingType")),
                                   .parameters = {}};
-    if (FindMember(line, "actionId") == nullptr) action.id = vda5050::SuitableActionId(nullptr);
+    if (FindMember(line, "actionId") == nullptr) action.id = vda5050::MakeActionId(nullptr);
     if (const Value* parameters = FindMember(line, "parameters")) {
       for (const auto& [key, value] : parameters->GetObject()) {
         action.parameters.push_back({std::string(base::ViewOf(key)), base::ToJson(value)});
@@ -300,11 +300,11 @@ struct SoarRequest {
     for (const auto& [key, value] : FindMember(line, "payload")->GetObject()) {
       if (base::ViewOf(key) != "message_type") {
         members.push_back({std::string(base::ViewOf(key)), base::ToJson(value)});
-      } else if (value != soar::NameOf(type).data()) {
+      } else if (value != soar::GetName(type).data()) {
         return Wrong("the payload's message_type is another one than soar");
       }
     }
-    payload = soar::PayloadOf(type, members);
+    payload = soar::BuildPayload(type, members);
     const Value* wait = FindMember(line, "wait");
     if (wait == nullptr ? defaults.wait_for.has_value() : wait->IsTrue()) {
       wait_for = soar::Level::kExecuted;

@@ -135,7 +135,7 @@ PreflightFindings CommandFactory::FindingsOnUnknown(const ListedRobot& robot,
   if (message.IsOnlyStartPause()) {
     const vda5050::Dialect& dialect = *entry.Spoken();
     findings.warnings.push_back(fmt::format("{}; startPause is sent anyway, in {}{}", sentence,
-                                            vda5050::FactsOf(dialect.version).name,
+                                            vda5050::GetFacts(dialect.version).name,
                                             dialect.assumed ? " (assumed)" : ""));
     return findings;
   }

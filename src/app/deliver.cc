@@ -92,7 +92,7 @@ Status DeliverPrepared(const std::vector<Command>& commands, const SendSettings&
 
 }  // namespace
 
-Status SendPrepared(const std::vector<Command>& commands, const SendSettings& settings,
+Status SendMessages(const std::vector<Command>& commands, const SendSettings& settings,
                     const std::optional<delivery::WaitOptions>& wait,
                     const Environment& environment, Observer& observer) {
   schema::Registry registry(environment.schema_directory);

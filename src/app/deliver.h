@@ -43,7 +43,7 @@ void WarnOfSilentRefusals(mqtt::ProtocolVersion version, mqtt::Qos qos, Log& log
                              const std::optional<delivery::WaitOptions>& wait, Observer& observer);
 
 /// Sends all of these commands, or none when one is invalid.
-[[nodiscard]] Status SendPrepared(const std::vector<message::Command>& commands,
+[[nodiscard]] Status SendMessages(const std::vector<message::Command>& commands,
                                   const SendSettings& settings,
                                   const std::optional<delivery::WaitOptions>& wait,
                                   const Environment& environment, Observer& observer);

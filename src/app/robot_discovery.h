@@ -12,7 +12,7 @@
 #include "base/result.h"
 #include "delivery/retained.h"
 #include "mqtt/transport.h"
-#include "vda5050/reports/roster.h"
+#include "vda5050/reports/robot_directory.h"
 
 namespace fleetpub::app {
 

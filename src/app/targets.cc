@@ -9,7 +9,7 @@
 
 #include "base/line_reader.h"
 #include "base/text.h"
-#include "vda5050/reports/roster.h"
+#include "vda5050/reports/robot_directory.h"
 
 namespace fleetpub::app {
 namespace {

@@ -10,7 +10,7 @@ struct Glyph {
   std::size_t columns;
 };
 
-Glyph FrontOf(std::string_view text) {
+Glyph ReadFront(std::string_view text) {
   if (static_cast<unsigned char>(text.front()) < 0x80) return {1, 1};
   utf8proc_int32_t code = 0;
   const auto bytes = utf8proc_iterate(reinterpret_cast<const utf8proc_uint8_t*>(text.data()),
@@ -24,10 +24,10 @@ Glyph FrontOf(std::string_view text) {
 
 }  // namespace
 
-std::size_t WidthOf(std::string_view text) {
+std::size_t MeasureWidth(std::string_view text) {
   std::size_t width = 0;
   while (!text.empty()) {
-    const auto [bytes, columns] = FrontOf(text);
+    const auto [bytes, columns] = ReadFront(text);
     width += columns;
     text.remove_prefix(bytes);
   }
@@ -37,7 +37,7 @@ std::size_t WidthOf(std::string_view text) {
 std::string_view CutTo(std::size_t width, std::string_view text) {
   std::size_t end = 0;
   while (end < text.size()) {
-    const auto [bytes, columns] = FrontOf(text.substr(end));
+    const auto [bytes, columns] = ReadFront(text.substr(end));
     if (columns > width) break;
     width -= columns;
     end += bytes;
@@ -53,7 +53,7 @@ std::string Shortened(std::size_t width, std::string_view text) {
 
 std::string Padded(std::size_t width, std::string_view text) {
   std::string padded(text);
-  const std::size_t taken = WidthOf(text);
+  const std::size_t taken = MeasureWidth(text);
   if (taken < width) padded.append(width - taken, ' ');
   return padded;
 }

@@ -9,7 +9,7 @@
 namespace fleetpub::base {
 
 /// Columns that a printable text takes (Printable()); text that is no UTF-8 counts by its bytes.
-[[nodiscard]] std::size_t WidthOf(std::string_view text);
+[[nodiscard]] std::size_t MeasureWidth(std::string_view text);
 
 /// As much of its beginning as fits into so many columns; marks stay with their letter.
 [[nodiscard]] std::string_view CutTo(std::size_t width, std::string_view text);

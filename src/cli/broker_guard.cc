@@ -20,7 +20,7 @@ void AddBrokers(const config::ConfigSection& section, Texts& texts) {
 }
 
 // For whom a setting of the configuration is written; empty: no broker is named.
-Texts OwnersOf(const config::ConfigValue& value, const config::Config& config) {
+Texts ListOwners(const config::ConfigValue& value, const config::Config& config) {
   Texts texts;
   if (!value.profile.empty()) {
     AddBrokers(config.profiles.find(value.profile)->second, texts);
@@ -99,7 +99,7 @@ Status CheckLogin(const Context& context, std::span<const mqtt::BrokerUrl> broke
     if (is_for_tls && !any_tls) continue;
     if (std::find(configured.begin(), configured.end(), key) == configured.end()) continue;
     const config::ConfigValue& value = *context.config.Find(key);
-    const Texts owners = OwnersOf(value, context.config);
+    const Texts owners = ListOwners(value, context.config);
     if (owners.empty() || value.texts.front().empty() || value.texts.front() == "false") continue;
     const mqtt::BrokerUrl* const stranger = FindStranger(brokers, owners);
     if (stranger == nullptr) continue;

@@ -35,7 +35,7 @@ app::Environment MakeEnvironment(const Context& context) {
           .names_broker = !o.brokers.empty() || !o.host.empty() || !o.port.empty(),
           .site = FormatSite(context),
           .connection = [context]() -> Result<app::Connection> {
-            auto options = ConnectOptionsOf(context);
+            auto options = MakeConnectOptions(context);
             if (!options) return Fail(std::move(options.error()));
             const auto timeout = options->connect_timeout;
             const auto version = options->version;

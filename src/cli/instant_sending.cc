@@ -20,7 +20,7 @@ class InstantMessage final : public app::RobotMessage {
  public:
   InstantMessage(InstantAction action, bool has_given_id)
       : action_(std::move(action)), has_given_id_(has_given_id) {
-    if (!has_given_id_) action_.id = vda5050::SuitableActionId(nullptr);
+    if (!has_given_id_) action_.id = vda5050::MakeActionId(nullptr);
   }
 
   [[nodiscard]] Result<message::Command> Build(
@@ -55,7 +55,7 @@ class InstantMessage final : public app::RobotMessage {
   [[nodiscard]] bool IsAlikeForAll() const override { return true; }
 
   void ApplyLimits(const vda5050::Factsheet& factsheet) override {
-    if (!has_given_id_) action_.id = vda5050::SuitableActionId(&factsheet);
+    if (!has_given_id_) action_.id = vda5050::MakeActionId(&factsheet);
   }
 
  private:
@@ -98,8 +98,8 @@ Result<ExitCode> SendInstantAction(const InstantSendingOptions& options, std::st
   if (!targets) return Fail(std::move(targets.error()));
   auto resolver = app::DialectResolver::For(options.instant.vda, context.config);
   if (!resolver) return Fail(std::move(resolver.error()));
-  const auto action = ActionOf(options.instant, type, std::move(parameters),
-                               targets->IsSet() ? 2 : targets->include.robots.size());
+  const auto action = BuildInstantAction(options.instant, type, std::move(parameters),
+                                         targets->IsSet() ? 2 : targets->include.robots.size());
   if (!action) return Fail(action.error());
   const auto header_id = HeaderIdOf(options.instant.header_id);
   if (!header_id) return Fail(header_id.error());

@@ -50,12 +50,12 @@ Format FindFormat(const std::vector<std::string>& arguments, const GlobalOptions
 ExitCode EndBefore(const Error& error, const std::vector<std::string>& arguments,
                    const GlobalOptions& options) {
   Output output({.format = FindFormat(arguments, options), .verbose = options.verbose});
-  output.PrintFinalError(error, CodeOf(error.kind));
-  return CodeOf(error.kind);
+  output.PrintFinalError(error, GetExitCode(error.kind));
+  return GetExitCode(error.kind);
 }
 
 ExitCode Finish(const Result<ExitCode>& result, Output& output) {
-  const ExitCode code = result ? *result : CodeOf(result.error().kind);
+  const ExitCode code = result ? *result : GetExitCode(result.error().kind);
   if (!result) output.PrintFinalError(result.error(), code);
   const auto flushed = output.Flush();
   if (flushed) return code;

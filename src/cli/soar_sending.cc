@@ -21,7 +21,7 @@ class LevelTeller {
 
   void operator()(const soar::Acknowledgement& said, std::chrono::nanoseconds after) const {
     output_.Info(fmt::format("{}: {}  {}", base::Printable(said.from.empty() ? target_ : said.from),
-                             soar::NameOf(said.level), base::FormatElapsed(after)));
+                             soar::GetName(said.level), base::FormatElapsed(after)));
   }
 
  private:
@@ -44,11 +44,11 @@ void DeclareSoarSending(OptionSet& set, SoarSendingOptions& options) {
 
 Result<ExitCode> SendSoarMessage(const SoarSendingOptions& options, soar::MessageType type,
                                  std::string_view payload, const Context& context) {
-  const auto sender = SenderOf(options.soar);
+  const auto sender = ParseSender(options.soar);
   if (!sender) return Fail(sender.error());
-  const auto destination = DestinationOf(options.soar, *sender, type);
+  const auto destination = ParseDestination(options.soar, *sender, type);
   if (!destination) return Fail(destination.error());
-  const auto waiting = SoarWaitingOf(options.waiting, *destination);
+  const auto waiting = ParseSoarWaiting(options.waiting, *destination);
   if (!waiting) return Fail(waiting.error());
 
   message::Command command = soar::BuildMessage(type, *destination, *sender, payload);
@@ -72,7 +72,7 @@ Result<ExitCode> SendSoarMessage(const SoarSendingOptions& options, soar::Messag
       settings->dry_run ? SendingObserver::Show::kPayloads : SendingObserver::Show::kResults,
       FormatSite(context));
   auto sent =
-      app::SendPrepared({std::move(command)}, *settings, wait, MakeEnvironment(context), observer);
+      app::SendMessages({std::move(command)}, *settings, wait, MakeEnvironment(context), observer);
   if (!sent) return Fail(std::move(sent.error()));
   return observer.Conclude();
 }

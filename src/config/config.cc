@@ -62,7 +62,7 @@ Status CollectAliases(Config& config) {
   return {};
 }
 
-Result<RobotAddress> MemberOf(const ConfigValue& member, const Config& config) {
+Result<RobotAddress> ResolveMember(const ConfigValue& member, const Config& config) {
   const std::string& word = member.texts.front();
   if (word.starts_with('@')) {
     return Fail(ErrorAt(member.place, fmt::format("'{}': a group holds robots and aliases, no "
@@ -85,7 +85,7 @@ Status ResolveGroups(Config& config) {
   for (const auto& [name, group] : config.groups) {
     std::vector<RobotAddress>& robots = config.group_robots[name];
     for (const ConfigValue& member : group.members) {
-      auto robot = MemberOf(member, config);
+      auto robot = ResolveMember(member, config);
       if (!robot) return Fail(std::move(robot.error()));
       if (std::find(robots.begin(), robots.end(), *robot) == robots.end()) {
         robots.push_back(*std::move(robot));

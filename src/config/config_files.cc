@@ -45,7 +45,7 @@ bool IsTrusted(uid_t owner, Missing missing) {
   return owner == 0 || owner == self || (self == 0 && missing == Missing::kIsAnError);
 }
 
-std::string NameOf(uid_t user) {
+std::string FormatUser(uid_t user) {
   const auto account = base::FindAccount(user);
   return account ? base::Printable(account->name) : fmt::format("user {}", user);
 }
@@ -59,7 +59,7 @@ Status CheckFolder(const fs::path& folder, const std::string& file, Missing miss
     if (place == folder && !IsTrusted(status.st_uid, missing)) {
       return Refused(file, fmt::format("its folder {} belongs to {}, who can put another in its "
                                        "place: keep it in a folder of your own or of root",
-                                       name, NameOf(status.st_uid)));
+                                       name, FormatUser(status.st_uid)));
     }
     if ((status.st_mode & S_IWOTH) != 0 && (status.st_mode & S_ISVTX) == 0) {
       return Refused(file,
@@ -78,7 +78,7 @@ Status CheckRegularFile(const struct stat& status, const std::string& file, Miss
   if (!IsTrusted(status.st_uid, missing)) {
     return Refused(file, fmt::format("it belongs to {}, who can choose the broker that gets your "
                                      "login: let it be yours or root's",
-                                     NameOf(status.st_uid)));
+                                     FormatUser(status.st_uid)));
   }
   std::error_code failed;
   const fs::path named = fs::absolute(file, failed);

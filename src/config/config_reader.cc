@@ -19,7 +19,7 @@ using Type = TomlValue::Type;
 
 constexpr std::string_view kAllowInsecure = "allow_insecure";
 
-std::string_view NameOf(Type type) {
+std::string_view GetName(Type type) {
   switch (type) {
     case Type::kText:
       return "a text";
@@ -55,7 +55,7 @@ std::string_view Wanted(SettingType type) {
   return "something else";
 }
 
-bool Suits(SettingType type, const TomlValue& value) {
+bool HasType(SettingType type, const TomlValue& value) {
   switch (type) {
     case SettingType::kText:
     case SettingType::kPath:
@@ -140,7 +140,7 @@ class Reader {
           ErrorAt(At(member.place), fmt::format("{}: {}", base::Printable(member.name), why)));
     };
     if (member.name == kAllowInsecure && !further.empty()) {
-      if (!Suits(SettingType::kFlag, member.value)) return refuse("takes true or false");
+      if (!HasType(SettingType::kFlag, member.value)) return refuse("takes true or false");
       section[member.name] = {{member.value.text}, At(member.place), profile};
       return {};
     }
@@ -159,11 +159,11 @@ class Reader {
       return refuse(nearest ? fmt::format("there is no such key: did you mean {}?", *nearest)
                             : "there is no such key: fleetpub config init --stdout lists them");
     }
-    if (!Suits(setting->type, member.value)) {
+    if (!HasType(setting->type, member.value)) {
       return refuse(fmt::format("takes {}, not {}", Wanted(setting->type),
                                 member.value.items.empty() && member.value.type == Type::kArray
                                     ? "an empty list"
-                                    : NameOf(member.value.type)));
+                                    : GetName(member.value.type)));
     }
     return Store(member, *setting, profile, section);
   }
@@ -178,7 +178,8 @@ class Reader {
               ErrorAt(At(item.place), fmt::format("{}: {}", setting.key, ok.error().message)));
         }
       }
-      value.texts.push_back(setting.type == SettingType::kPath ? PathOf(item.text) : item.text);
+      value.texts.push_back(setting.type == SettingType::kPath ? ResolvePath(item.text)
+                                                               : item.text);
       return {};
     };
     if (member.value.type == Type::kArray) {
@@ -193,7 +194,7 @@ class Reader {
   }
 
   // Relative to the file, so that it means the same from every folder.
-  [[nodiscard]] std::string PathOf(const std::string& text) const {
+  [[nodiscard]] std::string ResolvePath(const std::string& text) const {
     if (text.empty() || text.find("://") != std::string::npos) return text;
     if (text.starts_with("~/")) return (HomeFolder() / text.substr(2)).string();
     return (std::filesystem::path(file_).parent_path() / text).string();
@@ -261,7 +262,7 @@ class Reader {
       if (auto ok = CheckTargetName(member.name); !ok) {
         return Fail(ErrorAt(At(member.place), ok.error().message));
       }
-      if (member.value.type != Type::kArray || !Suits(SettingType::kTexts, member.value)) {
+      if (member.value.type != Type::kArray || !HasType(SettingType::kTexts, member.value)) {
         return Fail(ErrorAt(At(member.place),
                             fmt::format("group {} takes a list of robots, at least one: [\"KIT/"
                                         "0001\", \"alias\"]",

@@ -43,7 +43,7 @@ namespace {
 
 using base::JsonString;
 
-TomlPlace PlaceOf(const toml::source_region& source) {
+TomlPlace ReadPlace(const toml::source_region& source) {
   return {source.begin.line, source.begin.column};
 }
 
@@ -120,7 +120,7 @@ std::optional<toml::table> ParseShallow(std::string_view text, TomlPlace& too_de
   }
   std::optional<toml::table> table = toml::parse(text);
   if (const toml::node* deep = FindDeeper(*table, kMaxDepth)) {
-    too_deep = PlaceOf(deep->source());
+    too_deep = ReadPlace(deep->source());
     return std::nullopt;
   }
   return table;
@@ -178,17 +178,17 @@ class Writer {
   }
 };
 
-TomlValue ValueOf(const toml::node& node) {
+TomlValue ReadValue(const toml::node& node) {
   using Kind = TomlValue::Type;
-  TomlValue value{.type = Kind::kTime, .place = PlaceOf(node.source())};
+  TomlValue value{.type = Kind::kTime, .place = ReadPlace(node.source())};
   if (const auto* table = node.as_table()) {
     value.type = Kind::kTable;
     for (const auto& [key, member] : *table) {
-      value.members.push_back({std::string(key.str()), PlaceOf(key.source()), ValueOf(member)});
+      value.members.push_back({std::string(key.str()), ReadPlace(key.source()), ReadValue(member)});
     }
   } else if (const auto* array = node.as_array()) {
     value.type = Kind::kArray;
-    for (const auto& item : *array) value.items.push_back(ValueOf(item));
+    for (const auto& item : *array) value.items.push_back(ReadValue(item));
   } else if (const auto* text = node.as_string()) {
     value.type = Kind::kText;
     value.text = text->get();
@@ -246,11 +246,11 @@ Result<TomlValue> ParseToml(std::string_view text) {
   try {
     TomlPlace too_deep;
     const auto table = ParseShallow(text, too_deep);
-    if (table) return ValueOf(*table);
+    if (table) return ReadValue(*table);
     return Fail(ErrorKind::kUsage,
                 fmt::format("{}:{}: not valid TOML: {}", too_deep.line, too_deep.column, kTooDeep));
   } catch (const toml::parse_error& error) {
-    const auto [line, column] = PlaceOf(error.source());
+    const auto [line, column] = ReadPlace(error.source());
     return Fail(
         ErrorKind::kUsage,
         fmt::format("{}:{}: not valid TOML: {}", line, column, WordsFor(error.description())),

@@ -12,8 +12,8 @@ namespace {
 using std::chrono::milliseconds;
 using std::chrono::steady_clock;
 
-ledger::Draft DraftOf(const message::Command& command, const std::string& broker,
-                      base::WallTime now) {
+ledger::Draft MakeDraft(const message::Command& command, const std::string& broker,
+                        base::WallTime now) {
   const message::PayloadTemplate& payload = command.payload;
   return {.topic = command.topic,
           .target = command.target,
@@ -76,14 +76,15 @@ Status BatchPublisher::Reserve(std::span<const message::Command> commands) {
   const std::string broker = transport_.server().broker.ToString();
   std::vector<ledger::Draft> drafts;
   drafts.reserve(commands.size());
-  for (const message::Command& command : commands) drafts.push_back(DraftOf(command, broker, now));
+  for (const message::Command& command : commands)
+    drafts.push_back(MakeDraft(command, broker, now));
   const auto reservations = ledger_.Reserve(drafts);
   if (!reservations) return Fail(reservations.error());
   for (std::size_t i = 0; i < reports_.size(); ++i) {
     const ledger::Reservation& reservation = (*reservations)[i];
     if (drafts[i].counted) reports_[i].header_id = reservation.header_id;
     reports_[i].ledger_row = reservation.row;
-    reports_[i].payload = ledger::PayloadOf(drafts[i], reservation.header_id);
+    reports_[i].payload = ledger::BuildPayload(drafts[i], reservation.header_id);
   }
   return {};
 }

@@ -236,7 +236,7 @@ void CommandSession::Lose(Error error) {
   reconnector_.Lose(std::move(error));
 }
 
-// The targets go on working while the broker is away: what they say afterwards still counts.
+// The targets go on working while the broker cannot be reached: what they say afterwards still counts.
 void CommandSession::TryAgain(mqtt::Deadline deadline) {
   transport_ =
       reconnector_.TryAgain(deadline, pending_.NextLimit(), [this](mqtt::Transport& opened) {
@@ -266,11 +266,11 @@ void CommandSession::TellEnded() {
 
 // Puts the reports' statuses into the audit trail.
 void CommandSession::Record(std::span<const message::Report> reports) {
-  std::vector<ledger::Outcome> outcomes;
+  std::vector<ledger::StatusUpdate> outcomes;
   outcomes.reserve(reports.size());
   for (const message::Report& report : reports) {
     if (report.ledger_row == 0) continue;  // it came to nothing before it was recorded
-    outcomes.push_back({report.ledger_row, std::string(NameOf(report.status)), report.message});
+    outcomes.push_back({report.ledger_row, std::string(GetName(report.status)), report.message});
   }
   auto recorded = ledger_.RecordOutcomes(outcomes);
   if (!recorded && trouble_) trouble_ = std::move(recorded);

@@ -87,7 +87,7 @@ void PendingCommands::Update(Entry& entry) {
   Tracked& watched = entry.second;
   const message::Progress& progress = watched.tracker->progress();
   if (progress.ended) {
-    return End(entry, progress.status, message::TroubleOf(progress.status), progress.message);
+    return End(entry, progress.status, message::ToErrorKind(progress.status), progress.message);
   }
   if (progress.seen && !watched.seen) {
     watched.seen = true;
@@ -127,7 +127,7 @@ std::vector<PendingCommands::Key> PendingCommands::Expire() {
       again.push_back(entry.first);
     } else {
       End(entry, message::CommandStatus::kTimeout,
-          message::TroubleOf(message::CommandStatus::kTimeout), progress.message);
+          message::ToErrorKind(message::CommandStatus::kTimeout), progress.message);
     }
   }
   std::sort(again.begin(), again.end());

@@ -38,7 +38,7 @@ class PendingCommands {
  public:
   using Clock = std::chrono::steady_clock;
   using Key = std::uint64_t;
-  /// Told once for each command when its fate is known; the report is complete.
+  /// Told once for each command when its end is known; the report is complete.
   using EndHook = std::function<void(Key key, message::Report report)>;
 
   PendingCommands(const WaitOptions& options, EndHook ended);

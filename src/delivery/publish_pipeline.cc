@@ -25,22 +25,22 @@ Status PublishPipeline::Send(mqtt::Transport& transport, std::span<const message
 
 Status PublishPipeline::Open(mqtt::Transport& transport, std::span<const message::Command> commands,
                              Key key, milliseconds lock_timeout) {
-  BatchPublisher bracket(transport, ledger_, options_);
-  if (auto opened = bracket.Open(commands, lock_timeout, sent_); !opened) return opened;
-  under_way_.push_back({key, std::move(bracket)});
+  BatchPublisher publisher(transport, ledger_, options_);
+  if (auto opened = publisher.Open(commands, lock_timeout, sent_); !opened) return opened;
+  under_way_.push_back({key, std::move(publisher)});
   return {};
 }
 
 void PublishPipeline::Await(mqtt::Transport& transport, std::size_t most) {
   while (!under_way_.empty()) {
-    const BatchPublisher& first = under_way_.front().bracket;
+    const BatchPublisher& first = under_way_.front().publisher;
     if (first.awaited() == 0) {
       CloseFirst({});
       continue;
     }
     if (under_way_.size() <= most) return;
     std::size_t left = 0;
-    for (const UnderWay& each : under_way_) left += each.bracket.awaited();
+    for (const UnderWay& each : under_way_) left += each.publisher.awaited();
     auto heard = Hear(transport, first.deadline(), left - first.awaited());
     if (heard && first.awaited() > 0 && steady_clock::now() >= first.deadline()) {
       heard = Fail(first.Silence());
@@ -56,7 +56,7 @@ Status PublishPipeline::Hear(mqtt::Transport& transport, mqtt::Deadline deadline
   for (const mqtt::Acknowledgement& acknowledgement : *acknowledgements) {
     static_cast<void>(std::any_of(
         under_way_.begin(), under_way_.end(),
-        [&acknowledgement](UnderWay& each) { return each.bracket.Take(acknowledgement); }));
+        [&acknowledgement](UnderWay& each) { return each.publisher.Take(acknowledgement); }));
   }
   return {};
 }
@@ -64,7 +64,7 @@ Status PublishPipeline::Hear(mqtt::Transport& transport, mqtt::Deadline deadline
 void PublishPipeline::CloseFirst(const Error& reason) {
   UnderWay first = std::move(under_way_.front());
   under_way_.pop_front();
-  done_(first.key, first.bracket.Close(reason));
+  done_(first.key, first.publisher.Close(reason));
 }
 
 }  // namespace fleetpub::delivery

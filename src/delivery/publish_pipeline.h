@@ -39,7 +39,7 @@ class PublishPipeline {
  private:
   struct UnderWay {
     Key key;
-    BatchPublisher bracket;
+    BatchPublisher publisher;
   };
 
   [[nodiscard]] Status Open(mqtt::Transport& transport, std::span<const message::Command> commands,

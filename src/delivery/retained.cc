@@ -31,8 +31,8 @@ Status ReadBurst(mqtt::Transport& transport, mqtt::Deadline end, const MessageCa
   return {};
 }
 
-Status Gather(mqtt::Transport& transport, std::span<const std::string> filters,
-              const RetainedOptions& options, const MessageCallback& take) {
+Status ReadInto(mqtt::Transport& transport, std::span<const std::string> filters,
+                const RetainedOptions& options, const MessageCallback& take) {
   while (!filters.empty()) {
     const auto some = filters.first(std::min(kFiltersAtOnce, filters.size()));
     filters = filters.subspan(some.size());
@@ -65,7 +65,7 @@ Status Gather(mqtt::Transport& transport, std::span<const std::string> filters,
 
 Status ReadRetained(mqtt::Transport& transport, std::span<const std::string> filters,
                     const RetainedOptions& options, const MessageCallback& take) {
-  auto ok = Gather(transport, filters, options, take);
+  auto ok = ReadInto(transport, filters, options, take);
   if (!ok || filters.size() <= kFiltersAtOnce) return ok;
   return transport.Unsubscribe(filters, steady_clock::now() + options.subscribe);
 }

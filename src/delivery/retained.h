@@ -1,4 +1,4 @@
-// Gathers what the broker has retained. MQTT does not mark the end of it: absence is decided after
+// Reads what the broker has retained. MQTT does not mark the end of it: absence is decided after
 // a silence.
 #pragma once
 

@@ -1,4 +1,4 @@
-// Listens to topics for as long as somebody wants to, however often the broker goes away meanwhile.
+// Listens to topics for as long as somebody wants to, however often the connection is lost meanwhile.
 #pragma once
 
 #include <functional>

@@ -20,12 +20,12 @@ struct Mark {
 };
 static_assert(sizeof(Mark) == 8, "as in the file");
 
-off_t PlaceOf(std::string_view topic) {
+off_t ComputeOffset(std::string_view topic) {
   return static_cast<off_t>(TopicHash(topic) % kPlaces * sizeof(Mark));
 }
 
 /// Of topic and id together: whoever else took the place, and whatever damaged it, has another.
-std::uint32_t CheckOf(std::string_view topic, std::uint32_t last) {
+std::uint32_t ComputeCheck(std::string_view topic, std::uint32_t last) {
   const std::uint64_t hash = TopicHash(std::to_string(last).append(" ").append(topic));
   return static_cast<std::uint32_t>(hash >> 32) ^ static_cast<std::uint32_t>(hash);
 }
@@ -44,14 +44,14 @@ HeaderIdCheckpoints::~HeaderIdCheckpoints() {
 
 std::optional<std::uint32_t> HeaderIdCheckpoints::Read(std::string_view topic) const {
   Mark mark;
-  if (pread(fd_, &mark, sizeof mark, PlaceOf(topic)) != sizeof mark) return std::nullopt;
-  if (mark.check != CheckOf(topic, mark.last)) return std::nullopt;
+  if (pread(fd_, &mark, sizeof mark, ComputeOffset(topic)) != sizeof mark) return std::nullopt;
+  if (mark.check != ComputeCheck(topic, mark.last)) return std::nullopt;
   return mark.last;
 }
 
 void HeaderIdCheckpoints::Write(std::string_view topic, std::uint32_t last) const {
-  const Mark mark{last, CheckOf(topic, last)};
-  [[maybe_unused]] const auto unmarked = pwrite(fd_, &mark, sizeof mark, PlaceOf(topic));
+  const Mark mark{last, ComputeCheck(topic, last)};
+  [[maybe_unused]] const auto unmarked = pwrite(fd_, &mark, sizeof mark, ComputeOffset(topic));
 }
 
 std::optional<std::uint32_t> LaterId(std::optional<std::uint32_t> recorded,

@@ -54,7 +54,7 @@ struct Reservation {
 
 /// What became of a recorded message. `status` is a status name of the manual ("SENT",
 /// "FINISHED" …).
-struct Outcome {
+struct StatusUpdate {
   std::int64_t row = 0;
   std::string status;
   std::string detail;
@@ -141,7 +141,7 @@ class Ledger {
   /// Outcomes of row 0 are passed over; a later one of the same row replaces the earlier. Does not
   /// wait for the disk: a power failure may take outcomes back, never ids or rows. Also keeps the
   /// store tidy: call it once per command even when history is off.
-  [[nodiscard]] virtual Status RecordOutcomes(std::span<const Outcome> outcomes) = 0;
+  [[nodiscard]] virtual Status RecordOutcomes(std::span<const StatusUpdate> outcomes) = 0;
 
   /// The id that Reserve would give next; reserves nothing and creates nothing.
   [[nodiscard]] virtual Result<std::uint32_t> PeekNext(std::string_view topic) = 0;
@@ -156,6 +156,6 @@ class Ledger {
 };
 
 /// The payload of a draft with its id in place.
-[[nodiscard]] std::string PayloadOf(const Draft& draft, std::uint32_t header_id);
+[[nodiscard]] std::string BuildPayload(const Draft& draft, std::uint32_t header_id);
 
 }  // namespace fleetpub::ledger

@@ -170,7 +170,7 @@ Status MoveFile(const fs::path& from, const fs::path& to) {
   return {};
 }
 
-std::uintmax_t SizeOf(const fs::path& path) {
+std::uintmax_t GetFileSize(const fs::path& path) {
   std::error_code missing;
   const std::uintmax_t size = fs::file_size(path, missing);
   return missing ? 0 : size;

@@ -38,6 +38,6 @@ namespace fleetpub::ledger {
 [[nodiscard]] Status MoveFile(const std::filesystem::path& from, const std::filesystem::path& to);
 
 /// The size, 0 when there is no such file.
-[[nodiscard]] std::uintmax_t SizeOf(const std::filesystem::path& path);
+[[nodiscard]] std::uintmax_t GetFileSize(const std::filesystem::path& path);
 
 }  // namespace fleetpub::ledger

@@ -29,7 +29,7 @@ static_assert(sizeof(off_t) == 8, "topics are spread over 62 bits of offsets");
 /// Topics lie below.
 constexpr off_t kCreationOffset = off_t{1} << 62;
 
-off_t OffsetOf(std::string_view topic) {
+off_t ComputeOffset(std::string_view topic) {
   return static_cast<off_t>(TopicHash(topic) & ((std::uint64_t{1} << 62) - 1));
 }
 
@@ -121,7 +121,7 @@ Result<std::unique_ptr<TopicLock>> LockTopics(const std::filesystem::path& ledge
   const auto start = Clock::now();
   std::vector<std::pair<off_t, std::string_view>> places;
   places.reserve(topics.size());
-  for (const std::string& topic : topics) places.emplace_back(OffsetOf(topic), topic);
+  for (const std::string& topic : topics) places.emplace_back(ComputeOffset(topic), topic);
   // Everybody goes upwards: whoever waits holds only lower places than the one that he waits for.
   std::sort(places.begin(), places.end());
   Result<std::unique_ptr<FileLock>> lock = OpenLockFile(ledger);

@@ -2,7 +2,7 @@
 
 namespace fleetpub::message {
 
-std::optional<ErrorKind> TroubleOf(CommandStatus status) {
+std::optional<ErrorKind> ToErrorKind(CommandStatus status) {
   switch (status) {
     case CommandStatus::kFailed:
     case CommandStatus::kRejected:

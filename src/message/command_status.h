@@ -36,21 +36,21 @@ inline constexpr std::array<std::string_view, 14> kCommandStatusNames = {
 static_assert(kCommandStatusNames.size() == static_cast<std::size_t>(CommandStatus::kError) + 1);
 
 /// `SENT`
-[[nodiscard]] constexpr std::string_view NameOf(CommandStatus status) {
+[[nodiscard]] constexpr std::string_view GetName(CommandStatus status) {
   return kCommandStatusNames[static_cast<std::size_t>(status)];
 }
 
 /// What the ledger may say of a message; RECORDED while no outcome is known.
-inline constexpr auto kRecordedOutcomes = std::to_array<std::string_view>(
-    {"RECORDED", NameOf(CommandStatus::kSent), NameOf(CommandStatus::kPublished),
-     NameOf(CommandStatus::kAccepted), NameOf(CommandStatus::kFinished),
-     NameOf(CommandStatus::kFailed), NameOf(CommandStatus::kRejected),
-     NameOf(CommandStatus::kRetriable), NameOf(CommandStatus::kVanished),
-     NameOf(CommandStatus::kOffline), NameOf(CommandStatus::kTimeout),
-     NameOf(CommandStatus::kError)});
+inline constexpr auto kRecordedStatuses = std::to_array<std::string_view>(
+    {"RECORDED", GetName(CommandStatus::kSent), GetName(CommandStatus::kPublished),
+     GetName(CommandStatus::kAccepted), GetName(CommandStatus::kFinished),
+     GetName(CommandStatus::kFailed), GetName(CommandStatus::kRejected),
+     GetName(CommandStatus::kRetriable), GetName(CommandStatus::kVanished),
+     GetName(CommandStatus::kOffline), GetName(CommandStatus::kTimeout),
+     GetName(CommandStatus::kError)});
 
 /// The kind of trouble that a target's word means; nothing when it is none. (kInvalid, kRefused and
 /// kError are ours: they carry the kind of their cause.)
-[[nodiscard]] std::optional<ErrorKind> TroubleOf(CommandStatus status);
+[[nodiscard]] std::optional<ErrorKind> ToErrorKind(CommandStatus status);
 
 }  // namespace fleetpub::message

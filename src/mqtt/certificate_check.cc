@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::size_t kMostNames = 5;  // in a sentence
 
-std::string TextOf(const ASN1_STRING* text) {
+std::string FormatText(const ASN1_STRING* text) {
   return {reinterpret_cast<const char*>(ASN1_STRING_get0_data(text)),
           static_cast<std::size_t>(ASN1_STRING_length(text))};
 }
@@ -36,10 +36,10 @@ bool HasAlternativeNames(const X509* certificate) {
 std::string SubjectName(const X509* certificate) {
   const X509_NAME* const subject = X509_get_subject_name(certificate);
   const int at = X509_NAME_get_index_by_NID(subject, NID_commonName, -1);
-  return at < 0 ? "" : TextOf(X509_NAME_ENTRY_get_data(X509_NAME_get_entry(subject, at)));
+  return at < 0 ? "" : FormatText(X509_NAME_ENTRY_get_data(X509_NAME_get_entry(subject, at)));
 }
 
-std::string NamesOf(const X509* certificate) {
+std::string FormatNames(const X509* certificate) {
   if (!HasAlternativeNames(certificate)) return SubjectName(certificate);
   const std::unique_ptr<GENERAL_NAMES, decltype(&GENERAL_NAMES_free)> names(
       static_cast<GENERAL_NAMES*>(
@@ -49,8 +49,8 @@ std::string NamesOf(const X509* certificate) {
   for (int i = 0; names != nullptr && i < sk_GENERAL_NAME_num(names.get()); ++i) {
     const GENERAL_NAME* const name = sk_GENERAL_NAME_value(names.get(), i);
     if (found.size() == kMostNames) break;
-    if (name->type == GEN_DNS) found.push_back(TextOf(name->d.dNSName));
-    if (name->type == GEN_IPADD) found.push_back(AddressText(TextOf(name->d.iPAddress)));
+    if (name->type == GEN_DNS) found.push_back(FormatText(name->d.dNSName));
+    if (name->type == GEN_IPADD) found.push_back(AddressText(FormatText(name->d.iPAddress)));
   }
   return base::Join(found, ", ");
 }
@@ -94,7 +94,7 @@ CertificateVerdict VerifyCertificate(x509_store_ctx_st* store, const std::string
     X509_STORE_CTX_set_error(store, X509_V_ERR_INVALID_PURPOSE);  // OpenSSL takes Netscape's too
   }
   const int code = X509_STORE_CTX_get_error(store);
-  return {code, code == X509_V_OK || certificate == nullptr ? "" : NamesOf(certificate)};
+  return {code, code == X509_V_OK || certificate == nullptr ? "" : FormatNames(certificate)};
 }
 
 }  // namespace fleetpub::mqtt

@@ -28,7 +28,7 @@ constexpr std::string_view kSwitching = "HTTP/1.1 101";
 constexpr std::size_t kChunk = 64 << 10;
 constexpr int kMaximumFramesWithoutData = 1'000;  // one after the other, without a pause
 
-std::uint8_t ByteOf(const std::string& text, std::size_t at) {
+std::uint8_t GetByte(const std::string& text, std::size_t at) {
   return static_cast<std::uint8_t>(text[at]);
 }
 
@@ -120,13 +120,13 @@ ssize_t InputGate::TakeHttp(const Source& source) {
 }
 
 std::string_view InputGate::FrameFault() const {
-  const std::uint8_t first = ByteOf(head_, 0);
+  const std::uint8_t first = GetByte(head_, 0);
   const int opcode = first & 0xF;
   if ((first & kReservedBits) != 0) return "reserved bits are set";
-  if ((ByteOf(head_, 1) & kMasked) != 0) return "a server masks nothing";
+  if ((GetByte(head_, 1) & kMasked) != 0) return "a server masks nothing";
   if (opcode >= kClose) {
     if (opcode > kPong) return "there is no such frame";
-    const bool whole = (first & kFinal) != 0 && ByteOf(head_, 1) < kTwoByteLength;
+    const bool whole = (first & kFinal) != 0 && GetByte(head_, 1) < kTwoByteLength;
     return whole ? "" : "a control frame is short and whole";
   }
   if (opcode != kContinuation && opcode != kBinary) return "MQTT travels in binary frames";
@@ -137,7 +137,7 @@ std::string_view InputGate::FrameFault() const {
 ssize_t InputGate::TakeFrameHeader(const Source& source) {
   std::size_t size = kShortHeader;
   if (head_.size() >= size) {
-    const int length = ByteOf(head_, 1);
+    const int length = GetByte(head_, 1);
     size += length == kTwoByteLength ? 2 : (length == kEightByteLength ? 8 : 0);
   }
   if (const ssize_t got = ReadInto(head_, size - head_.size(), source); got <= 0) return got;
@@ -146,12 +146,12 @@ ssize_t InputGate::TakeFrameHeader(const Source& source) {
     if (const auto wrong = FrameFault(); !wrong.empty()) {
       return Refuse(fmt::format("a malformed WebSocket frame ({})", wrong));
     }
-    if (ByteOf(head_, 1) >= kTwoByteLength) return 1;
-    frame_left_ = ByteOf(head_, 1);
+    if (GetByte(head_, 1) >= kTwoByteLength) return 1;
+    frame_left_ = GetByte(head_, 1);
   } else {
     frame_left_ = 0;
     for (std::size_t at = kShortHeader; at < size; ++at) {
-      frame_left_ = frame_left_ << 8 | ByteOf(head_, at);
+      frame_left_ = frame_left_ << 8 | GetByte(head_, at);
     }
   }
   return BeginFrame();
@@ -161,7 +161,7 @@ ssize_t InputGate::BeginFrame() {
   if (++frames_without_data_ > kMaximumFramesWithoutData) {
     return Refuse("WebSocket frames without data, and no end of them");
   }
-  const std::uint8_t first = ByteOf(head_, 0);
+  const std::uint8_t first = GetByte(head_, 0);
   state_ = State::kData;
   if ((first & 0xF) >= kClose) {
     state_ = State::kControl;
@@ -173,7 +173,7 @@ ssize_t InputGate::BeginFrame() {
 
 ssize_t InputGate::EndFrame() {
   // Paho answers a ping and a farewell.
-  if (state_ == State::kControl && (ByteOf(head_, 0) & 0xF) != kPong) out_ = head_;
+  if (state_ == State::kControl && (GetByte(head_, 0) & 0xF) != kPong) out_ = head_;
   head_.clear();
   state_ = State::kFrameHeader;
   return 1;

@@ -55,7 +55,7 @@ constexpr std::uint32_t kRefusal = 0x80;
 // MQTT 5 §2.2.2.2: what follows a property's identifier.
 enum class Kind { kByte = 1, kTwoBytes = 2, kFourBytes = 4, kVarint, kText, kPair };
 
-std::optional<Kind> KindOf(std::uint32_t property) {
+std::optional<Kind> FindKind(std::uint32_t property) {
   switch (property) {
     case 0x01:  // payload format indicator
     case 0x17:  // request problem information
@@ -318,7 +318,7 @@ void PacketCheck::FinishProperty() {
     return Begin(Field::kPropertyTextLength, 2);
   }
   if (field_ != Field::kPropertyId) return NextProperty();
-  const auto kind = KindOf(number_);
+  const auto kind = FindKind(number_);
   if (!kind) return Refuse(fmt::format("there is no property 0x{:02X}", number_));
   is_first_of_two_ = kind == Kind::kPair;
   switch (*kind) {
@@ -360,7 +360,7 @@ void PacketCheck::BeginPayload() {
   if ((flags_ & kQosBits) == kExactlyOnceBits && !qos2_ids_.insert(packet_id_).second) {
     return RefuseWhole("a second message under a packet identifier that is in use");
   }
-  waiting_ += CostOf(topic_length_, left_) + CostOfProperties(properties_length_);
+  waiting_ += EstimateCost(topic_length_, left_) + CostOfProperties(properties_length_);
   if (waiting_ > kMaximumWaiting) {
     return RefuseWhole(fmt::format("more than can be taken in: {} MiB of messages wait to be read",
                                    kMaximumWaiting >> 20));

@@ -47,7 +47,7 @@ class PacketCheck {
 
   /// What a message costs between its admission and its reader. Together no more than
   /// kMaximumWaiting.
-  [[nodiscard]] static std::size_t CostOf(std::size_t topic, std::size_t payload) {
+  [[nodiscard]] static std::size_t EstimateCost(std::size_t topic, std::size_t payload) {
     return kCostOfAMessage + topic + payload;
   }
   [[nodiscard]] static std::size_t CostOfProperties(std::size_t size) {

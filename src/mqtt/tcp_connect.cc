@@ -67,7 +67,7 @@ void RunLookup(LookupState& state, const std::string& host, std::uint16_t port, 
   state.done.notify_one();
 }
 
-Result<std::vector<Address>> Outcome(const std::string& host, LookupState& state) {
+Result<std::vector<Address>> ReadAddresses(const std::string& host, LookupState& state) {
   if (state.code == 0 && !state.addresses.empty()) return std::move(state.addresses);
   const std::string detail = state.code == EAI_SYSTEM
                                  ? std::generic_category().message(state.system_error)
@@ -94,7 +94,7 @@ Result<std::vector<Address>> LookupOnThread(const std::string& host, std::uint16
     return Unreachable(fmt::format(
         "looking up the name {} took too long: the name service does not answer", host));
   }
-  return Outcome(host, *state);
+  return ReadAddresses(host, *state);
 }
 
 // Non-blocking and started; the errno when it failed at once.
@@ -128,7 +128,7 @@ class Attempts {
     if (socket) {
       sockets_.push_back(*std::move(socket));
     } else {
-      Note(socket.error().message);
+      AddCause(socket.error().message);
     }
   }
 
@@ -144,14 +144,14 @@ class Attempts {
       if (waiting[i].revents == 0) continue;
       const int error = SocketError(waiting[i].fd);
       if (error == 0) return std::move(sockets_[i]);
-      Note(base::ToLower(std::generic_category().message(error)));
+      AddCause(base::ToLower(std::generic_category().message(error)));
       sockets_.erase(sockets_.begin() + static_cast<std::ptrdiff_t>(i));
     }
     return {};
   }
 
  private:
-  void Note(std::string cause) {
+  void AddCause(std::string cause) {
     if (cause_.empty()) cause_ = std::move(cause);
   }
 
@@ -192,7 +192,7 @@ Result<std::vector<Address>> Lookup(const std::string& host, std::uint16_t port,
   }
   LookupState numeric;
   RunLookup(numeric, host, port, AI_NUMERICHOST);
-  if (numeric.code == 0) return Outcome(host, numeric);
+  if (numeric.code == 0) return ReadAddresses(host, numeric);
   return LookupOnThread(host, port, deadline);
 }
 

@@ -89,7 +89,7 @@ Status CheckTlsFiles(const TlsOptions& options) {
   return CheckContents(options);
 }
 
-std::string ForeignTrustStore() {
+std::string FindTrustStore() {
   if (getenv(X509_get_default_cert_file_env()) != nullptr ||
       getenv(X509_get_default_cert_dir_env()) != nullptr ||
       access(X509_get_default_cert_file(), R_OK) == 0 ||

@@ -14,6 +14,6 @@ namespace fleetpub::mqtt {
 
 /// The system's trust store when OpenSSL's own default is not on this machine (a static binary on
 /// another distribution); else "".
-[[nodiscard]] std::string ForeignTrustStore();
+[[nodiscard]] std::string FindTrustStore();
 
 }  // namespace fleetpub::mqtt

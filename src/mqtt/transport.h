@@ -54,7 +54,7 @@ struct Will {
 /// What MQTT 5 sends along with each message (§3.3.2.3); 3.1.1 has no place for it.
 struct PublishProperties {
   std::vector<std::pair<std::string, std::string>> user;  ///< §3.3.2.3.7, in this order
-  /// §3.3.2.3.3: how long a broker may keep the message for a subscriber that is away.
+  /// §3.3.2.3.3: how long a broker may keep the message for a subscriber that is offline.
   std::optional<std::chrono::seconds> expiry;
 };
 

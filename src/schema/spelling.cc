@@ -19,21 +19,21 @@ using Value = base::JsonValue;
 using Nodes = std::vector<const SchemaNode*>;
 
 // The node, and all that say something of the same value, each once.
-void Gather(const SchemaNode* node, Nodes& nodes) {
+void ListNodes(const SchemaNode* node, Nodes& nodes) {
   if (node == nullptr || std::find(nodes.begin(), nodes.end(), node) != nodes.end()) return;
   nodes.push_back(node);
-  Gather(node->reference, nodes);
+  ListNodes(node->reference, nodes);
   for (const Nodes* list : {&node->all_of, &node->any_of, &node->one_of}) {
-    for (const SchemaNode* each : *list) Gather(each, nodes);
+    for (const SchemaNode* each : *list) ListNodes(each, nodes);
   }
   for (const SchemaNode* each : {node->condition, node->then, node->otherwise}) {
-    Gather(each, nodes);
+    ListNodes(each, nodes);
   }
-  for (const auto& dependency : node->dependencies) Gather(dependency.schema, nodes);
+  for (const auto& dependency : node->dependencies) ListNodes(dependency.schema, nodes);
 }
 
 // `action_parameters`: `actionparameters`.
-std::string LettersOf(std::string_view name) {
+std::string KeepLetters(std::string_view name) {
   std::string letters = base::ToLower(name);
   std::erase_if(letters, [](char c) { return c == '_' || c == '-' || c == ' '; });
   return letters;
@@ -41,9 +41,9 @@ std::string LettersOf(std::string_view name) {
 
 std::optional<std::string> NearestTo(std::string_view name,
                                      const std::vector<std::string_view>& known) {
-  const std::string letters = LettersOf(name);
+  const std::string letters = KeepLetters(name);
   const auto same = std::find_if(known.begin(), known.end(), [&](std::string_view other) {
-    return LettersOf(other) == letters;
+    return KeepLetters(other) == letters;
   });
   return same != known.end() ? std::optional<std::string>(*same) : base::Nearest(name, known);
 }
@@ -53,7 +53,7 @@ class Speller {
   void Check(const Nodes& schemas, const Value& value, const std::string& pointer) {
     if (found_.size() >= Schema::kMostViolations) return;
     Nodes nodes;
-    for (const SchemaNode* each : schemas) Gather(each, nodes);
+    for (const SchemaNode* each : schemas) ListNodes(each, nodes);
     if (value.IsObject()) Object(nodes, value, pointer);
     if (value.IsArray()) Array(nodes, value, pointer);
   }

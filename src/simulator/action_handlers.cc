@@ -8,10 +8,10 @@
 namespace fleetpub::simulator {
 namespace {
 
-Outcome Failed(std::string result) { return {.finished = false, .result = std::move(result)}; }
+ActionResult Failed(std::string result) { return {.finished = false, .result = std::move(result)}; }
 
-Outcome Failed(std::string result, std::string_view error_type,
-               std::vector<std::pair<std::string, std::string>> references, Until until) {
+ActionResult Failed(std::string result, std::string_view error_type,
+                    std::vector<std::pair<std::string, std::string>> references, Until until) {
   RobotError error{std::string(error_type), result, std::move(references), until};
   return {.finished = false, .result = std::move(result), .error = std::move(error)};
 }
@@ -25,25 +25,27 @@ ActionState* FindAction(RobotState& state, std::string_view id) {
   return nullptr;
 }
 
-Outcome StartPause(const ActionCall& /*call*/, RobotState& state, const ProtocolTerms& /*terms*/) {
+ActionResult StartPause(const ActionCall& /*call*/, RobotState& state,
+                        const ProtocolTerms& /*terms*/) {
   state.paused = true;
   return {};
 }
 
-Outcome StopPause(const ActionCall& /*call*/, RobotState& state, const ProtocolTerms& /*terms*/) {
+ActionResult StopPause(const ActionCall& /*call*/, RobotState& state,
+                       const ProtocolTerms& /*terms*/) {
   state.paused = false;
   return {};
 }
 
-Outcome StartCharging(const ActionCall& /*call*/, RobotState& state,
-                      const ProtocolTerms& /*terms*/) {
+ActionResult StartCharging(const ActionCall& /*call*/, RobotState& state,
+                           const ProtocolTerms& /*terms*/) {
   if (state.Driving()) return Failed("cannot charge while driving");
   state.charging = true;
   return {};
 }
 
-Outcome StopCharging(const ActionCall& /*call*/, RobotState& state,
-                     const ProtocolTerms& /*terms*/) {
+ActionResult StopCharging(const ActionCall& /*call*/, RobotState& state,
+                          const ProtocolTerms& /*terms*/) {
   state.charging = false;
   return {};
 }
@@ -55,8 +57,8 @@ void Enable(std::vector<Map>& maps, std::string_view id, std::string_view versio
   }
 }
 
-Outcome InitializePosition(const ActionCall& call, RobotState& state,
-                           const ProtocolTerms& /*terms*/) {
+ActionResult InitializePosition(const ActionCall& call, RobotState& state,
+                                const ProtocolTerms& /*terms*/) {
   state.position = {call.Number("x"), call.Number("y"), call.Number("theta"), call.Text("mapId")};
   state.last_node_id = call.Text("lastNodeId");
   const auto known = std::find_if(state.maps.rbegin(), state.maps.rend(),
@@ -75,7 +77,7 @@ std::string NameOfMap(const ActionCall& call) {
   return fmt::format("map {} version {}", call.Text("mapId"), call.Text("mapVersion"));
 }
 
-Outcome DownloadMap(const ActionCall& call, RobotState& state, const ProtocolTerms& terms) {
+ActionResult DownloadMap(const ActionCall& call, RobotState& state, const ProtocolTerms& terms) {
   if (FindMap(state, call) != state.maps.end()) {
     return Failed(NameOfMap(call) + " is already there", terms.duplicate_map,
                   {{"actionId", call.id},
@@ -87,13 +89,13 @@ Outcome DownloadMap(const ActionCall& call, RobotState& state, const ProtocolTer
   return {};
 }
 
-Outcome EnableMap(const ActionCall& call, RobotState& state, const ProtocolTerms& /*terms*/) {
+ActionResult EnableMap(const ActionCall& call, RobotState& state, const ProtocolTerms& /*terms*/) {
   if (FindMap(state, call) == state.maps.end()) return Failed(NameOfMap(call) + " is not there");
   Enable(state.maps, call.Text("mapId"), call.Text("mapVersion"));
   return {};
 }
 
-Outcome DeleteMap(const ActionCall& call, RobotState& state, const ProtocolTerms& /*terms*/) {
+ActionResult DeleteMap(const ActionCall& call, RobotState& state, const ProtocolTerms& /*terms*/) {
   const auto map = FindMap(state, call);
   if (map == state.maps.end()) return Failed(NameOfMap(call) + " is not there");
   if (map->enabled) return Failed(NameOfMap(call) + " is in use");
@@ -108,7 +110,8 @@ auto FindZoneSet(RobotState& state, const ActionCall& call) {
 
 std::string NameOfZoneSet(const ActionCall& call) { return "zone set " + call.Text("zoneSetId"); }
 
-Outcome DownloadZoneSet(const ActionCall& call, RobotState& state, const ProtocolTerms& terms) {
+ActionResult DownloadZoneSet(const ActionCall& call, RobotState& state,
+                             const ProtocolTerms& terms) {
   if (FindZoneSet(state, call) != state.zone_sets.end()) {
     return Failed(NameOfZoneSet(call) + " is already there", terms.duplicate_zone_set,
                   {{"actionId", call.id}, {"zoneSetId", call.Text("zoneSetId")}},
@@ -118,7 +121,8 @@ Outcome DownloadZoneSet(const ActionCall& call, RobotState& state, const Protoco
   return {};
 }
 
-Outcome EnableZoneSet(const ActionCall& call, RobotState& state, const ProtocolTerms& /*terms*/) {
+ActionResult EnableZoneSet(const ActionCall& call, RobotState& state,
+                           const ProtocolTerms& /*terms*/) {
   const auto chosen = FindZoneSet(state, call);
   if (chosen == state.zone_sets.end()) return Failed(NameOfZoneSet(call) + " is not there");
   for (ZoneSet& set : state.zone_sets) {
@@ -127,7 +131,8 @@ Outcome EnableZoneSet(const ActionCall& call, RobotState& state, const ProtocolT
   return {};
 }
 
-Outcome DeleteZoneSet(const ActionCall& call, RobotState& state, const ProtocolTerms& /*terms*/) {
+ActionResult DeleteZoneSet(const ActionCall& call, RobotState& state,
+                           const ProtocolTerms& /*terms*/) {
   const auto set = FindZoneSet(state, call);
   if (set == state.zone_sets.end()) return Failed(NameOfZoneSet(call) + " is not there");
   if (set->enabled) return Failed(NameOfZoneSet(call) + " is in use");
@@ -136,42 +141,44 @@ Outcome DeleteZoneSet(const ActionCall& call, RobotState& state, const ProtocolT
 }
 
 // Its own entry stays: it is not ended yet.
-Outcome ClearInstantActions(const ActionCall& call, RobotState& state,
-                            const ProtocolTerms& /*terms*/) {
+ActionResult ClearInstantActions(const ActionCall& call, RobotState& state,
+                                 const ProtocolTerms& /*terms*/) {
   std::erase_if(state.instant_actions, [&](const ActionState& action) {
     return IsEnded(action.status) && action.id != call.id;
   });
   return {};
 }
 
-Outcome LogReport(const ActionCall& call, RobotState& /*state*/, const ProtocolTerms& /*terms*/) {
+ActionResult LogReport(const ActionCall& call, RobotState& /*state*/,
+                       const ProtocolTerms& /*terms*/) {
   return {.result = fmt::format("log-{}.txt", call.id)};
 }
 
-Outcome Trigger(const ActionCall& /*call*/, RobotState& state, const ProtocolTerms& /*terms*/) {
+ActionResult Trigger(const ActionCall& /*call*/, RobotState& state,
+                     const ProtocolTerms& /*terms*/) {
   int released = 0;
   for (ActionState& action : state.order_actions) {
     if (action.type != "waitForTrigger" || action.status != ActionStatus::kRunning) continue;
     action.status = ActionStatus::kFinished;
     ++released;
   }
-  return released > 0 ? Outcome{} : Failed("nothing waits for a trigger");
+  return released > 0 ? ActionResult{} : Failed("nothing waits for a trigger");
 }
 
-Outcome OnRetriable(const ActionCall& call, RobotState& state, SideEffect consequence) {
+ActionResult OnRetriable(const ActionCall& call, RobotState& state, SideEffect side_effect) {
   const std::string target = call.Text("actionId");
   const ActionState* action = FindAction(state, target);
   if (action == nullptr || action->status != ActionStatus::kRetriable) {
     return Failed(fmt::format("no action {} is RETRIABLE", target));
   }
-  return {.consequence = consequence, .target = target};
+  return {.side_effect = side_effect, .target = target};
 }
 
-Outcome Retry(const ActionCall& call, RobotState& state, const ProtocolTerms& /*terms*/) {
+ActionResult Retry(const ActionCall& call, RobotState& state, const ProtocolTerms& /*terms*/) {
   return OnRetriable(call, state, SideEffect::kRetry);
 }
 
-Outcome SkipRetry(const ActionCall& call, RobotState& state, const ProtocolTerms& /*terms*/) {
+ActionResult SkipRetry(const ActionCall& call, RobotState& state, const ProtocolTerms& /*terms*/) {
   return OnRetriable(call, state, SideEffect::kSkipRetry);
 }
 
@@ -184,7 +191,7 @@ void GiveUpOrder(RobotState& state) {
   }
 }
 
-Outcome CancelOrder(const ActionCall& call, RobotState& state, const ProtocolTerms& terms) {
+ActionResult CancelOrder(const ActionCall& call, RobotState& state, const ProtocolTerms& terms) {
   const std::string wanted = call.Text("orderId");
   const bool other = !wanted.empty() && wanted != state.order.id;
   if (!state.order.Active() || other) {
@@ -195,28 +202,28 @@ Outcome CancelOrder(const ActionCall& call, RobotState& state, const ProtocolTer
   return {};
 }
 
-Outcome FactsheetRequest(const ActionCall& /*call*/, RobotState& /*state*/,
-                         const ProtocolTerms& /*terms*/) {
-  return {.consequence = SideEffect::kFactsheet};
+ActionResult FactsheetRequest(const ActionCall& /*call*/, RobotState& /*state*/,
+                              const ProtocolTerms& /*terms*/) {
+  return {.side_effect = SideEffect::kFactsheet};
 }
 
-Outcome StartHibernation(const ActionCall& /*call*/, RobotState& state,
-                         const ProtocolTerms& /*terms*/) {
+ActionResult StartHibernation(const ActionCall& /*call*/, RobotState& state,
+                              const ProtocolTerms& /*terms*/) {
   GiveUpOrder(state);
-  return {.consequence = SideEffect::kHibernate};
+  return {.side_effect = SideEffect::kHibernate};
 }
 
-Outcome StopHibernation(const ActionCall& /*call*/, RobotState& /*state*/,
-                        const ProtocolTerms& /*terms*/) {
-  return {.consequence = SideEffect::kWake};
+ActionResult StopHibernation(const ActionCall& /*call*/, RobotState& /*state*/,
+                             const ProtocolTerms& /*terms*/) {
+  return {.side_effect = SideEffect::kWake};
 }
 
-Outcome Shutdown(const ActionCall& call, RobotState& state, const ProtocolTerms& /*terms*/) {
+ActionResult Shutdown(const ActionCall& call, RobotState& state, const ProtocolTerms& /*terms*/) {
   const bool busy = std::any_of(
       state.instant_actions.begin(), state.instant_actions.end(),
       [&](const ActionState& action) { return !IsEnded(action.status) && action.id != call.id; });
   if (busy || state.order.Active()) return Failed("the robot is not idle");
-  return {.consequence = SideEffect::kShutDown};
+  return {.side_effect = SideEffect::kShutDown};
 }
 
 using enum Beginning;
@@ -224,7 +231,7 @@ using enum Beginning;
 struct Effect {
   std::string_view type;
   Beginning beginning;
-  Outcome (*carry)(const ActionCall& call, RobotState& state, const ProtocolTerms& terms);
+  ActionResult (*execute)(const ActionCall& call, RobotState& state, const ProtocolTerms& terms);
 };
 
 // stateRequest, clearZoneActions (there are none) and updateCertificate change nothing here.
@@ -278,15 +285,15 @@ double ActionCall::Number(std::string_view key) const {
   return 0;
 }
 
-Beginning BeginningOf(std::string_view type) {
+Beginning FindBeginning(std::string_view type) {
   const Effect* effect = FindEffect(type);
   return effect == nullptr ? kRunning : effect->beginning;
 }
 
-Outcome Execute(const ActionCall& call, RobotState& state, const ProtocolTerms& terms) {
+ActionResult Execute(const ActionCall& call, RobotState& state, const ProtocolTerms& terms) {
   const Effect* effect = FindEffect(call.type);
-  return effect == nullptr || effect->carry == nullptr ? Outcome{}
-                                                       : effect->carry(call, state, terms);
+  return effect == nullptr || effect->execute == nullptr ? ActionResult{}
+                                                         : effect->execute(call, state, terms);
 }
 
 }  // namespace fleetpub::simulator

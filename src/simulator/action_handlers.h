@@ -31,21 +31,21 @@ struct ActionCall {
 /// What happens beside a change of the state.
 enum class SideEffect { kNone, kFactsheet, kHibernate, kWake, kShutDown, kRetry, kSkipRetry };
 
-struct Outcome {
+struct ActionResult {
   bool finished = true;  ///< else FAILED
   std::string result = {};
   std::optional<RobotError> error = {};
-  SideEffect consequence = SideEffect::kNone;
+  SideEffect side_effect = SideEffect::kNone;
   std::string target = {};  ///< of kRetry and kSkipRetry: an action's id
 };
 
 /// How an action begins when it takes its time (1.1–2.1 §6.8.2, 3.0 §6.2.5).
 enum class Beginning { kWaiting, kInitializing, kRunning };
 
-[[nodiscard]] Beginning BeginningOf(std::string_view type);
+[[nodiscard]] Beginning FindBeginning(std::string_view type);
 
 /// Carries it out. An action without an entry in the table finishes and changes nothing.
-[[nodiscard]] Outcome Execute(const ActionCall& call, RobotState& state,
-                              const ProtocolTerms& terms);
+[[nodiscard]] ActionResult Execute(const ActionCall& call, RobotState& state,
+                                   const ProtocolTerms& terms);
 
 }  // namespace fleetpub::simulator

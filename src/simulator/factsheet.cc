@@ -42,7 +42,7 @@ void Append(std::string& list, std::string_view item) {
   list += item;
 }
 
-std::string_view DataTypeOf(ParameterType type) {
+std::string_view GetDataType(ParameterType type) {
   switch (type) {
     case ParameterType::kString:
       return "STRING";
@@ -68,7 +68,7 @@ std::string ActionJson(const ActionSpec& action, Version version) {
   std::string parameters;
   for (const ParameterSpec& spec : action.parameters) {
     Append(parameters, fmt::format(R"({{"key":"{}","valueDataType":"{}","isOptional":{}}})",
-                                   spec.name, DataTypeOf(spec.type), !spec.required));
+                                   spec.name, GetDataType(spec.type), !spec.required));
   }
   std::string json =
       fmt::format(R"({{"actionType":"{}","actionScopes":[{}],"actionParameters":[{}])", action.type,
@@ -85,7 +85,7 @@ std::string ActionJson(const ActionSpec& action, Version version) {
 std::string FactsheetBody(Version version, std::chrono::milliseconds state_interval) {
   if (version < Version::k200) return {};
   std::string actions;
-  for (const ActionSpec* action : vda5050::ActionsOf(version)) {
+  for (const ActionSpec* action : vda5050::ListActions(version)) {
     if (action->scopes.instant) Append(actions, ActionJson(*action, version));
   }
   const double seconds = std::chrono::duration<double>(state_interval).count();

@@ -27,8 +27,8 @@ std::span<const std::string_view> HeardIn(vda5050::Version version) {
 
 Result<std::unique_ptr<Fleet>> Fleet::Make(Settings settings,
                                            const std::vector<RobotAddress>& robots,
-                                           schema::Registry& registry, EventCallback listener) {
-  std::unique_ptr<Fleet> fleet(new Fleet(std::move(settings), registry, std::move(listener)));
+                                           schema::Registry& registry, EventCallback on_event) {
+  std::unique_ptr<Fleet> fleet(new Fleet(std::move(settings), registry, std::move(on_event)));
   fleet->members_.reserve(robots.size());
   for (const RobotAddress& address : robots) {
     if (auto added = fleet->Add(address); !added) return Fail(std::move(added.error()));
@@ -36,11 +36,11 @@ Result<std::unique_ptr<Fleet>> Fleet::Make(Settings settings,
   return fleet;
 }
 
-Fleet::Fleet(Settings settings, schema::Registry& registry, EventCallback listener)
+Fleet::Fleet(Settings settings, schema::Registry& registry, EventCallback on_event)
     : settings_(std::move(settings)),
       factsheet_(FactsheetBody(settings_.version, settings_.state_interval)),
       inspector_(settings_, registry),
-      listener_(std::move(listener)),
+      on_event_(std::move(on_event)),
       random_(settings_.drop_seed) {}
 
 Status Fleet::Add(const RobotAddress& address) {
@@ -53,11 +53,11 @@ Status Fleet::Add(const RobotAddress& address) {
                   fmt::format("two robots would share the topics of {}", address.ToString()));
     }
   }
-  const Header header{std::string(vda5050::FactsOf(settings_.version).name), address.manufacturer,
+  const Header header{std::string(vda5050::GetFacts(settings_.version).name), address.manufacturer,
                       address.serial_number};
   members_.push_back(
       {address,
-       VirtualRobot({settings_, WordsOf(settings_.version), inspector_, factsheet_}, header)});
+       VirtualRobot({settings_, GetTerms(settings_.version), inspector_, factsheet_}, header)});
   noted_.push_back(steady_clock::time_point::max());
   counted_as_gone_.push_back(false);
   ++present_;
@@ -71,10 +71,10 @@ std::vector<std::string> Fleet::Subscriptions() const {
   return topics;
 }
 
-mqtt::Will Fleet::WillOf(std::size_t index, const Moment& now) {
+mqtt::Will Fleet::MakeWill(std::size_t index, const Moment& now) {
   Member& member = members_[index];
   Utterance will = member.robot.Will(now);
-  return {TopicOf(member, will.topic), std::move(will.payload), will.qos, will.retained};
+  return {MakeTopic(member, will.topic), std::move(will.payload), will.qos, will.retained};
 }
 
 void Fleet::Start(const Moment& now, std::vector<Outgoing>& out) {
@@ -92,14 +92,14 @@ void Fleet::Receive(const mqtt::Message& message, const Moment& now, std::vector
   const auto [index, topic] = found->second;
   Member& member = members_[index];
   const std::string name = member.address.ToString();
-  const auto listener = [&](const Event& event) { listener_(name, event); };
+  const auto on_event = [&](const Event& event) { on_event_(name, event); };
   if (message.retained && !member.robot.gone()) {
-    listener({Event::Kind::kFault,
+    on_event({Event::Kind::kFault,
               fmt::format("{}: a command must not be retained: it would be obeyed again tomorrow",
                           topic)});
   }
   Utterances said;
-  member.robot.Receive(topic, message.payload, now, said, listener);
+  member.robot.Receive(topic, message.payload, now, said, on_event);
   After(index, said, out);
 }
 
@@ -135,7 +135,7 @@ void Fleet::After(std::size_t index, Utterances& said, std::vector<Outgoing>& ou
     --present_;
   }
   for (Utterance& one : said) {
-    out.push_back({{TopicOf(member, one.topic), std::move(one.payload), one.qos}, one.retained});
+    out.push_back({{MakeTopic(member, one.topic), std::move(one.payload), one.qos}, one.retained});
   }
   said.clear();
   const auto due = member.robot.Due();
@@ -145,7 +145,7 @@ void Fleet::After(std::size_t index, Utterances& said, std::vector<Outgoing>& ou
   }
 }
 
-std::string Fleet::TopicOf(const Member& member, std::string_view topic) const {
+std::string Fleet::MakeTopic(const Member& member, std::string_view topic) const {
   auto full = vda5050::TopicFor(settings_.topics, settings_.version, member.address, topic);
   return full ? *std::move(full) : std::string();  // Add() has tried; only the last level differs
 }

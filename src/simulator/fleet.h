@@ -36,7 +36,7 @@ class Fleet {
   /// `registry` outlives the fleet. Errors: ErrorKind::kUsage (topics).
   [[nodiscard]] static Result<std::unique_ptr<Fleet>> Make(
       Settings settings, const std::vector<vda5050::RobotAddress>& robots,
-      schema::Registry& registry, EventCallback listener);
+      schema::Registry& registry, EventCallback on_event);
   Fleet(const Fleet&) = delete;
   Fleet& operator=(const Fleet&) = delete;
 
@@ -48,7 +48,7 @@ class Fleet {
 
   /// The exact topics that the robots listen to.
   [[nodiscard]] std::vector<std::string> Subscriptions() const;
-  [[nodiscard]] mqtt::Will WillOf(std::size_t index, const Moment& now);
+  [[nodiscard]] mqtt::Will MakeWill(std::size_t index, const Moment& now);
 
   void Start(const Moment& now, std::vector<Outgoing>& out);
   void Receive(const mqtt::Message& message, const Moment& now, std::vector<Outgoing>& out);
@@ -72,16 +72,16 @@ class Fleet {
     std::string_view topic;  ///< the last level
   };
 
-  Fleet(Settings settings, schema::Registry& registry, EventCallback listener);
+  Fleet(Settings settings, schema::Registry& registry, EventCallback on_event);
   [[nodiscard]] Status Add(const vda5050::RobotAddress& address);
   /// Hands on what a robot said, and notes when its next turn is.
   void After(std::size_t index, Utterances& said, std::vector<Outgoing>& out);
-  [[nodiscard]] std::string TopicOf(const Member& member, std::string_view topic) const;
+  [[nodiscard]] std::string MakeTopic(const Member& member, std::string_view topic) const;
 
   Settings settings_;
   std::string factsheet_;
   Inspector inspector_;
-  EventCallback listener_;
+  EventCallback on_event_;
   std::vector<Member> members_;
   std::size_t present_ = 0;
   std::unordered_map<std::string, Destination> destinations_;

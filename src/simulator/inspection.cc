@@ -17,12 +17,12 @@ using base::FindMember;
 using base::StringMember;
 using Value = base::JsonValue;
 
-std::string HeaderIdOf(const Value& message) {
+std::string FormatHeaderId(const Value& message) {
   const Value* id = FindMember(message, "headerId");
   return id != nullptr && id->IsUint64() ? fmt::format("{}", id->GetUint64()) : std::string();
 }
 
-std::vector<Parameter> ParametersOf(const Value& action) {
+std::vector<Parameter> ReadParameters(const Value& action) {
   std::vector<Parameter> parameters;
   const Value* array = FindMember(action, "actionParameters");
   if (array == nullptr || !array->IsArray()) return parameters;
@@ -43,8 +43,8 @@ ReceivedAction ReadAction(const Value& action, vda5050::Version version) {
   ReceivedAction received;
   received.call.id = StringMember(action, "actionId");
   received.call.type = StringMember(action, "actionType");
-  received.call.parameters = ParametersOf(action);
-  received.descriptor = StringMember(action, vda5050::FactsOf(version).descriptor_key);
+  received.call.parameters = ReadParameters(action);
+  received.descriptor = StringMember(action, vda5050::GetFacts(version).descriptor_key);
   const auto* spec = vda5050::FindAction(version, received.call.type);
   if (spec == nullptr || !spec->scopes.instant) {
     received.fault = fmt::format("{} is no instant action that this robot knows",
@@ -87,8 +87,8 @@ Inspection Inspector::Open(std::string_view payload, std::string_view topic) {
     return inspection;
   }
   inspection.message = std::move(*message);
-  inspection.header_id = HeaderIdOf(inspection.message);
-  const auto& facts = vda5050::FactsOf(settings_.version);
+  inspection.header_id = FormatHeaderId(inspection.message);
+  const auto& facts = vda5050::GetFacts(settings_.version);
   if (!settings_.actions_key.empty()) {
     base::RenameMember(inspection.message, settings_.actions_key, facts.actions_key);
   }
@@ -108,7 +108,7 @@ Inspection Inspector::Open(std::string_view payload, std::string_view topic) {
 Inspection Inspector::InspectInstantActions(std::string_view payload) {
   Inspection inspection = Open(payload, "instantActions");
   const Value* actions =
-      FindMember(inspection.message, vda5050::FactsOf(settings_.version).actions_key);
+      FindMember(inspection.message, vda5050::GetFacts(settings_.version).actions_key);
   if (actions != nullptr && actions->IsArray()) {
     for (const Value& action : actions->GetArray()) {
       inspection.actions.push_back(ReadAction(action, settings_.version));

@@ -21,13 +21,13 @@ bool Takes(std::string_view mode, std::string_view action) {
   return mode == "AUTOMATIC" || mode == "SEMIAUTOMATIC";
 }
 
-ActionStatus StatusOf(Beginning beginning) {
+ActionStatus ToStatus(Beginning beginning) {
   constexpr std::array kStatus = {ActionStatus::kWaiting, ActionStatus::kInitializing,
                                   ActionStatus::kRunning};
   return kStatus.at(static_cast<std::size_t>(beginning));
 }
 
-std::string TypesOf(const Inspection& inspection) {
+std::string FormatTypes(const Inspection& inspection) {
   std::vector<std::string> types;
   for (const ReceivedAction& action : inspection.actions) {
     types.push_back(base::Printable(action.call.type + " " + action.call.id));
@@ -38,18 +38,18 @@ std::string TypesOf(const Inspection& inspection) {
 }  // namespace
 
 void VirtualRobot::ReceiveActions(std::string_view payload, const Moment& now,
-                                  const EventCallback& listener) {
+                                  const EventCallback& on_event) {
   const Inspection inspection = shared_.inspector.InspectInstantActions(payload);
   const std::string place = inspection.Place("instantActions");
   if (!inspection.fault.empty()) {
-    listener({Event::Kind::kFault, fmt::format("{}: {}", place, inspection.fault)});
+    on_event({Event::Kind::kFault, fmt::format("{}: {}", place, inspection.fault)});
     if (!hibernating_) RefuseMessage(inspection, "instantActions");
     return;
   }
-  listener({Event::Kind::kReceived, fmt::format("{}: {}", place, TypesOf(inspection))});
+  on_event({Event::Kind::kReceived, fmt::format("{}: {}", place, FormatTypes(inspection))});
   for (const ReceivedAction& action : inspection.actions) {
     if (!action.fault.empty()) {
-      listener({Event::Kind::kFault, fmt::format("{}: {}", place, action.fault)});
+      on_event({Event::Kind::kFault, fmt::format("{}: {}", place, action.fault)});
     }
     // Asleep it hears nothing but its alarm clock (3.0 §6.7).
     if (!hibernating_ || action.call.type == "stopHibernation") Begin(action, now);
@@ -67,9 +67,9 @@ void VirtualRobot::Begin(const ReceivedAction& action, const Moment& now) {
   }
   ForgetErrors(Until::kNextInstantAction);
   Remember(call.id);
-  const Beginning beginning = BeginningOf(call.type);
+  const Beginning beginning = FindBeginning(call.type);
   state_.instant_actions.push_back(
-      {call.id, call.type, action.descriptor, StatusOf(beginning), ""});
+      {call.id, call.type, action.descriptor, ToStatus(beginning), ""});
   ForgetOldActions();
   const auto delay = shared_.settings.delay;
   if (delay.count() == 0) {
@@ -100,7 +100,7 @@ void VirtualRobot::Reject(const ReceivedAction& action, const std::string& reaso
         {call.id, call.type, action.descriptor, ActionStatus::kFailed, reason});
     ForgetOldActions();
   }
-  AddError({std::string(shared_.words.invalid_action),
+  AddError({std::string(shared_.terms.invalid_action),
             reason,
             {{"topic", "instantActions"}, {"actionId", call.id}, {"actionType", call.type}}});
 }
@@ -120,9 +120,9 @@ void VirtualRobot::Advance(Running& running, const Moment& now) {
 
 void VirtualRobot::Complete(const Running& running, const Moment& now) {
   const ActionCall& call = running.call;
-  Outcome outcome;
+  ActionResult result;
   if (shared_.settings.fail.contains(call.type)) {
-    outcome = {.finished = false, .result = fmt::format("{} failed, as asked for", call.type)};
+    result = {.finished = false, .result = fmt::format("{} failed, as asked for", call.type)};
   } else if (shared_.settings.retriable.contains(call.type) && !running.retried) {
     if (ActionState* action = Find(call.id); action != nullptr) {
       action->status = ActionStatus::kRetriable;
@@ -131,19 +131,19 @@ void VirtualRobot::Complete(const Running& running, const Moment& now) {
     retriable_.push_back(running);
     return;
   } else {
-    outcome = Execute(call, state_, shared_.words);
+    result = Execute(call, state_, shared_.terms);
   }
   if (ActionState* action = Find(call.id); action != nullptr) {
-    action->status = outcome.finished ? ActionStatus::kFinished : ActionStatus::kFailed;
-    action->result = outcome.result;
+    action->status = result.finished ? ActionStatus::kFinished : ActionStatus::kFailed;
+    action->result = result.result;
   }
-  if (outcome.error) AddError(*outcome.error);
+  if (result.error) AddError(*result.error);
   if (!state_.order.Active()) order_end_.reset();
-  Follow(outcome, now);
+  ApplySideEffect(result, now);
 }
 
-void VirtualRobot::Follow(const Outcome& outcome, const Moment& now) {
-  switch (outcome.consequence) {
+void VirtualRobot::ApplySideEffect(const ActionResult& result, const Moment& now) {
+  switch (result.side_effect) {
     case SideEffect::kNone:
       return;
     case SideEffect::kFactsheet:
@@ -161,10 +161,10 @@ void VirtualRobot::Follow(const Outcome& outcome, const Moment& now) {
       leaving_ = true;
       return SayStateIfChanged(now);
     case SideEffect::kRetry:
-      return Retry(outcome.target, now);
+      return Retry(result.target, now);
     case SideEffect::kSkipRetry:
-      std::erase_if(retriable_, [&](const Running& r) { return r.call.id == outcome.target; });
-      if (ActionState* action = Find(outcome.target); action != nullptr) {
+      std::erase_if(retriable_, [&](const Running& r) { return r.call.id == result.target; });
+      if (ActionState* action = Find(result.target); action != nullptr) {
         action->status = ActionStatus::kFailed;
       }
       return;

@@ -53,17 +53,17 @@ void PutLegs(Json& json, std::string_view key, std::string_view id, const std::v
   });
 }
 
-void PutAction(Json& json, const ActionState& action, const ProtocolTerms& words) {
+void PutAction(Json& json, const ActionState& action, const ProtocolTerms& terms) {
   Put(json, "actionId", action.id);
   Put(json, "actionType", action.type);
-  if (!action.descriptor.empty()) Put(json, words.action_descriptor, action.descriptor);
-  Put(json, "actionStatus", NameOf(action.status));
-  if (!action.result.empty()) Put(json, words.action_result, action.result);
+  if (!action.descriptor.empty()) Put(json, terms.action_descriptor, action.descriptor);
+  Put(json, "actionStatus", GetName(action.status));
+  if (!action.result.empty()) Put(json, terms.action_result, action.result);
 }
 
-void PutActions(Json& json, const RobotState& state, const ProtocolTerms& words) {
-  const auto put = [&](const ActionState& action) { PutAction(json, action, words); };
-  if (words.own_instant_states) {
+void PutActions(Json& json, const RobotState& state, const ProtocolTerms& terms) {
+  const auto put = [&](const ActionState& action) { PutAction(json, action, terms); };
+  if (terms.own_instant_states) {
     PutArray(json, "actionStates", state.order_actions, put);
     PutArray(json, "instantActionStates", state.instant_actions, put);
     PutArray(json, "zoneActionStates", std::vector<ActionState>(), put);
@@ -86,18 +86,18 @@ void PutErrors(Json& json, const std::vector<RobotError>& errors) {
   });
 }
 
-void PutMaps(Json& json, const RobotState& state, const ProtocolTerms& words) {
+void PutMaps(Json& json, const RobotState& state, const ProtocolTerms& terms) {
   const auto status = [](bool enabled) -> std::string_view {
     return enabled ? "ENABLED" : "DISABLED";
   };
-  if (words.HasMaps()) {
+  if (terms.HasMaps()) {
     PutArray(json, "maps", state.maps, [&](const Map& map) {
       Put(json, "mapId", map.id);
       Put(json, "mapVersion", map.version);
       Put(json, "mapStatus", status(map.enabled));
     });
   }
-  if (words.HasZoneSets()) {
+  if (terms.HasZoneSets()) {
     PutArray(json, "zoneSets", state.zone_sets, [&](const ZoneSet& set) {
       Put(json, "zoneSetId", set.id);
       Put(json, "mapId", set.map_id);
@@ -106,8 +106,8 @@ void PutMaps(Json& json, const RobotState& state, const ProtocolTerms& words) {
   }
 }
 
-void PutRequests(Json& json, const RobotState& state, const ProtocolTerms& words) {
-  if (!words.HasZoneSets()) return;
+void PutRequests(Json& json, const RobotState& state, const ProtocolTerms& terms) {
+  if (!terms.HasZoneSets()) return;
   for (const bool for_zones : {true, false}) {
     std::vector<Request> requests = state.requests;
     std::erase_if(requests, [&](const Request& r) { return r.edge_id.empty() != for_zones; });
@@ -126,27 +126,27 @@ void PutRequests(Json& json, const RobotState& state, const ProtocolTerms& words
   }
 }
 
-void PutPosition(Json& json, const Position& position, const ProtocolTerms& words) {
-  Put(json, words.position);
+void PutPosition(Json& json, const Position& position, const ProtocolTerms& terms) {
+  Put(json, terms.position);
   json.StartObject();
   Put(json, "x", position.x);
   Put(json, "y", position.y);
   Put(json, "theta", position.theta);
   Put(json, "mapId", position.map_id);
-  Put(json, words.initialized, true);
+  Put(json, terms.initialized, true);
   json.EndObject();
 }
 
-void PutPowerAndSafety(Json& json, const RobotState& state, const ProtocolTerms& words) {
+void PutPowerAndSafety(Json& json, const RobotState& state, const ProtocolTerms& terms) {
   constexpr double kCharge = 80;
-  Put(json, words.power);
+  Put(json, terms.power);
   json.StartObject();
-  Put(json, words.charge, kCharge);
+  Put(json, terms.charge, kCharge);
   Put(json, "charging", state.charging);
   json.EndObject();
   Put(json, "safetyState");
   json.StartObject();
-  Put(json, words.emergency_stop, std::string_view("NONE"));
+  Put(json, terms.emergency_stop, std::string_view("NONE"));
   Put(json, "fieldViolation", false);
   json.EndObject();
 }
@@ -165,7 +165,7 @@ std::string ConnectionBody(std::string_view connection_state) {
   return fmt::format(R"("connectionState":"{}")", connection_state);
 }
 
-std::string StateBody(const RobotState& state, const ProtocolTerms& words) {
+std::string StateBody(const RobotState& state, const ProtocolTerms& terms) {
   base::JsonBuffer buffer;
   Json json(buffer);
   json.StartObject();
@@ -178,11 +178,11 @@ std::string StateBody(const RobotState& state, const ProtocolTerms& words) {
   Put(json, "operatingMode", state.operating_mode);
   PutLegs(json, "nodeStates", "nodeId", state.order.nodes);
   PutLegs(json, "edgeStates", "edgeId", state.order.edges);
-  PutPosition(json, state.position, words);
-  PutMaps(json, state, words);
-  PutRequests(json, state, words);
-  PutActions(json, state, words);
-  PutPowerAndSafety(json, state, words);
+  PutPosition(json, state.position, terms);
+  PutMaps(json, state, terms);
+  PutRequests(json, state, terms);
+  PutActions(json, state, terms);
+  PutPowerAndSafety(json, state, terms);
   PutErrors(json, state.errors);
   PutArray(json, "loads", std::vector<int>(), [](int) {});
   PutArray(json, "information", std::vector<int>(), [](int) {});

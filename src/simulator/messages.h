@@ -23,6 +23,6 @@ struct Header {
                                   base::WallTime time, std::string_view body);
 
 [[nodiscard]] std::string ConnectionBody(std::string_view connection_state);
-[[nodiscard]] std::string StateBody(const RobotState& state, const ProtocolTerms& words);
+[[nodiscard]] std::string StateBody(const RobotState& state, const ProtocolTerms& terms);
 
 }  // namespace fleetpub::simulator

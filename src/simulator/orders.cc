@@ -22,10 +22,10 @@ bool IsReleased(const Value& leg) {
   return released == nullptr || !released->IsBool() || released->GetBool();
 }
 
-void AddActions(const Value& leg, const ProtocolTerms& words, std::vector<ActionState>& actions) {
+void AddActions(const Value& leg, const ProtocolTerms& terms, std::vector<ActionState>& actions) {
   const Value* array = FindMember(leg, "actions");
   if (array == nullptr || !array->IsArray()) return;
-  const std::string_view descriptor = words.action_descriptor;
+  const std::string_view descriptor = terms.action_descriptor;
   for (const Value& action : array->GetArray()) {
     const std::string_view type = StringMember(action, "actionType");
     actions.push_back({std::string(StringMember(action, "actionId")), std::string(type),
@@ -42,22 +42,22 @@ struct Plan {
 };
 
 std::vector<Leg> ReadLegs(const Value& message, std::string_view list, std::string_view id,
-                          const ProtocolTerms& words, std::vector<ActionState>& actions) {
+                          const ProtocolTerms& terms, std::vector<ActionState>& actions) {
   std::vector<Leg> legs;
   const Value* array = FindMember(message, list);
   if (array == nullptr || !array->IsArray()) return legs;
   for (const Value& leg : array->GetArray()) {
     legs.push_back(
         {std::string(StringMember(leg, id)), ReadCount(leg, "sequenceId"), IsReleased(leg)});
-    AddActions(leg, words, actions);
+    AddActions(leg, terms, actions);
   }
   return legs;
 }
 
-Plan ReadPlan(const Value& message, const ProtocolTerms& words) {
+Plan ReadPlan(const Value& message, const ProtocolTerms& terms) {
   Plan plan;
-  plan.nodes = ReadLegs(message, "nodes", "nodeId", words, plan.actions);
-  plan.edges = ReadLegs(message, "edges", "edgeId", words, plan.actions);
+  plan.nodes = ReadLegs(message, "nodes", "nodeId", terms, plan.actions);
+  plan.edges = ReadLegs(message, "edges", "edgeId", terms, plan.actions);
   return plan;
 }
 
@@ -70,7 +70,7 @@ Order ExampleOrder() {
           {{"edge-1", 1, true}, {"edge-2", 3, true}}};
 }
 
-std::string AcceptOrder(const Value& message, RobotState& state, const ProtocolTerms& words) {
+std::string AcceptOrder(const Value& message, RobotState& state, const ProtocolTerms& terms) {
   const std::string_view id = StringMember(message, "orderId");
   const std::uint32_t update = ReadCount(message, "orderUpdateId");
   if (id.empty()) return "orderId is missing";
@@ -81,7 +81,7 @@ std::string AcceptOrder(const Value& message, RobotState& state, const ProtocolT
   if (same && update <= state.order.update_id) {
     return fmt::format("orderUpdateId {} is not above {}", update, state.order.update_id);
   }
-  Plan plan = ReadPlan(message, words);
+  Plan plan = ReadPlan(message, terms);
   if (plan.nodes.empty()) return "there must be at least one node";
   // It stands on the first node.
   state.last_node_id = plan.nodes.front().id;
@@ -89,7 +89,7 @@ std::string AcceptOrder(const Value& message, RobotState& state, const ProtocolT
   plan.nodes.erase(plan.nodes.begin());
   state.order = {std::string(id), update, std::move(plan.nodes), std::move(plan.edges)};
   state.order_actions = std::move(plan.actions);
-  if (!same && words.OrderClearsInstantActions()) {
+  if (!same && terms.OrderClearsInstantActions()) {
     std::erase_if(state.instant_actions,
                   [](const ActionState& action) { return IsEnded(action.status); });
   }

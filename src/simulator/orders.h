@@ -14,7 +14,7 @@ namespace fleetpub::simulator {
 
 /// Takes over a new order, or an update of the active one. Returns why it cannot, or "".
 [[nodiscard]] std::string AcceptOrder(const base::JsonValue& message, RobotState& state,
-                                      const ProtocolTerms& words);
+                                      const ProtocolTerms& terms);
 
 /// Everything is reached and done.
 void FinishOrder(RobotState& state);

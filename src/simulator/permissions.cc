@@ -20,7 +20,7 @@ double ReadNumber(const Value& object, std::string_view name) {
   return number != nullptr && number->IsNumber() ? number->GetDouble() : 0;
 }
 
-std::vector<Point> CornersOf(const Value& zone) {
+std::vector<Point> ReadCorners(const Value& zone) {
   std::vector<Point> corners;
   if (const Value* vertices = FindArray(zone, "vertices")) {
     for (const Value& vertex : vertices->GetArray()) {
@@ -63,7 +63,7 @@ void Ask(Request request, RobotState& state) {
   state.requests.push_back(std::move(request));
 }
 
-void Follow(const Value& response, Request& request) {
+void Apply(const Value& response, Request& request) {
   const std::string_view grant = StringMember(response, "grantType");
   if (grant == "GRANTED") {
     request.status = "GRANTED";
@@ -89,7 +89,7 @@ std::string AcceptZoneSet(const Value& message, RobotState& state) {
   if (const Value* zones = FindArray(*set, "zones")) {
     for (const Value& zone : zones->GetArray()) {
       if (StringMember(zone, "zoneType") != "RELEASE") continue;
-      taken.release_zones.push_back({std::string(StringMember(zone, "zoneId")), CornersOf(zone)});
+      taken.release_zones.push_back({std::string(StringMember(zone, "zoneId")), ReadCorners(zone)});
     }
   }
   state.zone_sets.push_back(std::move(taken));
@@ -128,7 +128,7 @@ std::vector<std::string> TakeResponses(const Value& message, RobotState& state) 
     if (request == state.requests.end()) {
       unknown.emplace_back(id);
     } else {
-      Follow(response, *request);
+      Apply(response, *request);
     }
   }
   return unknown;

@@ -24,7 +24,7 @@ constexpr std::size_t kMostKnown = 10'000;  // message ids that are remembered
 constexpr std::size_t kMostTasks = 1'000;   // on their way at once
 constexpr double kBattery = 80;
 
-std::string JsonOf(const Value& object, std::string_view name) {
+std::string ReadJson(const Value& object, std::string_view name) {
   const Value* value = FindMember(object, name);
   return value == nullptr ? std::string() : base::ToJson(*value);
 }
@@ -47,9 +47,9 @@ void VirtualPlatform::Start(const Moment& now, std::vector<mqtt::Message>& out) 
 }
 
 void VirtualPlatform::Receive(const mqtt::Message& message, const Moment& now,
-                              std::vector<mqtt::Message>& out, const EventCallback& listener) {
+                              std::vector<mqtt::Message>& out, const EventCallback& on_event) {
   const auto fault = [&](std::string_view what) {
-    listener({Event::Kind::kFault, fmt::format("{}: {}", message.topic, what)});
+    on_event({Event::Kind::kFault, fmt::format("{}: {}", message.topic, what)});
   };
   if (message.retained) return fault("a command must not be retained: it is not obeyed");
   const auto document = base::ParseJson(message.payload);
@@ -58,13 +58,13 @@ void VirtualPlatform::Receive(const mqtt::Message& message, const Moment& now,
   if (!findings.errors.empty()) return fault(delivery::Describe(findings));
   const Value& payload = *FindMember(*document, "payload");
   const std::string_view type = StringMember(payload, "message_type");
-  if (type != NameOf(MessageType::kMissionPlan) &&
-      type != NameOf(MessageType::kPlanningConfiguration)) {
+  if (type != GetName(MessageType::kMissionPlan) &&
+      type != GetName(MessageType::kPlanningConfiguration)) {
     return;  // what others report is nobody's command
   }
-  auto task = TaskOf(*document);
+  auto task = ReadTask(*document);
   if (!task) return fault(task.error().message);
-  listener({Event::Kind::kReceived, fmt::format("{} {}", type, task->message_id)});
+  on_event({Event::Kind::kReceived, fmt::format("{} {}", type, task->message_id)});
   if (tasks_.size() >= kMostTasks) return fault("too much is under way: it is not obeyed");
   if (shared_.settings.silent || !Remember(task->message_id)) return;
   task->due = now.steady;
@@ -72,7 +72,7 @@ void VirtualPlatform::Receive(const mqtt::Message& message, const Moment& now,
   Tick(now, out);
 }
 
-Result<VirtualPlatform::Task> VirtualPlatform::TaskOf(const Value& message) const {
+Result<VirtualPlatform::Task> VirtualPlatform::ReadTask(const Value& message) const {
   const Value& header = *FindMember(message, "header");
   const Value& payload = *FindMember(message, "payload");
   Task task;
@@ -85,9 +85,9 @@ Result<VirtualPlatform::Task> VirtualPlatform::TaskOf(const Value& message) cons
       soar::ParseDestination(reply_to, shared_.settings.prefix, MessageType::kAcknowledgement);
   if (!destination) return Fail(std::move(destination.error()));
   task.reply_to = *std::move(destination);
-  if (StringMember(payload, "message_type") != NameOf(MessageType::kMissionPlan)) return task;
-  task.plan_id = JsonOf(payload, "autonomy_engine_plan_ID");
-  task.platform_id = JsonOf(payload, "platform_ID");
+  if (StringMember(payload, "message_type") != GetName(MessageType::kMissionPlan)) return task;
+  task.plan_id = ReadJson(payload, "autonomy_engine_plan_ID");
+  task.platform_id = ReadJson(payload, "platform_ID");
   const Value* plan = FindMember(payload, "plan");
   if (plan != nullptr && plan->IsArray() && !plan->Empty()) {
     const Value& last = (*plan)[plan->Size() - 1];
@@ -125,9 +125,9 @@ bool VirtualPlatform::Advance(Task& task, const Moment& now, std::vector<mqtt::M
   const Level level = task.next;
   const std::vector<soar::Member> members = {
       {"acknowledged_message_ID", base::JsonString(task.message_id)},
-      {"status", base::JsonString(NameOf(level))}};
+      {"status", base::JsonString(GetName(level))}};
   constexpr auto kType = MessageType::kAcknowledgement;
-  Say(kType, task.reply_to, soar::PayloadOf(kType, members), now, out);
+  Say(kType, task.reply_to, soar::BuildPayload(kType, members), now, out);
   if (!task.plan_id.empty() && level != Level::kC2Received) {
     const bool done = level == Level::kExecuted;
     state_ = done ? "IDLE" : "EXECUTING";
@@ -157,7 +157,7 @@ void VirtualPlatform::SayStatus(const Moment& now, std::vector<mqtt::Message>& o
       {"battery_remaining_capacity", fmt::format("{}", kBattery)},
       {"platform_state", base::JsonString(state_)}};
   if (!plan_id_.empty()) members.push_back({"autonomy_engine_plan_ID", plan_id_});
-  Say(kType, *destination, soar::PayloadOf(kType, members), now, out);
+  Say(kType, *destination, soar::BuildPayload(kType, members), now, out);
 }
 
 void VirtualPlatform::Say(MessageType type, const soar::Destination& destination,
@@ -178,10 +178,10 @@ steady_clock::time_point VirtualPlatform::Due() const {
 
 Result<std::unique_ptr<PlatformFleet>> PlatformFleet::Make(
     PlatformSettings settings, const std::vector<std::string>& destinations,
-    schema::Registry& registry, EventCallback listener) {
+    schema::Registry& registry, EventCallback on_event) {
   const auto schema = registry.Find(soar::kMessageSchema);
   if (!schema) return Fail(schema.error());
-  std::unique_ptr<PlatformFleet> fleet(new PlatformFleet(std::move(settings), std::move(listener)));
+  std::unique_ptr<PlatformFleet> fleet(new PlatformFleet(std::move(settings), std::move(on_event)));
   const soar::Prefix& prefix = fleet->settings_.prefix;
   for (const std::string& text : destinations) {
     auto self = soar::ParseDestination(text, prefix, MessageType::kMissionPlan);
@@ -212,7 +212,7 @@ void PlatformFleet::Receive(const mqtt::Message& message, const Moment& now,
                             std::vector<mqtt::Message>& out) {
   const auto hand = [&](VirtualPlatform& platform) {
     platform.Receive(message, now, out,
-                     [&](const Event& event) { listener_(platform.self().name, event); });
+                     [&](const Event& event) { on_event_(platform.self().name, event); });
   };
   if (message.topic == soar::Broadcast(settings_.prefix).topic) {
     for (VirtualPlatform& platform : platforms_) hand(platform);

@@ -47,7 +47,7 @@ class VirtualPlatform {
   /// Connected, or connected again: its status.
   void Start(const Moment& now, std::vector<mqtt::Message>& out);
   void Receive(const mqtt::Message& message, const Moment& now, std::vector<mqtt::Message>& out,
-               const EventCallback& listener);
+               const EventCallback& on_event);
   /// To be called at Due() or later.
   void Tick(const Moment& now, std::vector<mqtt::Message>& out);
   [[nodiscard]] std::chrono::steady_clock::time_point Due() const;
@@ -70,7 +70,7 @@ class VirtualPlatform {
     std::optional<Place> last;
   };
 
-  [[nodiscard]] Result<Task> TaskOf(const base::JsonValue& message) const;
+  [[nodiscard]] Result<Task> ReadTask(const base::JsonValue& message) const;
   [[nodiscard]] bool Remember(const std::string& message_id);
   /// False when the task has gone as far as it goes.
   bool Advance(Task& task, const Moment& now, std::vector<mqtt::Message>& out);
@@ -99,7 +99,7 @@ class PlatformFleet {
   /// `registry` outlives the fleet. Errors: ErrorKind::kUsage (destinations), or the schema.
   [[nodiscard]] static Result<std::unique_ptr<PlatformFleet>> Make(
       PlatformSettings settings, const std::vector<std::string>& destinations,
-      schema::Registry& registry, EventCallback listener);
+      schema::Registry& registry, EventCallback on_event);
   PlatformFleet(const PlatformFleet&) = delete;
   PlatformFleet& operator=(const PlatformFleet&) = delete;
 
@@ -111,11 +111,11 @@ class PlatformFleet {
   [[nodiscard]] std::chrono::steady_clock::time_point Due() const;
 
  private:
-  PlatformFleet(PlatformSettings settings, EventCallback listener)
-      : settings_(std::move(settings)), listener_(std::move(listener)) {}
+  PlatformFleet(PlatformSettings settings, EventCallback on_event)
+      : settings_(std::move(settings)), on_event_(std::move(on_event)) {}
 
   PlatformSettings settings_;
-  EventCallback listener_;
+  EventCallback on_event_;
   std::vector<VirtualPlatform> platforms_;
   std::map<std::string, std::size_t, std::less<>> filters_;  // by topic filter
 };

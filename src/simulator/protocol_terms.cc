@@ -51,7 +51,7 @@ constexpr std::array kWords = {Up21(Version::k110, mqtt::Qos::kAtMostOnce),
 
 }  // namespace
 
-const ProtocolTerms& WordsOf(Version version) {
+const ProtocolTerms& GetTerms(Version version) {
   return kWords.at(static_cast<std::size_t>(version));
 }
 

@@ -42,6 +42,6 @@ struct ProtocolTerms {
   [[nodiscard]] bool OrderClearsInstantActions() const { return version < vda5050::Version::k300; }
 };
 
-[[nodiscard]] const ProtocolTerms& WordsOf(vda5050::Version version);
+[[nodiscard]] const ProtocolTerms& GetTerms(vda5050::Version version);
 
 }  // namespace fleetpub::simulator

@@ -4,7 +4,7 @@
 
 namespace fleetpub::simulator {
 
-std::string_view NameOf(ActionStatus status) {
+std::string_view GetName(ActionStatus status) {
   constexpr std::array<std::string_view, 6> kNames = {"WAITING",   "INITIALIZING", "RUNNING",
                                                       "RETRIABLE", "FINISHED",     "FAILED"};
   return kNames.at(static_cast<std::size_t>(status));

@@ -15,7 +15,7 @@ namespace fleetpub::simulator {
 
 enum class ActionStatus { kWaiting, kInitializing, kRunning, kRetriable, kFinished, kFailed };
 
-[[nodiscard]] std::string_view NameOf(ActionStatus status);
+[[nodiscard]] std::string_view GetName(ActionStatus status);
 [[nodiscard]] inline bool IsEnded(ActionStatus status) {
   return status == ActionStatus::kFinished || status == ActionStatus::kFailed;
 }

@@ -83,7 +83,7 @@ class Runner final : public Inhabitant {
   // With one robot the will is on the connection that everything goes over.
   Status Open() {
     mqtt::ConnectOptions main = options_.connect;
-    if (fleet_.size() == 1) main.will = fleet_.WillOf(0, Now());
+    if (fleet_.size() == 1) main.will = fleet_.MakeWill(0, Now());
     auto transport = mqtt::ConnectPahoAsRobot(main);
     if (!transport) return Fail(std::move(transport.error()));
     transport_ = *std::move(transport);
@@ -92,7 +92,7 @@ class Runner final : public Inhabitant {
       wills_.emplace_back();
       if (fleet_.IsGone(i)) continue;
       mqtt::ConnectOptions aside = options_.connect;
-      aside.will = fleet_.WillOf(i, Now());
+      aside.will = fleet_.MakeWill(i, Now());
       if (!aside.client_id.empty()) aside.client_id += fmt::format("-{}", i + 1);
       auto connection = mqtt::ConnectPaho(aside);
       if (!connection) return Fail(std::move(connection.error()));

@@ -26,8 +26,8 @@ VirtualRobot::VirtualRobot(const Shared& shared, Header header)
 
 Utterance VirtualRobot::Will(const Moment& now) {
   return {"connection",
-          Message(header_, connection_id_++, now.wall, ConnectionBody(shared_.words.broken)),
-          shared_.words.connection_qos, true};
+          Message(header_, connection_id_++, now.wall, ConnectionBody(shared_.terms.broken)),
+          shared_.terms.connection_qos, true};
 }
 
 void VirtualRobot::Start(const Moment& now, Utterances& out) {
@@ -49,13 +49,13 @@ void VirtualRobot::End(const Moment& now, Utterances& out) {
 }
 
 void VirtualRobot::Receive(std::string_view topic, std::string_view payload, const Moment& now,
-                           Utterances& out, const EventCallback& listener) {
+                           Utterances& out, const EventCallback& on_event) {
   if (gone_) return;
   out_ = &out;
-  if (topic == "instantActions") ReceiveActions(payload, now, listener);
-  if (topic == "order" && !hibernating_) ReceiveOrder(payload, now, listener);
-  if (topic == "zoneSet" && !hibernating_) ReceiveZoneSet(payload, listener);
-  if (topic == "responses" && !hibernating_) ReceiveResponses(payload, now, listener);
+  if (topic == "instantActions") ReceiveActions(payload, now, on_event);
+  if (topic == "order" && !hibernating_) ReceiveOrder(payload, now, on_event);
+  if (topic == "zoneSet" && !hibernating_) ReceiveZoneSet(payload, on_event);
+  if (topic == "responses" && !hibernating_) ReceiveResponses(payload, now, on_event);
   SayStateIfChanged(now);
 }
 
@@ -92,7 +92,7 @@ steady_clock::time_point VirtualRobot::Due() const {
 }
 
 void VirtualRobot::RefuseMessage(const Inspection& inspection, std::string_view topic) {
-  RobotError error{std::string(shared_.words.invalid_message), inspection.fault, {}};
+  RobotError error{std::string(shared_.terms.invalid_message), inspection.fault, {}};
   error.references.emplace_back("topic", topic);
   if (!inspection.header_id.empty())
     error.references.emplace_back("headerId", inspection.header_id);
@@ -103,15 +103,15 @@ void VirtualRobot::RefuseMessage(const Inspection& inspection, std::string_view 
 }
 
 void VirtualRobot::ReceiveOrder(std::string_view payload, const Moment& now,
-                                const EventCallback& listener) {
+                                const EventCallback& on_event) {
   const Inspection inspection = shared_.inspector.Inspect("order", payload);
   const std::string place = inspection.Place("order");
   std::string fault = inspection.fault;
-  if (fault.empty()) fault = AcceptOrder(inspection.message, state_, shared_.words);
+  if (fault.empty()) fault = AcceptOrder(inspection.message, state_, shared_.terms);
   if (!fault.empty()) {
-    listener({Event::Kind::kFault, fmt::format("{}: {}", place, fault)});
-    RobotError error{std::string(inspection.fault.empty() ? shared_.words.invalid_order
-                                                          : shared_.words.invalid_message),
+    on_event({Event::Kind::kFault, fmt::format("{}: {}", place, fault)});
+    RobotError error{std::string(inspection.fault.empty() ? shared_.terms.invalid_order
+                                                          : shared_.terms.invalid_message),
                      fault,
                      {{"topic", "order"}},
                      Until::kNextOrder};
@@ -120,11 +120,11 @@ void VirtualRobot::ReceiveOrder(std::string_view payload, const Moment& now,
     }
     return AddError(std::move(error));
   }
-  listener({Event::Kind::kReceived,
+  on_event({Event::Kind::kReceived,
             fmt::format("{}: order {}", place, base::Printable(state_.order.id))});
   changed_ = true;
   ForgetErrors(Until::kNextOrder);
-  if (shared_.words.HasZoneSets()) AskForPermissions(inspection.message, state_);
+  if (shared_.terms.HasZoneSets()) AskForPermissions(inspection.message, state_);
   order_end_.reset();
   Drive(now);
 }
@@ -143,10 +143,10 @@ void VirtualRobot::Drive(const Moment& now) {
 
 // The message; told as an error when it cannot be used.
 Inspection VirtualRobot::InspectFor(std::string_view topic, std::string_view payload,
-                                    std::string_view error_type, const EventCallback& listener) {
+                                    std::string_view error_type, const EventCallback& on_event) {
   Inspection inspection = shared_.inspector.Inspect(topic, payload);
   if (inspection.fault.empty()) return inspection;
-  listener({Event::Kind::kFault, fmt::format("{}: {}", inspection.Place(topic), inspection.fault)});
+  on_event({Event::Kind::kFault, fmt::format("{}: {}", inspection.Place(topic), inspection.fault)});
   RobotError error{std::string(error_type), inspection.fault, {{"topic", std::string(topic)}}};
   if (!inspection.header_id.empty()) {
     error.references.emplace_back("headerId", inspection.header_id);
@@ -155,34 +155,34 @@ Inspection VirtualRobot::InspectFor(std::string_view topic, std::string_view pay
   return inspection;
 }
 
-void VirtualRobot::ReceiveZoneSet(std::string_view payload, const EventCallback& listener) {
+void VirtualRobot::ReceiveZoneSet(std::string_view payload, const EventCallback& on_event) {
   const Inspection inspection =
-      InspectFor("zoneSet", payload, shared_.words.invalid_message, listener);
+      InspectFor("zoneSet", payload, shared_.terms.invalid_message, on_event);
   if (!inspection.fault.empty()) return;
   const std::string fault = AcceptZoneSet(inspection.message, state_);
   const std::string place = inspection.Place("zoneSet");
   const std::string id(base::StringMember(inspection.message["zoneSet"], "zoneSetId"));
   changed_ = true;
   if (fault.empty()) {
-    return listener(
+    return on_event(
         {Event::Kind::kReceived, fmt::format("{}: zone set {}", place, base::Printable(id))});
   }
-  listener({Event::Kind::kFault, fmt::format("{}: {}", place, fault)});
-  AddError({std::string(shared_.words.duplicate_zone_set), fault, {{"zoneSetId", id}}});
+  on_event({Event::Kind::kFault, fmt::format("{}: {}", place, fault)});
+  AddError({std::string(shared_.terms.duplicate_zone_set), fault, {{"zoneSetId", id}}});
 }
 
 void VirtualRobot::ReceiveResponses(std::string_view payload, const Moment& now,
-                                    const EventCallback& listener) {
+                                    const EventCallback& on_event) {
   const Inspection inspection =
-      InspectFor("responses", payload, shared_.words.invalid_message, listener);
+      InspectFor("responses", payload, shared_.terms.invalid_message, on_event);
   if (!inspection.fault.empty()) return;
   const std::string place = inspection.Place("responses");
   for (const std::string& id : TakeResponses(inspection.message, state_)) {
     const std::string fault = fmt::format("there is no request {}", base::Printable(id));
-    listener({Event::Kind::kFault, fmt::format("{}: {}", place, fault)});
-    AddError({std::string(shared_.words.invalid_message), fault, {{"requestId", id}}});
+    on_event({Event::Kind::kFault, fmt::format("{}: {}", place, fault)});
+    AddError({std::string(shared_.terms.invalid_message), fault, {{"requestId", id}}});
   }
-  listener({Event::Kind::kReceived, place});
+  on_event({Event::Kind::kReceived, place});
   changed_ = true;
   Drive(now);
 }
@@ -213,7 +213,7 @@ void VirtualRobot::Say(std::string_view topic, std::string_view body, std::uint3
 
 void VirtualRobot::SayConnection(std::string_view connection_state, const Moment& now) {
   Say("connection", ConnectionBody(connection_state), connection_id_, now);
-  out_->back().qos = shared_.words.connection_qos;
+  out_->back().qos = shared_.terms.connection_qos;
   out_->back().retained = true;
 }
 
@@ -228,7 +228,7 @@ void VirtualRobot::SayState(const Moment& now) {
   if (!state_.order.Active()) state_.requests.clear();  // they were for the order
   next_state_ = now.steady + shared_.settings.state_interval;
   if (shared_.settings.silent || hibernating_) return;
-  Say("state", StateBody(state_, shared_.words), state_id_, now);
+  Say("state", StateBody(state_, shared_.terms), state_id_, now);
 }
 
 // The last state comes before the robot falls asleep or leaves.

@@ -62,7 +62,7 @@ class VirtualRobot {
   /// What robots of one fleet share; all of it outlives them.
   struct Shared {
     const Settings& settings;
-    const ProtocolTerms& words;
+    const ProtocolTerms& terms;
     Inspector& inspector;
     const std::string& factsheet;  ///< FactsheetBody; "": the version has none
   };
@@ -75,7 +75,7 @@ class VirtualRobot {
   void Start(const Moment& now, Utterances& out);
   /// A message of `instantActions`, `order`, `zoneSet` or `responses`.
   void Receive(std::string_view topic, std::string_view payload, const Moment& now, Utterances& out,
-               const EventCallback& listener);
+               const EventCallback& on_event);
   /// To be called at Due() or later.
   void Tick(const Moment& now, Utterances& out);
   /// The orderly end: OFFLINE.
@@ -94,12 +94,12 @@ class VirtualRobot {
     bool retried = false;
   };
 
-  void ReceiveActions(std::string_view payload, const Moment& now, const EventCallback& listener);
-  void ReceiveOrder(std::string_view payload, const Moment& now, const EventCallback& listener);
-  void ReceiveZoneSet(std::string_view payload, const EventCallback& listener);
-  void ReceiveResponses(std::string_view payload, const Moment& now, const EventCallback& listener);
+  void ReceiveActions(std::string_view payload, const Moment& now, const EventCallback& on_event);
+  void ReceiveOrder(std::string_view payload, const Moment& now, const EventCallback& on_event);
+  void ReceiveZoneSet(std::string_view payload, const EventCallback& on_event);
+  void ReceiveResponses(std::string_view payload, const Moment& now, const EventCallback& on_event);
   [[nodiscard]] Inspection InspectFor(std::string_view topic, std::string_view payload,
-                                      std::string_view error_type, const EventCallback& listener);
+                                      std::string_view error_type, const EventCallback& on_event);
   void Drive(const Moment& now);
   void RefuseMessage(const Inspection& inspection, std::string_view topic);
   void Begin(const ReceivedAction& action, const Moment& now);
@@ -107,7 +107,7 @@ class VirtualRobot {
   void Reject(const ReceivedAction& action, const std::string& reason);
   void Advance(Running& running, const Moment& now);
   void Complete(const Running& running, const Moment& now);
-  void Follow(const Outcome& outcome, const Moment& now);
+  void ApplySideEffect(const ActionResult& result, const Moment& now);
   void Retry(const std::string& id, const Moment& now);
   void EndOrder();
   void AddError(RobotError error);

@@ -19,7 +19,9 @@ using std::chrono::steady_clock;
 
 class MessageTracker : public message::ResponseTracker {
  public:
-  explicit MessageTracker(TrackerOptions options) : options_(std::move(options)) { Tell(); }
+  explicit MessageTracker(TrackerOptions options) : options_(std::move(options)) {
+    UpdateMessage();
+  }
 
   [[nodiscard]] std::vector<std::string> Topics() const override { return options_.topics; }
 
@@ -35,7 +37,7 @@ class MessageTracker : public message::ResponseTracker {
     const auto [known, is_new] = levels_.emplace(said->from, said->level);
     if (!is_new && said->level <= known->second) return;
     known->second = said->level;
-    Judge();
+    Update();
     if (options_.on_level) options_.on_level(*said, steady_clock::now() - *published_);
   }
 
@@ -55,24 +57,24 @@ class MessageTracker : public message::ResponseTracker {
     ++unreadable_;
     why_ = why.message;
     progress_.unreadable = true;
-    Tell();
+    UpdateMessage();
   }
 
-  [[nodiscard]] std::size_t CountOf(Level level) const {
+  [[nodiscard]] std::size_t Count(Level level) const {
     return static_cast<std::size_t>(std::count_if(
         levels_.begin(), levels_.end(), [&](const auto& one) { return one.second >= level; }));
   }
 
-  void Judge() {
+  void Update() {
     progress_.seen = true;
-    Tell();
-    if (CountOf(options_.wait_for) < options_.count) return;
+    UpdateMessage();
+    if (Count(options_.wait_for) < options_.count) return;
     progress_.ended = true;
-    const bool done = CountOf(Level::kExecuted) >= options_.count;
+    const bool done = Count(Level::kExecuted) >= options_.count;
     progress_.status = done ? CommandStatus::kFinished : CommandStatus::kAccepted;
   }
 
-  void Tell() {
+  void UpdateMessage() {
     progress_.message = levels_.empty() ? "nobody acknowledged it" : Told();
     if (unreadable_ == 0) return;
     progress_.message += fmt::format("; {} message{} that name it cannot be read, the last one: {}",
@@ -85,12 +87,12 @@ class MessageTracker : public message::ResponseTracker {
       const auto highest =
           std::max_element(levels_.begin(), levels_.end(),
                            [](const auto& a, const auto& b) { return a.second < b.second; });
-      return std::string(NameOf(highest->second));
+      return std::string(GetName(highest->second));
     }
     std::vector<std::string> parts;
     for (const Level level : AllLevels()) {
-      if (CountOf(level) == 0 || level > options_.wait_for) continue;
-      parts.push_back(fmt::format("{} of {} {}", CountOf(level), options_.count, NameOf(level)));
+      if (Count(level) == 0 || level > options_.wait_for) continue;
+      parts.push_back(fmt::format("{} of {} {}", Count(level), options_.count, GetName(level)));
     }
     return base::Join(parts, ", ");
   }
@@ -103,8 +105,8 @@ class MessageTracker : public message::ResponseTracker {
   std::string why_;
 };
 
-std::string FromOf(std::string_view topic, std::string_view source, const Prefix& prefix) {
-  if (const auto platform = PlatformOf(topic, prefix)) {
+std::string FormatSource(std::string_view topic, std::string_view source, const Prefix& prefix) {
+  if (const auto platform = FindPlatform(topic, prefix)) {
     std::string name = prefix.Dotted() + "." + platform->Topic();
     std::replace(name.begin(), name.end(), '/', '.');
     return name;
@@ -119,7 +121,7 @@ std::optional<Acknowledgement> ReadAcknowledgement(std::string_view topic,
                                                    const Prefix& prefix) {
   const auto* said = FindMember(message, "payload");
   if (said == nullptr ||
-      StringMember(*said, "message_type") != NameOf(MessageType::kAcknowledgement)) {
+      StringMember(*said, "message_type") != GetName(MessageType::kAcknowledgement)) {
     return std::nullopt;
   }
   const auto level = ParseLevel(StringMember(*said, "status"));
@@ -127,7 +129,7 @@ std::optional<Acknowledgement> ReadAcknowledgement(std::string_view topic,
   const auto* header = FindMember(message, "header");
   const auto source = header == nullptr ? std::string_view() : StringMember(*header, "source");
   return Acknowledgement{std::string(StringMember(*said, "acknowledged_message_ID")), *level,
-                         FromOf(topic, source, prefix)};
+                         FormatSource(topic, source, prefix)};
 }
 
 std::unique_ptr<message::ResponseTracker> TrackAcknowledgements(TrackerOptions options) {

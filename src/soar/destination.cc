@@ -74,9 +74,9 @@ Status CheckTail(Levels tail, std::string_view text, MessageType type) {
     return refuse(fmt::format("behind the platform stands to_platform or from_platform, not '{}'",
                               base::Printable(tail[0])));
   }
-  if (tail.size() > 1 && tail[1] != NameOf(type)) {
+  if (tail.size() > 1 && tail[1] != GetName(type)) {
     return refuse(fmt::format("it ends in '{}', but the message is a {}", base::Printable(tail[1]),
-                              NameOf(type)));
+                              GetName(type)));
   }
   if (tail.size() > 2) return refuse("it has more levels than a destination has");
   return {};
@@ -87,16 +87,16 @@ Result<Destination> Long(std::string_view text, Levels below_prefix, const Prefi
   const Levels platform = below_prefix.first(kPlatformLevels);
   const Levels tail = below_prefix.subspan(kPlatformLevels);
   if (auto ok = CheckTail(tail, text, type); !ok) return Fail(ok.error());
-  const std::string direction = tail.empty() ? std::string(DirectionOf(type)) : tail[0];
+  const std::string direction = tail.empty() ? std::string(GetDirection(type)) : tail[0];
   Destination destination;
   destination.platform = Platform{platform[0], platform[1], platform[2]};
   destination.name = fmt::format("{}.{}", prefix.Dotted(), Joined(platform, "."));
-  destination.header = fmt::format("{}.{}.{}", destination.name, direction, NameOf(type));
+  destination.header = fmt::format("{}.{}.{}", destination.name, direction, GetName(type));
   destination.topic =
-      prefix.Topic(fmt::format("{}/{}/{}", Joined(platform, "/"), direction, NameOf(type)));
-  if (direction != DirectionOf(type)) {
+      prefix.Topic(fmt::format("{}/{}/{}", Joined(platform, "/"), direction, GetName(type)));
+  if (direction != GetDirection(type)) {
     destination.warnings.push_back(
-        fmt::format("a {} usually goes {}, not {}", NameOf(type), DirectionOf(type), direction));
+        fmt::format("a {} usually goes {}, not {}", GetName(type), GetDirection(type), direction));
   }
   return destination;
 }
@@ -176,7 +176,7 @@ Status CheckSource(std::string_view source) {
 
 std::vector<std::string> AcknowledgementTopics(const Destination& destination, const Prefix& prefix,
                                                std::string_view source) {
-  const std::string tail = fmt::format("{}/{}", kFrom, NameOf(MessageType::kAcknowledgement));
+  const std::string tail = fmt::format("{}/{}", kFrom, GetName(MessageType::kAcknowledgement));
   if (destination.platform) {
     return {prefix.Topic(fmt::format("{}/{}", destination.platform->Topic(), tail))};
   }
@@ -185,7 +185,7 @@ std::vector<std::string> AcknowledgementTopics(const Destination& destination, c
   return {prefix.Topic("+/+/+/" + tail), prefix.Topic(own)};
 }
 
-std::optional<Platform> PlatformOf(std::string_view topic, const Prefix& prefix) {
+std::optional<Platform> FindPlatform(std::string_view topic, const Prefix& prefix) {
   const auto levels = base::Split(topic, '/');
   const std::size_t above = prefix.levels.size();
   if (levels.size() != above + kPlatformLevels + 2) return std::nullopt;

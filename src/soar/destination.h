@@ -69,6 +69,6 @@ struct Destination {
                                                              std::string_view source);
 
 /// The platform whose topic this is, `soar/planet-ocean/ecosub/eco1/…/…`; nothing when it is none.
-[[nodiscard]] std::optional<Platform> PlatformOf(std::string_view topic, const Prefix& prefix);
+[[nodiscard]] std::optional<Platform> FindPlatform(std::string_view topic, const Prefix& prefix);
 
 }  // namespace fleetpub::soar

@@ -38,7 +38,7 @@ tl::unexpected<Error> Wrong(const Field& field, std::string_view wanted, std::st
 }
 
 template <typename Number>
-std::optional<Number> NumberOf(std::string_view text) {
+std::optional<Number> ParseNumber(std::string_view text) {
   Number number{};
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
   if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
@@ -53,7 +53,7 @@ std::string Choices(const Field& field) {
   return base::Join(names, ", ");
 }
 
-Result<std::string> TextOf(const Field& field, std::string_view text) {
+Result<std::string> ParseText(const Field& field, std::string_view text) {
   if (!base::IsUtf8(text)) return Wrong(field, "valid UTF-8", text);
   const bool is_choice =
       field.choices[0].empty() ||
@@ -65,14 +65,14 @@ Result<std::string> TextOf(const Field& field, std::string_view text) {
   return base::JsonString(text);
 }
 
-Result<std::string> JsonOf(const Field& field, std::string_view raw) {
+Result<std::string> ParseJsonText(const Field& field, std::string_view raw) {
   const std::string_view text = Trimmed(raw);
   switch (field.type) {
     case FieldType::kInteger:
-      if (const auto number = NumberOf<std::int64_t>(text)) return fmt::format("{}", *number);
+      if (const auto number = ParseNumber<std::int64_t>(text)) return fmt::format("{}", *number);
       return Wrong(field, "a whole number", raw);
     case FieldType::kNumber:
-      if (const auto number = NumberOf<double>(text); number && std::isfinite(*number)) {
+      if (const auto number = ParseNumber<double>(text); number && std::isfinite(*number)) {
         return fmt::format("{}", *number);
       }
       return Wrong(field, "a number", raw);
@@ -82,7 +82,7 @@ Result<std::string> JsonOf(const Field& field, std::string_view raw) {
       }
       return Wrong(field, "true or false", raw);
     case FieldType::kText:
-      return TextOf(field, raw);
+      return ParseText(field, raw);
     case FieldType::kDateTime:
       if (base::ParseDateTime(text)) return base::JsonString(text);
       return Wrong(field, "a date-time such as 2026-01-02T03:04:05Z", raw);
@@ -149,7 +149,7 @@ const Field* FindField(std::span<const Field> fields, std::string_view word) {
 }
 
 Result<Member> ParseField(const Field& field, std::string_view text) {
-  auto json = JsonOf(field, text);
+  auto json = ParseJsonText(field, text);
   if (!json) return Fail(std::move(json.error()));
   return Member{std::string(field.name), *std::move(json), std::string(field.parent)};
 }

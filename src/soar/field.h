@@ -28,7 +28,7 @@ struct Field {
 };
 
 /// The payload's members that are single values, `message_type` aside.
-[[nodiscard]] std::span<const Field> FieldsOf(MessageType type);
+[[nodiscard]] std::span<const Field> ListFields(MessageType type);
 /// Of one waypoint of a mission plan.
 [[nodiscard]] std::span<const Field> WaypointFields();
 /// Of one point of interest of an observation.

@@ -108,7 +108,7 @@ constexpr std::array kPointFields = {
 
 }  // namespace
 
-std::span<const Field> FieldsOf(MessageType type) {
+std::span<const Field> ListFields(MessageType type) {
   switch (type) {
     case MessageType::kAcknowledgement:
       return kAcknowledgementFields;

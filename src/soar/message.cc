@@ -11,11 +11,11 @@ namespace fleetpub::soar {
 using base::JsonString;
 
 std::string PayloadSchema(MessageType type) {
-  return fmt::format("soar/{}/messages#/components/schemas/{}", kFormatVersion, NameOf(type));
+  return fmt::format("soar/{}/messages#/components/schemas/{}", kFormatVersion, GetName(type));
 }
 
-std::string PayloadOf(MessageType type, std::span<const Member> members) {
-  std::string json = fmt::format(R"({{"message_type":"{}")", NameOf(type));
+std::string BuildPayload(MessageType type, std::span<const Member> members) {
+  std::string json = fmt::format(R"({{"message_type":"{}")", GetName(type));
   std::string_view parent;
   for (const Member& member : members) {
     const bool same = member.parent == parent;
@@ -31,8 +31,8 @@ std::string PayloadOf(MessageType type, std::span<const Member> members) {
   return json + (parent.empty() ? "}" : "}}");
 }
 
-Result<std::string> PlanningConfigurationOf(std::string_view json,
-                                            std::string_view planning_config_id) {
+Result<std::string> ParsePlanningConfiguration(std::string_view json,
+                                               std::string_view planning_config_id) {
   const auto document = base::ParseJson(json);
   if (!document) return Fail(document.error());
   if (!document->IsObject()) {
@@ -46,15 +46,15 @@ Result<std::string> PlanningConfigurationOf(std::string_view json,
   for (const auto& [name, value] : document->GetObject()) {
     const std::string_view key = base::ViewOf(name);
     if (key == "message_type") {
-      if (value.IsString() && base::ViewOf(value) == NameOf(kType)) continue;
+      if (value.IsString() && base::ViewOf(value) == GetName(kType)) continue;
       return Fail(ErrorKind::kInvalid,
                   fmt::format("its message_type is {}, not {}",
-                              base::Printable(base::ToJson(value).substr(0, 60)), NameOf(kType)));
+                              base::Printable(base::ToJson(value).substr(0, 60)), GetName(kType)));
     }
     if (key == "planning_config_ID" && !planning_config_id.empty()) continue;
     members.push_back({std::string(key), base::ToJson(value)});
   }
-  return PayloadOf(kType, members);
+  return BuildPayload(kType, members);
 }
 
 message::Command BuildMessage(MessageType type, const Destination& destination,
@@ -69,7 +69,7 @@ message::Command BuildMessage(MessageType type, const Destination& destination,
   command.text_rules = [strictness = sender.strictness](const base::JsonValue& message) {
     return CheckMessage(message, strictness);
   };
-  command.actions = {{std::string(NameOf(type)), id}};
+  command.actions = {{std::string(GetName(type)), id}};
   command.payload = {
       .before_id = "",
       .before_time = fmt::format(R"({{"header":{{"message_ID":"{}","timestamp":")", id),

@@ -32,13 +32,13 @@ struct Sender {
 
 /// A payload as JSON: its message_type and these members. Members of one parent that follow each
 /// other stand in one object.
-[[nodiscard]] std::string PayloadOf(MessageType type, std::span<const Member> members);
+[[nodiscard]] std::string BuildPayload(MessageType type, std::span<const Member> members);
 
 /// A planning configuration from the JSON text of a file (`planning_config_ID` may be given apart,
 /// as JSON). What it must hold is for the schema to say. Errors: ErrorKind::kInvalid (no JSON, no
 /// object, another message_type).
-[[nodiscard]] Result<std::string> PlanningConfigurationOf(std::string_view json,
-                                                          std::string_view planning_config_id);
+[[nodiscard]] Result<std::string> ParsePlanningConfiguration(std::string_view json,
+                                                             std::string_view planning_config_id);
 
 /// The message with all seven header fields, a hole for the timestamp and a fresh message_ID, which
 /// is the id of its only action.

@@ -32,7 +32,7 @@ std::optional<Kind> Parse(const std::array<Kind, N>& kinds,
 
 std::span<const MessageType> AllMessageTypes() { return kTypes; }
 
-std::string_view NameOf(MessageType type) { return kTypeNames[static_cast<std::size_t>(type)]; }
+std::string_view GetName(MessageType type) { return kTypeNames[static_cast<std::size_t>(type)]; }
 
 std::optional<MessageType> ParseMessageType(std::string_view name) {
   return Parse(kTypes, kTypeNames, name);
@@ -43,7 +43,7 @@ std::string MessageTypeNames() {
   return base::Join(names, ", ");
 }
 
-std::string_view DirectionOf(MessageType type) {
+std::string_view GetDirection(MessageType type) {
   const bool told =
       type == MessageType::kMissionPlan || type == MessageType::kPlanningConfiguration;
   return told ? "to_platform" : "from_platform";
@@ -51,7 +51,7 @@ std::string_view DirectionOf(MessageType type) {
 
 std::span<const Level> AllLevels() { return kLevels; }
 
-std::string_view NameOf(Level level) { return kLevelNames[static_cast<std::size_t>(level)]; }
+std::string_view GetName(Level level) { return kLevelNames[static_cast<std::size_t>(level)]; }
 
 std::optional<Level> ParseLevel(std::string_view name) { return Parse(kLevels, kLevelNames, name); }
 

@@ -20,7 +20,7 @@ enum class MessageType {
 [[nodiscard]] std::span<const MessageType> AllMessageTypes();
 
 /// `mission_plan`
-[[nodiscard]] std::string_view NameOf(MessageType type);
+[[nodiscard]] std::string_view GetName(MessageType type);
 /// The type of exactly this name.
 [[nodiscard]] std::optional<MessageType> ParseMessageType(std::string_view name);
 /// All names, for messages: `acknowledgement, mission_plan, …`
@@ -28,14 +28,14 @@ enum class MessageType {
 
 /// The level before the message type in a platform's topics: `to_platform` for what a platform is
 /// told, `from_platform` for what it tells.
-[[nodiscard]] std::string_view DirectionOf(MessageType type);
+[[nodiscard]] std::string_view GetDirection(MessageType type);
 
 /// How far a message has come, in order.
 enum class Level { kC2Received, kOperatorApprovedAndSent, kExecuted };
 
 [[nodiscard]] std::span<const Level> AllLevels();
 /// `c2_received`
-[[nodiscard]] std::string_view NameOf(Level level);
+[[nodiscard]] std::string_view GetName(Level level);
 [[nodiscard]] std::optional<Level> ParseLevel(std::string_view name);
 
 }  // namespace fleetpub::soar

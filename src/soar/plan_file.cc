@@ -41,7 +41,7 @@ Status CheckColumns(const CsvRow& header) {
   return {};
 }
 
-Result<Item> WaypointOf(const CsvRow& row, const CsvRow& header) {
+Result<Item> ReadWaypoint(const CsvRow& row, const CsvRow& header) {
   if (row.fields.size() != header.fields.size()) {
     return Refuse(fmt::format("line {}: it has {} fields, the header has {}", row.line,
                               row.fields.size(), header.fields.size()));
@@ -72,7 +72,7 @@ Result<PlanFile> FromCsv(std::string_view content) {
   if (auto known = CheckColumns(header); !known) return Fail(known.error());
   PlanFile plan;
   for (std::size_t i = 1; i < rows->size(); ++i) {
-    auto item = WaypointOf((*rows)[i], header);
+    auto item = ReadWaypoint((*rows)[i], header);
     if (!item) return Fail(std::move(item.error()));
     plan.waypoints.push_back(*std::move(item));
   }
@@ -81,7 +81,7 @@ Result<PlanFile> FromCsv(std::string_view content) {
 
 // --- JSON
 
-Result<Item> WaypointOf(const Value& value) {
+Result<Item> ReadWaypoint(const Value& value) {
   if (!value.IsObject()) return Refuse("it must be an object");
   Item item;
   for (const auto& [name, member] : value.GetObject()) {
@@ -106,7 +106,7 @@ Result<Item> WaypointOf(const Value& value) {
 Result<PlanFile> FromArray(const Value& array) {
   PlanFile plan;
   for (SizeType i = 0; i < array.Size(); ++i) {
-    auto item = WaypointOf(array[i]);
+    auto item = ReadWaypoint(array[i]);
     if (!item) return Refuse(fmt::format("waypoint {}: {}", i + 1, item.error().message));
     plan.waypoints.push_back(*std::move(item));
   }
@@ -149,7 +149,7 @@ Result<PlanFile> FromLineString(const Value& geometry) {
 bool IsLineString(const Value& value) { return StringMember(value, "type") == "LineString"; }
 
 // The geometry of a Feature; else the value itself.
-const Value& GeometryOf(const Value& value) {
+const Value& FindGeometry(const Value& value) {
   const Value* geometry =
       StringMember(value, "type") == "Feature" ? FindMember(value, "geometry") : nullptr;
   return geometry == nullptr ? value : *geometry;
@@ -158,15 +158,15 @@ const Value& GeometryOf(const Value& value) {
 Result<PlanFile> FromGeoJson(const Value& document) {
   const Value* features = FindMember(document, "features");
   if (features == nullptr) {
-    if (IsLineString(GeometryOf(document))) return FromLineString(GeometryOf(document));
+    if (IsLineString(FindGeometry(document))) return FromLineString(FindGeometry(document));
     return Refuse(fmt::format("a plan is read from a LineString, not from a {}",
-                              base::Printable(StringMember(GeometryOf(document), "type"))));
+                              base::Printable(StringMember(FindGeometry(document), "type"))));
   }
   const Value* line = nullptr;
   SizeType lines = 0;
   for (SizeType i = 0; features->IsArray() && i < features->Size(); ++i) {
-    if (!IsLineString(GeometryOf((*features)[i]))) continue;
-    line = &GeometryOf((*features)[i]);
+    if (!IsLineString(FindGeometry((*features)[i]))) continue;
+    line = &FindGeometry((*features)[i]);
     ++lines;
   }
   if (lines == 1) return FromLineString(*line);

@@ -352,9 +352,9 @@ TEST_F(SendingCommands, SendsPreparedOnesOrNone) {
   auto good = Action("startPause").Build({"KIT", "0001"}, dialect, {});
   auto bad = Action("startPause", "SOMETIMES").Build({"KIT", "0002"}, dialect, {});
   ASSERT_TRUE(good && bad);
-  EXPECT_TRUE(SendPrepared({*good}, settings_, {}, world_.Get(), observer_));
+  EXPECT_TRUE(SendMessages({*good}, settings_, {}, world_.Get(), observer_));
   EXPECT_THAT(Published(), SizeIs(1));
-  EXPECT_FALSE(SendPrepared({*good, *bad}, settings_, {}, world_.Get(), observer_));
+  EXPECT_FALSE(SendMessages({*good, *bad}, settings_, {}, world_.Get(), observer_));
   EXPECT_THAT(Published(), SizeIs(1));
   EXPECT_THAT(observer_.nothing_sent, SizeIs(2));
 }

@@ -16,7 +16,7 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
-std::vector<std::string> LinesOf(std::string_view content) {
+std::vector<std::string> ListLines(std::string_view content) {
   const fleetpub::testing::TemporaryFolder folder;
   auto reader = LineReader::Open(folder.Write("lines", content));
   std::vector<std::string> lines;
@@ -28,16 +28,16 @@ std::vector<std::string> LinesOf(std::string_view content) {
 }
 
 TEST(LineReader, HandsOutLines) {
-  EXPECT_THAT(LinesOf(""), IsEmpty());
-  EXPECT_THAT(LinesOf("a\n"), ElementsAre("a"));
-  EXPECT_THAT(LinesOf("a\n\nb"), ElementsAre("a", "", "b"));
-  EXPECT_THAT(LinesOf("\n"), ElementsAre(""));
+  EXPECT_THAT(ListLines(""), IsEmpty());
+  EXPECT_THAT(ListLines("a\n"), ElementsAre("a"));
+  EXPECT_THAT(ListLines("a\n\nb"), ElementsAre("a", "", "b"));
+  EXPECT_THAT(ListLines("\n"), ElementsAre(""));
 }
 
 TEST(LineReader, HandsOutLinesLargerThanWhatIsReadAtOnce) {
   const std::string large(700'000, 'x');
   const std::string small(99'999, 'y');
-  EXPECT_THAT(LinesOf(large + "\n" + small + "\n" + large + "\n" + small),
+  EXPECT_THAT(ListLines(large + "\n" + small + "\n" + large + "\n" + small),
               ElementsAre(large, small, large, small));
 }
 

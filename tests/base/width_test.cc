@@ -19,12 +19,12 @@ TEST(Width, IsWhatATerminalShows) {
       {"로봇", 4},
       {"→±²…", 4},
       {"e\u0301\u0323", 1}};
-  for (const auto& [text, width] : cases) EXPECT_EQ(WidthOf(text), width) << text;
+  for (const auto& [text, width] : cases) EXPECT_EQ(MeasureWidth(text), width) << text;
 }
 
-TEST(Width, CountsWhatIsNoTextByItsBytes) { EXPECT_EQ(WidthOf("\xFF\xC3"), 2U); }
+TEST(Width, CountsWhatIsNoTextByItsBytes) { EXPECT_EQ(MeasureWidth("\xFF\xC3"), 2U); }
 
-TEST(Width, CountsWhatTheLibraryDoesNotKnowYet) { EXPECT_EQ(WidthOf("\U0002FFFD"), 1U); }
+TEST(Width, CountsWhatTheLibraryDoesNotKnowYet) { EXPECT_EQ(MeasureWidth("\U0002FFFD"), 1U); }
 
 TEST(CutTo, CutsNoCharacterInTwo) {
   EXPECT_EQ(CutTo(3, "搬送車"), "搬");

@@ -127,7 +127,7 @@ void Append(const char* file, const std::string& figure, const std::vector<Progr
   std::fclose(csv);
 }
 
-std::vector<Program> ProgramsOf(int argc, char** argv) {
+std::vector<Program> ParsePrograms(int argc, char** argv) {
   std::vector<Program> programs;
   for (int i = 4; i < argc; ++i) {
     const std::string word = argv[i];
@@ -150,7 +150,7 @@ std::vector<Program> ProgramsOf(int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  auto programs = ProgramsOf(argc, argv);
+  auto programs = ParsePrograms(argc, argv);
   if (programs.size() < 2) {
     fmt::print(stderr, "usage: pairs RUNS FIGURE CSV NAME A... -- NAME B... [-- NAME C... ...]\n");
     return 2;

@@ -35,32 +35,32 @@ class Told : public message::ResponseTracker {
 
 class Following : public ::testing::Test {
  protected:
-  void Publish(PendingCommands& follower, PendingCommands::Key key, const std::string& topic) {
-    follower.Track(key, std::make_shared<Told>(topic));
-    follower.Published(key, {.reference = std::to_string(key)});
+  void Publish(PendingCommands& pending, PendingCommands::Key key, const std::string& topic) {
+    pending.Track(key, std::make_shared<Told>(topic));
+    pending.Published(key, {.reference = std::to_string(key)});
   }
-  PendingCommands::EndHook Note() {
+  PendingCommands::EndHook RecordEnd() {
     return [this](PendingCommands::Key key, const message::Report& report) {
       EXPECT_EQ(report.reference, std::to_string(key));
-      ended_.push_back(std::to_string(key) + " " + std::string(NameOf(report.status)));
+      ended_.push_back(std::to_string(key) + " " + std::string(GetName(report.status)));
     };
   }
   std::vector<std::string> ended_;
 };
 
 TEST_F(Following, TellsEachEndOnceAndForgetsIt) {
-  PendingCommands follower({}, Note());
-  Publish(follower, 1, "a");
-  Publish(follower, 2, "a");
-  Publish(follower, 3, "b/+");
-  EXPECT_THAT(follower.Topics(), UnorderedElementsAre("a", "b/+"));
-  follower.Deliver({.topic = "a", .payload = "done"});
-  follower.Deliver({.topic = "a", .payload = "done"});
-  follower.Deliver({.topic = "b/x", .payload = "done"});
+  PendingCommands pending({}, RecordEnd());
+  Publish(pending, 1, "a");
+  Publish(pending, 2, "a");
+  Publish(pending, 3, "b/+");
+  EXPECT_THAT(pending.Topics(), UnorderedElementsAre("a", "b/+"));
+  pending.Deliver({.topic = "a", .payload = "done"});
+  pending.Deliver({.topic = "a", .payload = "done"});
+  pending.Deliver({.topic = "b/x", .payload = "done"});
   EXPECT_THAT(ended_, ElementsAre("1 FINISHED", "2 FINISHED", "3 FINISHED"));
-  EXPECT_THAT(follower.Topics(), IsEmpty());
-  EXPECT_EQ(follower.waiting(), 0U);
-  EXPECT_EQ(follower.NextLimit(), PendingCommands::Clock::time_point::max());
+  EXPECT_THAT(pending.Topics(), IsEmpty());
+  EXPECT_EQ(pending.waiting(), 0U);
+  EXPECT_EQ(pending.NextLimit(), PendingCommands::Clock::time_point::max());
 }
 
 // Is at its end as soon as it has left.
@@ -72,59 +72,59 @@ class NotAwaited final : public Told {
 };
 
 TEST_F(Following, EndsAtOnceOfWhomNoAnswerIsExpected) {
-  PendingCommands follower({}, Note());
-  follower.Track(7, std::make_shared<NotAwaited>());
-  follower.Published(7, {.reference = "7"});
+  PendingCommands pending({}, RecordEnd());
+  pending.Track(7, std::make_shared<NotAwaited>());
+  pending.Published(7, {.reference = "7"});
   EXPECT_THAT(ended_, ElementsAre("7 FINISHED"));
-  EXPECT_EQ(follower.waiting(), 0U);
+  EXPECT_EQ(pending.waiting(), 0U);
 }
 
 TEST_F(Following, EndsInTheOrderOfTheLimits) {
-  PendingCommands follower({.seen = milliseconds(20), .done = milliseconds(60)}, Note());
-  Publish(follower, 1, "a");
-  follower.Deliver({.topic = "a", .payload = "seen"});
-  Publish(follower, 2, "b");
-  const auto first = follower.NextLimit();
+  PendingCommands pending({.seen = milliseconds(20), .done = milliseconds(60)}, RecordEnd());
+  Publish(pending, 1, "a");
+  pending.Deliver({.topic = "a", .payload = "seen"});
+  Publish(pending, 2, "b");
+  const auto first = pending.NextLimit();
   std::this_thread::sleep_until(first);
-  EXPECT_THAT(follower.Expire(), IsEmpty());
+  EXPECT_THAT(pending.Expire(), IsEmpty());
   EXPECT_THAT(ended_, ElementsAre("2 TIMEOUT"));
-  EXPECT_GT(follower.NextLimit(), first);
-  std::this_thread::sleep_until(follower.NextLimit());
-  EXPECT_THAT(follower.Expire(), IsEmpty());
+  EXPECT_GT(pending.NextLimit(), first);
+  std::this_thread::sleep_until(pending.NextLimit());
+  EXPECT_THAT(pending.Expire(), IsEmpty());
   EXPECT_THAT(ended_, ElementsAre("2 TIMEOUT", "1 TIMEOUT"));
 }
 
 TEST_F(Following, AsksForWhatWasNotSeenToBeSentAgain) {
-  PendingCommands follower({.seen = milliseconds(5), .resend = 1}, Note());
-  Publish(follower, 7, "a");
-  std::this_thread::sleep_until(follower.NextLimit());
-  EXPECT_THAT(follower.Expire(), ElementsAre(7U));
-  EXPECT_THAT(follower.Expire(), IsEmpty());
-  std::this_thread::sleep_until(follower.NextLimit());
-  EXPECT_THAT(follower.Expire(), IsEmpty());
+  PendingCommands pending({.seen = milliseconds(5), .resend = 1}, RecordEnd());
+  Publish(pending, 7, "a");
+  std::this_thread::sleep_until(pending.NextLimit());
+  EXPECT_THAT(pending.Expire(), ElementsAre(7U));
+  EXPECT_THAT(pending.Expire(), IsEmpty());
+  std::this_thread::sleep_until(pending.NextLimit());
+  EXPECT_THAT(pending.Expire(), IsEmpty());
   EXPECT_THAT(ended_, ElementsAre("7 TIMEOUT"));
 }
 
 TEST_F(Following, SendsNothingAgainForAnAnswerThatCannotBeRead) {
-  PendingCommands follower({.total = milliseconds(40), .resend = 3}, Note());
-  Publish(follower, 7, "a");
-  follower.Deliver({.topic = "a", .payload = "unreadable"});
-  std::this_thread::sleep_until(follower.NextLimit());
-  EXPECT_THAT(follower.Expire(), IsEmpty());
+  PendingCommands pending({.total = milliseconds(40), .resend = 3}, RecordEnd());
+  Publish(pending, 7, "a");
+  pending.Deliver({.topic = "a", .payload = "unreadable"});
+  std::this_thread::sleep_until(pending.NextLimit());
+  EXPECT_THAT(pending.Expire(), IsEmpty());
   EXPECT_THAT(ended_, IsEmpty()) << "the whole time is for the answer";
-  std::this_thread::sleep_until(follower.NextLimit());
-  EXPECT_THAT(follower.Expire(), IsEmpty());
+  std::this_thread::sleep_until(pending.NextLimit());
+  EXPECT_THAT(pending.Expire(), IsEmpty());
   EXPECT_THAT(ended_, ElementsAre("7 TIMEOUT"));
 }
 
 TEST_F(Following, ForgetsWhatDidNotLeave) {
-  PendingCommands follower({}, Note());
-  follower.Track(1, std::make_shared<Told>("a"));
-  Publish(follower, 2, "a");
-  follower.Forget(1);
-  follower.Forget(1);
-  EXPECT_EQ(follower.waiting(), 1U);
-  follower.EndAll({ErrorKind::kBroker, "gone"});
+  PendingCommands pending({}, RecordEnd());
+  pending.Track(1, std::make_shared<Told>("a"));
+  Publish(pending, 2, "a");
+  pending.Forget(1);
+  pending.Forget(1);
+  EXPECT_EQ(pending.waiting(), 1U);
+  pending.EndAll({ErrorKind::kBroker, "gone"});
   EXPECT_THAT(ended_, ElementsAre("2 ERROR"));
 }
 

@@ -37,7 +37,7 @@ class AtADistance : public ::testing::Test {
   void Done(PublishPipeline::Key key, const BatchResult& result) {
     for (const message::Report& report : result.reports) {
       done_.push_back(std::to_string(key) + " " + report.target + " " +
-                      std::string(NameOf(report.status)) + " " + report.message);
+                      std::string(GetName(report.status)) + " " + report.message);
     }
     if (result.broken) broken_.push_back(result.broken->message);
   }

@@ -11,22 +11,22 @@ using std::chrono::seconds;
 const RateLimiter::Clock::time_point kStart = RateLimiter::Clock::time_point(seconds(1'000));
 
 // How many leave within a time, looked at every millisecond.
-std::size_t SentWithin(RateLimiter pace, milliseconds time) {
+std::size_t SentWithin(RateLimiter limiter, milliseconds time) {
   std::size_t sent = 0;
   for (milliseconds at{0}; at < time; at += milliseconds(1)) {
-    const std::size_t some = pace.Available(kStart + at);
-    pace.Consume(some, kStart + at);
+    const std::size_t some = limiter.Available(kStart + at);
+    limiter.Consume(some, kStart + at);
     sent += some;
   }
   return sent;
 }
 
 TEST(RateLimiter, AllowsEverythingWithoutARate) {
-  RateLimiter pace;
-  EXPECT_GT(pace.Available(kStart), 1'000'000U);
-  pace.Consume(1'000'000, kStart);
-  EXPECT_GT(pace.Available(kStart), 1'000'000U);
-  EXPECT_LE(pace.Next(), kStart);
+  RateLimiter limiter;
+  EXPECT_GT(limiter.Available(kStart), 1'000'000U);
+  limiter.Consume(1'000'000, kStart);
+  EXPECT_GT(limiter.Available(kStart), 1'000'000U);
+  EXPECT_LE(limiter.Next(), kStart);
 }
 
 TEST(RateLimiter, KeepsToTheRate) {
@@ -38,18 +38,18 @@ TEST(RateLimiter, KeepsToTheRate) {
 }
 
 TEST(RateLimiter, SavesNothingUp) {
-  RateLimiter pace(100);
-  EXPECT_EQ(pace.Available(kStart), 5U);
-  pace.Consume(5, kStart);
-  EXPECT_EQ(pace.Available(kStart), 0U);
-  EXPECT_EQ(pace.Next(), kStart + milliseconds(10));
-  EXPECT_EQ(pace.Available(kStart + seconds(60)), 5U);
+  RateLimiter limiter(100);
+  EXPECT_EQ(limiter.Available(kStart), 5U);
+  limiter.Consume(5, kStart);
+  EXPECT_EQ(limiter.Available(kStart), 0U);
+  EXPECT_EQ(limiter.Next(), kStart + milliseconds(10));
+  EXPECT_EQ(limiter.Available(kStart + seconds(60)), 5U);
 }
 
 TEST(RateLimiter, MakesUpForWhatWasTooMuch) {
-  RateLimiter pace(10);
-  pace.Consume(11, kStart);
-  EXPECT_EQ(pace.Next(), kStart + milliseconds(1'000) + milliseconds(100));
+  RateLimiter limiter(10);
+  limiter.Consume(11, kStart);
+  EXPECT_EQ(limiter.Next(), kStart + milliseconds(1'000) + milliseconds(100));
 }
 
 }  // namespace

@@ -27,7 +27,7 @@ void Replace(std::string& text, const std::string& what, const std::string& with
 }
 
 // The commands, each followed by its exit code, with what they print between marks.
-std::string ScriptOf(const std::vector<Example>& examples, const World& world) {
+std::string MakeScript(const std::vector<Example>& examples, const World& world) {
   std::string script = std::string(WorldFunctions()) + "exec 2>&1\n" + world.setup + "\n";
   auto before = world.before;
   for (const Example& example : examples) {
@@ -101,7 +101,7 @@ void ExpectShown(const Example& example, const std::vector<std::string>& lines) 
 }
 
 // "The robot is offline (exit 7)"
-int ExitCodeOf(const std::string& heading) {
+int FindExitCode(const std::string& heading) {
   static const std::regex code(R"(.*\(exit ([0-9]+)\))");
   std::smatch match;
   return std::regex_match(heading, match, code) ? std::stoi(match[1]) : 0;
@@ -109,7 +109,7 @@ int ExitCodeOf(const std::string& heading) {
 
 void RunExamples(const std::vector<Example>& examples, const World& world, int exit_code) {
   const Mosquitto broker;
-  const auto lines = Lines(RunInAHome(ScriptOf(examples, world), broker));
+  const auto lines = Lines(RunInAHome(MakeScript(examples, world), broker));
   auto line = lines.begin();
   for (const Example& example : examples) {
     line = std::find(line, lines.end(), "@@");
@@ -145,7 +145,7 @@ constexpr const char* kPages[] = {
     "docs/scale.md",       "docs/site.md",     "docs/troubleshooting.md"};
 
 /// By chapter.
-std::map<std::string, std::vector<Example>> ExamplesOf(const std::string& page) {
+std::map<std::string, std::vector<Example>> ReadExamples(const std::string& page) {
   std::map<std::string, std::vector<Example>> examples;
   for (const Block& block : IndentedBlocks(SourceText(page))) {
     if (IsSomethingElse(block)) continue;
@@ -156,7 +156,7 @@ std::map<std::string, std::vector<Example>> ExamplesOf(const std::string& page) 
   return examples;
 }
 
-World WorldOf(const std::string& page, const std::string& chapter) {
+World MakeWorld(const std::string& page, const std::string& chapter) {
   const auto chapters = Worlds().find(page);
   if (chapters == Worlds().end()) return {};
   const auto world = chapters->second.find(chapter);
@@ -168,29 +168,29 @@ class DocsExamples : public ::testing::TestWithParam<std::pair<std::string, std:
 std::vector<std::pair<std::string, std::string>> AllChapters() {
   std::vector<std::pair<std::string, std::string>> all;
   for (const char* page : kPages) {
-    for (const auto& [chapter, examples] : ExamplesOf(page)) all.emplace_back(page, chapter);
+    for (const auto& [chapter, examples] : ReadExamples(page)) all.emplace_back(page, chapter);
   }
   return all;
 }
 
 TEST_P(DocsExamples, RunAndPrintWhatThePageShows) {
   const auto& [page, chapter] = GetParam();
-  World world = WorldOf(page, chapter);
+  World world = MakeWorld(page, chapter);
   for (const Block& block : IndentedBlocks(SourceText(page))) {
     if (!block.text.starts_with("planning_config_ID")) continue;
     world.setup += "\ncat > squads.toml <<'END'\n" + block.text + "END\n";
   }
-  RunExamples(ExamplesOf(page).at(chapter), world, ExitCodeOf(chapter));
+  RunExamples(ReadExamples(page).at(chapter), world, FindExitCode(chapter));
 }
 
-std::string NameOf(const ::testing::TestParamInfo<std::pair<std::string, std::string>>& info) {
+std::string GetName(const ::testing::TestParamInfo<std::pair<std::string, std::string>>& info) {
   std::string name = info.param.first + "_" + info.param.second;
   std::replace_if(
       name.begin(), name.end(), [](unsigned char c) { return std::isalnum(c) == 0; }, '_');
   return name;
 }
 
-INSTANTIATE_TEST_SUITE_P(Of, DocsExamples, ::testing::ValuesIn(AllChapters()), NameOf);
+INSTANTIATE_TEST_SUITE_P(Of, DocsExamples, ::testing::ValuesIn(AllChapters()), GetName);
 
 TEST(DocsPages, AreAllTried) {
   for (const char* page : kPages) {
@@ -201,7 +201,7 @@ TEST(DocsPages, AreAllTried) {
     }
   }
   for (const auto& [page, chapters] : Worlds()) {
-    const auto examples = ExamplesOf(page);
+    const auto examples = ReadExamples(page);
     for (const auto& [chapter, world] : chapters) {
       EXPECT_TRUE(examples.contains(chapter)) << page << " has no examples in " << chapter;
     }

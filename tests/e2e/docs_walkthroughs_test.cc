@@ -15,7 +15,7 @@ namespace {
 using ::testing::HasSubstr;
 
 /// What stands in the page's `sh` blocks.
-std::string CommandsOf(const std::string& name) {
+std::string ReadCommands(const std::string& name) {
   std::ifstream page(FLEETPUB_SOURCE_DIR "/docs/" + name);
   std::string commands;
   bool inside = false;
@@ -50,7 +50,7 @@ Finished RunPage(const std::string& commands) {
 }
 
 TEST(DocsWalkthroughs, SetUpASite) {
-  std::string commands = CommandsOf("site.md");
+  std::string commands = ReadCommands("site.md");
   ASSERT_THAT(commands, HasSubstr("fleetpub pause agv1 --profile north --wait"));
   Replace(commands, "8883", std::to_string(FreePort()));
   Replace(commands, "1884", std::to_string(FreePort()));
@@ -100,7 +100,7 @@ fleetpub ping --profile north --cert false-ann.pem --key false-ann.key --key-pas
 )sh";
 
 TEST(DocsWalkthroughs, SetUpASiteWhereNobodyBecomesMoreThanTheAuthoritySaid) {
-  std::string commands = CommandsOf("site.md");
+  std::string commands = ReadCommands("site.md");
   commands.resize(commands.find("fleetpub simulate"));
   Replace(commands, "8883", std::to_string(FreePort()));
   Replace(commands, "1884", std::to_string(FreePort()));
@@ -115,7 +115,7 @@ TEST(DocsWalkthroughs, SetUpASiteWhereNobodyBecomesMoreThanTheAuthoritySaid) {
 }
 
 TEST(DocsWalkthroughs, TellRecipesThatWork) {
-  const std::string commands = CommandsOf("recipes.md");
+  const std::string commands = ReadCommands("recipes.md");
   ASSERT_THAT(commands, HasSubstr("fleetpub fleet\n"));
   const Mosquitto broker;
   const Finished run = RunPage("export FLEETPUB_BROKER=" + broker.Url() +

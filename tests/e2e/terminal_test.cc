@@ -38,7 +38,7 @@ std::string Contents(const std::filesystem::path& file) {
   return {std::istreambuf_iterator<char>(stream), {}};
 }
 
-std::string RowOf(const std::string& name, const std::string& shown) {
+std::string FindRow(const std::string& name, const std::string& shown) {
   for (const std::string& line : Lines(shown)) {
     if (line.starts_with(name)) return line;
   }
@@ -127,18 +127,18 @@ TEST_F(OnATerminal, WatchAlignsWideNamesAndKeepsItsColumns) {
   Terminal terminal(AndTellTheEnd(Line({"watch"})), 140, 10);
   ASSERT_TRUE(terminal.Await("4 robots, 4 online"));
   const std::string shown = terminal.Shown();
-  const std::string header = RowOf("TARGET", shown);
+  const std::string header = FindRow("TARGET", shown);
   const std::size_t column = header.find("VERSION");
   for (const std::string& name : names) {
-    const std::string row = RowOf(name, shown);
-    EXPECT_EQ(terminal.WidthOf(row.substr(0, row.find("3.0.0"))), column) << shown;
+    const std::string row = FindRow(name, shown);
+    EXPECT_EQ(terminal.MeasureWidth(row.substr(0, row.find("3.0.0"))), column) << shown;
   }
   // The widest name goes; the columns stay where they are.
   robots.back()->Signal();
   ASSERT_TRUE(terminal.Await("OFFLINE"));
   EXPECT_EQ(Fleetpub({"pause", "KIT/0001"}).exit_code, 0);
   ASSERT_TRUE(terminal.Await("yes"));
-  EXPECT_EQ(RowOf("TARGET", terminal.Shown()), header);
+  EXPECT_EQ(FindRow("TARGET", terminal.Shown()), header);
 }
 
 TEST_F(OnATerminal, NoColourStandsAlone) {
@@ -267,7 +267,7 @@ TEST_F(OnATerminal, AsksBeforeManyAreCommanded) {
     terminal.Press("Enter");
     ASSERT_TRUE(terminal.Await(end)) << answer;
     for (const std::string& line : WhatIsLeft(terminal))
-      EXPECT_THAT(terminal.WidthOf(line), Le(40U));
+      EXPECT_THAT(terminal.MeasureWidth(line), Le(40U));
   }
 }
 

@@ -43,7 +43,7 @@ bool Admit(PacketCheck& check, std::string_view bytes) {
   return check.Admit({reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()});
 }
 
-PacketCheck CheckOf(unsigned flags) {
+PacketCheck MakeCheck(unsigned flags) {
   PacketCheck check((flags & kV5) != 0 ? ProtocolVersion::k5 : ProtocolVersion::k311);
   if ((flags & kSubscribes) != 0) check.ExpectSuback(kFilters);
   if ((flags & kUnsubscribes) != 0) check.ExpectUnsuback(kFilters);
@@ -52,9 +52,9 @@ PacketCheck CheckOf(unsigned flags) {
 
 // Whole or byte by byte: the status is the same. How many packets were admitted.
 int CheckAlone(unsigned flags, std::string_view bytes) {
-  PacketCheck whole = CheckOf(flags);
+  PacketCheck whole = MakeCheck(flags);
   const bool admitted = Admit(whole, bytes);
-  PacketCheck pieces = CheckOf(flags);
+  PacketCheck pieces = MakeCheck(flags);
   int packets = 0;
   for (std::size_t at = 0; at < bytes.size() && Admit(pieces, bytes.substr(at, 1)); ++at) {
     fuzz::Require(pieces.wanted() > 0);

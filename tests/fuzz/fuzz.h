@@ -14,7 +14,7 @@ inline void Require(bool holds) {
   if (!holds) __builtin_trap();
 }
 
-inline std::string_view TextOf(const std::uint8_t* data, std::size_t size) {
+inline std::string_view ToText(const std::uint8_t* data, std::size_t size) {
   return {reinterpret_cast<const char*>(data), size};
 }
 
@@ -31,7 +31,7 @@ inline std::pair<std::string_view, std::string_view> Cut(std::string_view text, 
 #define FUZZ(text)                                                                    \
   static void Target(std::string_view text);                                          \
   extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) { \
-    Target(fleetpub::fuzz::TextOf(data, size));                                       \
+    Target(fleetpub::fuzz::ToText(data, size));                                       \
     return 0;                                                                         \
   }                                                                                   \
   static void Target(std::string_view text)

@@ -14,7 +14,7 @@ FUZZ(text) {
   if (auto state = vda5050::ReadState(payload)) known.operating_mode = state->operating_mode;
   if (auto factsheet = vda5050::ReadFactsheet(payload)) {
     known.factsheet = std::make_shared<const vda5050::Factsheet>(std::move(*factsheet));
-    fuzz::Require(!vda5050::SuitableActionId(known.factsheet.get()).empty());
+    fuzz::Require(!vda5050::MakeActionId(known.factsheet.get()).empty());
   }
   const vda5050::InstantAction action{.type = "startPause", .id = "a"};
   for (const vda5050::Version version : vda5050::kVersions) {

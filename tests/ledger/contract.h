@@ -62,12 +62,12 @@ class Contract : public ::testing::TestWithParam<Kind> {
   Place place_ = NewPlace();
 };
 
-inline std::string NameOf(const ::testing::TestParamInfo<Kind>& kind) {
+inline std::string GetName(const ::testing::TestParamInfo<Kind>& kind) {
   return kind.param == Kind::kSqlite ? "Sqlite" : "Postgres";
 }
 
 /// `On/HeaderIds.BeginAtZero…/Sqlite`, `…/Postgres`.
 #define FLEETPUB_FOR_EACH_LEDGER(Fixture) \
-  INSTANTIATE_TEST_SUITE_P(On, Fixture, ::testing::Values(Kind::kSqlite, Kind::kPostgres), NameOf)
+  INSTANTIATE_TEST_SUITE_P(On, Fixture, ::testing::Values(Kind::kSqlite, Kind::kPostgres), GetName)
 
 }  // namespace fleetpub::ledger

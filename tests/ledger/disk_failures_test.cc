@@ -60,7 +60,7 @@ class DiskFailures : public ::testing::Test {
       const auto ledger = OpenSqlite(OptionsFor(path_), OpenMode::kReadOnly);
       if (!ledger) return ledger.error().message;
       const auto rows = (*ledger)->History({});
-      const auto next = (*ledger)->PeekNext(TopicOf(1));
+      const auto next = (*ledger)->PeekNext(MakeTopic(1));
       return next ? std::to_string(*next) + " after " + std::to_string(rows->size()) + " rows"
                   : next.error().message;
     });
@@ -199,7 +199,7 @@ TEST(NewLedger, WhoseLogCannotBeCopiedIsNotMovedIntoPlace) {
 TEST(ReadingOnly, MakesNothing) {
   const testing::TemporaryFolder folder;
   const auto ledger = MustOpen(folder / "a" / "ledger.db", OpenMode::kReadOnly);
-  EXPECT_EQ(ledger->PeekNext(TopicOf(1)), 0U);
+  EXPECT_EQ(ledger->PeekNext(MakeTopic(1)), 0U);
   EXPECT_TRUE(ledger->History({})->empty());
   EXPECT_EQ(*ledger->Find(1), std::nullopt);
   EXPECT_TRUE(fs::is_empty(folder.path()));
@@ -225,9 +225,9 @@ TEST(ReadingOnly, RefusesToWrite) {
   const fs::path path = folder / "ledger.db";
   MustReserve(*MustOpen(path));
   const auto ledger = MustOpen(path, OpenMode::kReadOnly);
-  const std::string topic = TopicOf(1);
+  const std::string topic = MakeTopic(1);
   const Draft draft = DraftFor();
-  const Outcome outcome{1, "SENT", ""};
+  const StatusUpdate outcome{1, "SENT", ""};
   EXPECT_FALSE(ledger->Lock(std::span(&topic, 1), In(milliseconds(0))));
   EXPECT_FALSE(ledger->Reserve(std::span(&draft, 1)));
   EXPECT_FALSE(ledger->RecordOutcomes(std::span(&outcome, 1)));

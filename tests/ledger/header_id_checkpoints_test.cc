@@ -81,13 +81,13 @@ TEST_F(LostIds, ToADamagedLogAreNotGivenAgain) {
   file << "damage";
   file.close();
   EXPECT_EQ(MustOpen(path_, OpenMode::kReadOnly)->History({})->size(), 0U) << "nothing was lost";
-  EXPECT_THAT(MustOpen(path_, OpenMode::kReadOnly)->PeekNext(TopicOf(1)), Optional(5U));
+  EXPECT_THAT(MustOpen(path_, OpenMode::kReadOnly)->PeekNext(MakeTopic(1)), Optional(5U));
   EXPECT_EQ(MustReserve(*MustOpen(path_)).header_id, 5U);
 }
 
 TEST_F(LostIds, WithTheLedgerAreNotGivenAgain) {
   for (const char* end : {"", "-wal", "-shm"}) fs::remove(path_.string() + end);
-  EXPECT_THAT(MustOpen(path_, OpenMode::kReadOnly)->PeekNext(TopicOf(1)), Optional(5U));
+  EXPECT_THAT(MustOpen(path_, OpenMode::kReadOnly)->PeekNext(MakeTopic(1)), Optional(5U));
   EXPECT_EQ(MustReserve(*MustOpen(path_)).header_id, 5U);
 }
 

@@ -55,7 +55,7 @@ TEST_P(HeaderIds, BeginAtTheUnixTimeWhenAsked) {
 
 TEST_P(HeaderIds, WrapAfterTheHighest) {
   EXPECT_EQ(Next(DraftWithId(kHighest)), kHighest);
-  EXPECT_EQ(ledger_->PeekNext(TopicOf(1)), 0U);
+  EXPECT_EQ(ledger_->PeekNext(MakeTopic(1)), 0U);
   EXPECT_EQ(Next(), 0U);
   EXPECT_EQ(Next(), 1U);
 }
@@ -73,7 +73,7 @@ TEST_P(HeaderIds, AskedForAtOrBelowTheLastAreRefusedAndTakeNothing) {
     ASSERT_FALSE(refused);
     EXPECT_EQ(refused.error().kind, ErrorKind::kUsage);
     EXPECT_THAT(refused.error().message, HasSubstr("not above 41"));
-    EXPECT_THAT(refused.error().message, HasSubstr(TopicOf(1)));
+    EXPECT_THAT(refused.error().message, HasSubstr(MakeTopic(1)));
   }
   EXPECT_EQ(Next(), 42U);
 }
@@ -98,8 +98,8 @@ TEST_P(HeaderIds, AreAllGivenOrNone) {
   Next(DraftWithId(5));
   const std::vector<Draft> drafts = {DraftFor(2), DraftFor(1), DraftWithId(3)};
   EXPECT_FALSE(ledger_->Reserve(drafts));
-  EXPECT_EQ(ledger_->PeekNext(TopicOf(1)), 6U);
-  EXPECT_EQ(ledger_->PeekNext(TopicOf(2)), 0U);
+  EXPECT_EQ(ledger_->PeekNext(MakeTopic(1)), 6U);
+  EXPECT_EQ(ledger_->PeekNext(MakeTopic(2)), 0U);
   EXPECT_EQ(ledger_->History({})->size(), 1U);
 }
 
@@ -116,10 +116,10 @@ TEST_P(HeaderIds, AreNotTakenByWhatIsNotCounted) {
 }
 
 TEST_P(HeaderIds, CanBeSeenBeforeTheyAreTaken) {
-  EXPECT_EQ(ledger_->PeekNext(TopicOf(1)), 0U);
+  EXPECT_EQ(ledger_->PeekNext(MakeTopic(1)), 0U);
   Next(DraftWithId(9));
-  EXPECT_EQ(ledger_->PeekNext(TopicOf(1)), 10U);
-  EXPECT_EQ(ledger_->PeekNext(TopicOf(1)), 10U);
+  EXPECT_EQ(ledger_->PeekNext(MakeTopic(1)), 10U);
+  EXPECT_EQ(ledger_->PeekNext(MakeTopic(1)), 10U);
 }
 
 TEST_P(HeaderIds, AreKeptWithoutHistory) {
@@ -138,11 +138,11 @@ TEST_P(HeaderIds, OfThousandsOfTopicsTakeOneCall) {
   drafts.reserve(5'000);
   for (int robot = 0; robot < 5'000; ++robot) drafts.push_back(DraftFor(robot));
   ASSERT_TRUE(ledger_->Reserve(drafts));
-  EXPECT_EQ(ledger_->PeekNext(TopicOf(4'999)), 1U);
+  EXPECT_EQ(ledger_->PeekNext(MakeTopic(4'999)), 1U);
 }
 
 TEST(Payload, CarriesTheIdBetweenItsParts) {
-  EXPECT_EQ(PayloadOf(DraftFor(), kHighest), R"({"headerId":4294967295})");
+  EXPECT_EQ(BuildPayload(DraftFor(), kHighest), R"({"headerId":4294967295})");
 }
 
 TEST(Payload, OfWhatIsNotCountedStaysAsItIs) {
@@ -150,7 +150,7 @@ TEST(Payload, OfWhatIsNotCountedStaysAsItIs) {
   draft.counted = false;
   draft.before_id = "{}";
   draft.after_id = "never";
-  EXPECT_EQ(PayloadOf(draft, 5), "{}");
+  EXPECT_EQ(BuildPayload(draft, 5), "{}");
 }
 
 }  // namespace

@@ -59,7 +59,7 @@ TEST_P(History, KeepsEverythingOfAMessage) {
               ElementsAre("operator", "control-room", "hall-3"));
   EXPECT_THAT((std::vector{record.broker, record.target, record.protocol, record.version}),
               ElementsAre("mqtt://localhost:1883", "KIT/1", "VDA5050", "2.1.0"));
-  EXPECT_EQ(record.topic, TopicOf(1));
+  EXPECT_EQ(record.topic, MakeTopic(1));
   EXPECT_EQ(record.header_id, 0U);
   EXPECT_EQ(record.actions, draft.actions);
   EXPECT_EQ(record.payload, R"({"headerId":0,"text":"'ü; DROP TABLE messages"})");
@@ -80,7 +80,7 @@ TEST_P(History, LearnsTheOutcome) {
 }
 
 TEST_P(History, LearnsManyOutcomesAtOnce) {
-  const std::vector<Outcome> outcomes = {
+  const std::vector<StatusUpdate> outcomes = {
       {Add(), "SENT", ""}, {0, "SENT", ""}, {Add(), "FINISHED", ""}};
   ASSERT_TRUE(ledger_->RecordOutcomes(outcomes));
   EXPECT_THAT(Rows({.status = "SENT"}), ElementsAre(outcomes[0].row));
@@ -149,13 +149,13 @@ TEST_P(History, IsEmptyWhereThereIsNoLedger) {
   const auto ledger = NewPlace().MustOpen(OpenMode::kReadOnly);
   EXPECT_TRUE(ledger->History({})->empty());
   EXPECT_EQ(*ledger->Find(1), std::nullopt);
-  EXPECT_EQ(ledger->PeekNext(TopicOf(1)), 0U);
+  EXPECT_EQ(ledger->PeekNext(MakeTopic(1)), 0U);
   EXPECT_EQ(ledger->Describe()->version, 0);
 }
 
 TEST_P(History, IsNotWrittenByAReader) {
   const auto reader = place_.MustOpen(OpenMode::kReadOnly);
-  const std::string topic = TopicOf(1);
+  const std::string topic = MakeTopic(1);
   const Draft draft = DraftFor();
   EXPECT_FALSE(reader->Lock(std::span(&topic, 1), In(milliseconds(0))));
   EXPECT_FALSE(reader->Reserve(std::span(&draft, 1)));
@@ -176,7 +176,7 @@ TEST_P(History, IsPrunedByAgeButKeepsTheIds) {
   const std::int64_t young = Add();
   EXPECT_EQ(ledger_->Prune(between), 2);
   EXPECT_THAT(Rows({}), ElementsAre(young));
-  EXPECT_EQ(ledger_->PeekNext(TopicOf(1)), 3U);
+  EXPECT_EQ(ledger_->PeekNext(MakeTopic(1)), 3U);
   EXPECT_EQ(ledger_->Prune(between), 0);
 }
 

@@ -50,7 +50,7 @@ class HostileFolder : public ::testing::Test {
   [[nodiscard]] std::string ErrorOfCommand() const {
     const auto ledger = OpenSqlite(OptionsFor(path_), OpenMode::kCreate);
     if (!ledger) return ledger.error().message;
-    const std::vector<std::string> topics = {TopicOf(1)};
+    const std::vector<std::string> topics = {MakeTopic(1)};
     const auto lock = (*ledger)->Lock(topics, In(milliseconds(50)));
     if (!lock) return lock.error().message;
     const Draft draft = DraftFor();
@@ -60,7 +60,7 @@ class HostileFolder : public ::testing::Test {
   [[nodiscard]] std::string ErrorOfLooking() const {
     const auto ledger = OpenSqlite(OptionsFor(path_), OpenMode::kReadOnly);
     if (!ledger) return ledger.error().message;
-    const auto next = (*ledger)->PeekNext(TopicOf(1));
+    const auto next = (*ledger)->PeekNext(MakeTopic(1));
     return next ? "" : next.error().message;
   }
 
@@ -237,7 +237,7 @@ TEST_F(HostileFolder, ACallEndsHoweverOftenItWouldWait) {
   EXPECT_LT(steady_clock::now() - start, seconds(10));
   ASSERT_FALSE(refused);
   EXPECT_THAT(refused.error().message, AllOf(HasSubstr("locked"), HasSubstr("--ledger")));
-  const Outcome outcome{.row = 1, .status = "SENT"};
+  const StatusUpdate outcome{.row = 1, .status = "SENT"};
   EXPECT_FALSE(ledger->RecordOutcomes(std::span(&outcome, 1)));
 }
 

@@ -33,13 +33,13 @@ inline SqliteOptions OptionsFor(const std::filesystem::path& path) {
   return options;
 }
 
-inline std::string TopicOf(int robot) {
+inline std::string MakeTopic(int robot) {
   return "uagv/v2/KIT/" + std::to_string(robot) + "/instantActions";
 }
 
 inline Draft DraftFor(int robot = 1) {
   Draft draft;
-  draft.topic = TopicOf(robot);
+  draft.topic = MakeTopic(robot);
   draft.target = "KIT/" + std::to_string(robot);
   draft.protocol = "VDA5050";
   draft.version = "2.1.0";
@@ -75,7 +75,7 @@ inline Reservation MustReserve(Ledger& ledger, const Draft& draft = DraftFor()) 
   return reserved->front();
 }
 
-inline void MustRecord(Ledger& ledger, const Outcome& outcome) {
+inline void MustRecord(Ledger& ledger, const StatusUpdate& outcome) {
   const Status recorded = ledger.RecordOutcomes(std::span(&outcome, 1));
   if (!recorded) throw std::runtime_error(recorded.error().message);
 }

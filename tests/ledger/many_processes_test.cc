@@ -30,7 +30,7 @@ class ManyProcesses : public Contract {
  protected:
   /// The way of a command, in short.
   void Send(Ledger& ledger, int wire, int robot) const {
-    const std::string topic = TopicOf(robot);
+    const std::string topic = MakeTopic(robot);
     auto lock = ledger.Lock(std::span(&topic, 1), In(seconds(30)));
     if (!lock) throw std::runtime_error(lock.error().message);
     const Reservation reserved = MustReserve(ledger, DraftFor(robot));
@@ -69,7 +69,7 @@ class ManyProcesses : public Contract {
     for (const Record& record : *records) rows[record.id] = &record;
     for (const Sent& sent : all) {
       ASSERT_TRUE(rows.contains(sent.row));
-      ASSERT_EQ(rows[sent.row]->topic, TopicOf(sent.robot));
+      ASSERT_EQ(rows[sent.row]->topic, MakeTopic(sent.robot));
       ASSERT_EQ(rows[sent.row]->header_id, sent.header_id);
     }
   }
@@ -108,7 +108,7 @@ TEST_P(ManyProcesses, GiveEachIdOnceAndInOrder) {
   ExpectRowsFor(all);
   std::uint32_t total = 0;
   for (int robot = 0; robot < kTopics; ++robot) {
-    total += *place_.MustOpen()->PeekNext(TopicOf(robot));
+    total += *place_.MustOpen()->PeekNext(MakeTopic(robot));
   }
   EXPECT_EQ(total, 1'600U);  // and none was lost
 }
@@ -166,7 +166,7 @@ TEST_P(ManyProcesses, MakeTheLedgerOnceTogether) {
       children.push_back(StartProcess([&] { MustReserve(*place.MustOpen()); }));
     }
     for (const pid_t child : children) ASSERT_EQ(WaitFor(child), 0);
-    ASSERT_EQ(place.MustOpen()->PeekNext(TopicOf(1)), 6U);
+    ASSERT_EQ(place.MustOpen()->PeekNext(MakeTopic(1)), 6U);
   }
 }
 

@@ -22,7 +22,7 @@ class TopicLocks : public ::testing::Test {
   }
 
   /// A process that holds the topic until it is killed. Returns when it does.
-  [[nodiscard]] pid_t HolderOf(const std::string& topic) const {
+  [[nodiscard]] pid_t FindHolder(const std::string& topic) const {
     const pid_t holder = StartProcess([&] {
       const auto lock = Lock({topic}, seconds(5));
       pause();
@@ -84,7 +84,7 @@ TEST_F(TopicLocks, AreTriedOnceEvenAfterTheDeadline) {
 }
 
 TEST_F(TopicLocks, ExcludeOtherProcessesUntilTheyAreKilled) {
-  const pid_t holder = HolderOf("a");
+  const pid_t holder = FindHolder("a");
   EXPECT_FALSE(Lock({"a"}, milliseconds(20)));
   kill(holder, SIGKILL);
   EXPECT_TRUE(Lock({"a"}, seconds(5)));
@@ -121,7 +121,7 @@ TEST_F(TopicLocks, OfOneProcessExcludeEachOtherBetweenLedgers) {
   const testing::TemporaryFolder folder;
   const auto one = MustOpen(folder / "l.db");
   const auto two = MustOpen(folder / "l.db");
-  const std::vector<std::string> topics = {TopicOf(1)};
+  const std::vector<std::string> topics = {MakeTopic(1)};
   auto lock = one->Lock(topics, In(seconds(1)));
   ASSERT_TRUE(lock);
   EXPECT_FALSE(two->Lock(topics, In(milliseconds(0))));
@@ -134,7 +134,7 @@ TEST_F(TopicLocks, AreTheSameUnderAnotherNameOfTheLedger) {
   const auto one = MustOpen(folder / "l.db");
   std::filesystem::create_symlink(folder / "l.db", folder / "link.db");
   const auto two = MustOpen(folder / "link.db");
-  const std::vector<std::string> topics = {TopicOf(1)};
+  const std::vector<std::string> topics = {MakeTopic(1)};
   const auto lock = one->Lock(topics, In(seconds(1)));
   EXPECT_FALSE(two->Lock(topics, In(milliseconds(0))));
 }
@@ -142,10 +142,10 @@ TEST_F(TopicLocks, AreTheSameUnderAnotherNameOfTheLedger) {
 TEST_F(TopicLocks, TakeFiveHundredAtOnce) {
   std::vector<std::string> topics;
   topics.reserve(500);
-  for (int robot = 0; robot < 500; ++robot) topics.push_back(TopicOf(robot));
+  for (int robot = 0; robot < 500; ++robot) topics.push_back(MakeTopic(robot));
   const auto lock = Lock(topics);
   ASSERT_TRUE(lock);
-  EXPECT_FALSE(Lock({TopicOf(499)}));
+  EXPECT_FALSE(Lock({MakeTopic(499)}));
 }
 
 TEST_F(TopicLocks, SayWhenTheirFileCannotBeMade) {

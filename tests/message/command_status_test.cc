@@ -14,7 +14,7 @@ TEST(CommandStatus, IsNamedAsTheManualNamesIt) {
       {kOffline, "OFFLINE"},   {kTimeout, "TIMEOUT"},     {kRefused, "REFUSED"},
       {kInvalid, "INVALID"},   {kError, "ERROR"},
   };
-  for (const auto& [status, name] : kCases) EXPECT_EQ(NameOf(status), name);
+  for (const auto& [status, name] : kCases) EXPECT_EQ(GetName(status), name);
 }
 
 }  // namespace

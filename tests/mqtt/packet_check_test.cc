@@ -258,11 +258,11 @@ TEST(PacketCheck, BoundsWhatWaitsForItsReader) {
     std::size_t count = 0;
     for (; Admit(check, message); ++count) ASSERT_LT(count * payload, kMaximumWaiting);
     EXPECT_THAT(check.fault(), HasSubstr("wait to be read"));
-    EXPECT_LE(count, kMaximumWaiting / PacketCheck::CostOf(1, payload));
+    EXPECT_LE(count, kMaximumWaiting / PacketCheck::EstimateCost(1, payload));
     PacketCheck read = Connected(k311);
     for (std::size_t i = 0; i < count + 10; ++i) {
       ASSERT_TRUE(Admit(read, message)) << read.fault();
-      read.Release(PacketCheck::CostOf(1, payload));
+      read.Release(PacketCheck::EstimateCost(1, payload));
     }
     EXPECT_EQ(read.waiting(), 0U);
   }
@@ -272,7 +272,7 @@ TEST(PacketCheck, CountsWhatPropertiesCost) {
   PacketCheck check = Connected(k5);
   ASSERT_TRUE(Admit(check, Publish(7, Bytes("05 26 00 00 00 00")))) << check.fault();
   check.Release(PacketCheck::CostOfProperties(5));
-  EXPECT_EQ(check.waiting(), PacketCheck::CostOf(1, 7));
+  EXPECT_EQ(check.waiting(), PacketCheck::EstimateCost(1, 7));
 }
 
 TEST(PacketCheck, KnowsHowMuchBelongsToThePacket) {

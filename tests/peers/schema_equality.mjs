@@ -1,9 +1,9 @@
 // Our schemas mean what the published ones mean, corrected: the same messages are valid.
-//   schema_equality.mjs FLEETPUB VERDICTS [REFERENCE [record]]
+//   schema_equality.mjs FLEETPUB RESULTS [REFERENCE [record]]
 //
 // With the published files (the folder REFERENCE), messages are made from our schemas and from theirs, and what `fleetpub
 // validate` says of each is compared with ajv's word on theirs. Without them, what it says of those made from ours is compared
-// with the recorded verdicts (the file VERDICTS), which `record` writes anew.
+// with the recorded results (the file RESULTS), which `record` writes anew.
 import { spawnSync } from "node:child_process";
 import { createHash } from "node:crypto";
 import { existsSync, readFileSync, writeFileSync } from "node:fs";
@@ -23,10 +23,10 @@ const TOPICS = {
   "3.0.0": [...OLD, "factsheet", "responses", "zoneSet"],
 };
 
-const [binary, verdictsFile, reference, mode] = process.argv.slice(2);
+const [binary, resultsFile, reference, mode] = process.argv.slice(2);
 const fleetpub = process.env.FLEETPUB_BINARY ?? binary;
 const haveReference = reference !== undefined;
-const recorded = existsSync(verdictsFile) ? JSON.parse(readFileSync(verdictsFile, "utf8")) : {};
+const recorded = existsSync(resultsFile) ? JSON.parse(readFileSync(resultsFile, "utf8")) : {};
 const fresh = {};
 const problems = [];
 
@@ -48,10 +48,10 @@ const within = (root) => (reference, base) => {
   return { schema: names.reduce((value, name) => value[name], root), base };
 };
 
-function ourVerdicts(version, topic, messages) {
+function ourResults(version, topic, messages) {
   const result = run(["validate", "--lines", "--vda", version, "--topic", topic, "-o", "json"], messages.join("\n"));
   const lines = result.stdout.trim().split("\n").map((line) => JSON.parse(line));
-  if (lines.length !== messages.length) throw new Error(`${lines.length} verdicts on ${messages.length} messages: ${result.stderr}`);
+  if (lines.length !== messages.length) throw new Error(`${lines.length} results on ${messages.length} messages: ${result.stderr}`);
   return lines.map(({ valid }) => valid);
 }
 
@@ -93,9 +93,9 @@ function makeMessages(pair, schema, seed) {
   return messages;
 }
 
-const bits = (verdicts) => {
-  const bytes = Buffer.alloc(Math.ceil(verdicts.length / 8));
-  verdicts.forEach((verdict, i) => { if (verdict) bytes[i >> 3] |= 1 << (i & 7); });
+const bits = (results) => {
+  const bytes = Buffer.alloc(Math.ceil(results.length / 8));
+  results.forEach((result, i) => { if (result) bytes[i >> 3] |= 1 << (i & 7); });
   return bytes.toString("base64");
 };
 const fromBits = (text) => {
@@ -104,41 +104,41 @@ const fromBits = (text) => {
 };
 const hash = (messages) => createHash("sha256").update(messages.join("\n")).digest("hex").slice(0, 16);
 
-let judged = 0;
+let checked = 0;
 for (const [version, topics] of Object.entries(TOPICS)) {
   for (const topic of topics) {
     const pair = `${version}/${topic}`;
     const schema = ownSchema(version, topic);
     const messages = makeMessages(pair, normalForm(schema, within(schema), ""), SEEDS.ours);
-    const ours = ourVerdicts(version, topic, messages);
-    judged += messages.length;
+    const ours = ourResults(version, topic, messages);
+    checked += messages.length;
     if (!haveReference) {
       const known = recorded[pair];
       if (known?.messages === hash(messages)) compare(pair, messages, ours, fromBits(known.valid));
-      else problems.push(`${pair}: means something else than when verdicts were recorded: compare with the published files and record`);
+      else problems.push(`${pair}: means something else than when results were recorded: compare with the published files and record`);
       continue;
     }
     const published = corrected(reference, version, topic);
     const validate = compiled(published);
-    const judge = (message) => validate(JSON.parse(message));
-    const theirs = messages.map(judge);
+    const check = (message) => validate(JSON.parse(message));
+    const theirs = messages.map(check);
     compare(pair, messages, ours, theirs);
     fresh[pair] = { messages: hash(messages), valid: bits(theirs) };
     const form = normalForm(published.schema, published.resolve, published.base);
     const others = makeMessages(`${pair} as published`, form, SEEDS.theirs);
-    compare(pair, others, ourVerdicts(version, topic, others), others.map(judge));
-    judged += others.length;
+    compare(pair, others, ourResults(version, topic, others), others.map(check));
+    checked += others.length;
   }
 }
 
 // A line for each pair.
-const listed = (verdicts) => {
-  const lines = Object.entries(verdicts).map(([pair, each]) => `  ${JSON.stringify(pair)}: ${JSON.stringify(each)}`);
+const listed = (results) => {
+  const lines = Object.entries(results).map(([pair, each]) => `  ${JSON.stringify(pair)}: ${JSON.stringify(each)}`);
   return `{\n${lines.join(",\n")}\n}\n`;
 };
-if (haveReference && mode === "record" && problems.length === 0) writeFileSync(verdictsFile, listed(fresh));
-else if (haveReference && listed(fresh) !== listed(recorded)) problems.push(`${verdictsFile} is out of date: run again with "record"`);
+if (haveReference && mode === "record" && problems.length === 0) writeFileSync(resultsFile, listed(fresh));
+else if (haveReference && listed(fresh) !== listed(recorded)) problems.push(`${resultsFile} is out of date: run again with "record"`);
 
 for (const problem of problems.slice(0, 20)) console.error(problem);
-console.log(`${judged} messages judged beside ${haveReference ? "ajv on the published schemas" : "recorded verdicts"}, ${problems.length} problems`);
+console.log(`${checked} messages checked beside ${haveReference ? "ajv on the published schemas" : "recorded results"}, ${problems.length} problems`);
 process.exit(problems.length === 0 ? 0 : 1);

@@ -130,9 +130,9 @@ Document Changed(const Value& message, const std::string& pointer, std::string_v
 }
 
 // What a schema refuses: `pointer change` for each, by message.
-Document Verdicts(const Schema& schema) {
-  Document verdicts(rapidjson::kObjectType);
-  auto& allocator = verdicts.GetAllocator();
+Document Validity(const Schema& schema) {
+  Document validity(rapidjson::kObjectType);
+  auto& allocator = validity.GetAllocator();
   const Document messages = ReadData("messages.json");
   for (const auto& [type, message] : messages.GetObject()) {
     Value refused(rapidjson::kObjectType);
@@ -145,28 +145,28 @@ Document Verdicts(const Schema& schema) {
       }
       refused.AddMember(Value(pointer, allocator), Value(list, allocator), allocator);
     });
-    verdicts.AddMember(Value(type, allocator), refused, allocator);
+    validity.AddMember(Value(type, allocator), refused, allocator);
   }
-  return verdicts;
+  return validity;
 }
 
 // FLEETPUB_RECORD=1 writes the file anew.
 TEST(SoarSchema, ValidatesEveryChangeAsRecorded) {
-  const Document verdicts = Verdicts(Ours());
+  const Document validity = Validity(Ours());
   if (std::getenv("FLEETPUB_RECORD") != nullptr) {
-    std::ofstream(kData + std::string("verdicts.json")) << base::ToPrettyJson(verdicts) << '\n';
+    std::ofstream(kData + std::string("validity.json")) << base::ToPrettyJson(validity) << '\n';
   }
-  const Document recorded = ReadData("verdicts.json");
-  EXPECT_EQ(base::ToPrettyJson(verdicts), base::ToPrettyJson(recorded));
+  const Document recorded = ReadData("validity.json");
+  EXPECT_EQ(base::ToPrettyJson(validity), base::ToPrettyJson(recorded));
 }
 
-// Where it is not at hand, the recorded verdicts, which were its own, stand for it.
+// Where it is not at hand, the recorded results, which were its own, stand for it.
 TEST(SoarSchema, ValidatesEveryChangeAsThePublishedDocument) {
   const auto text = base::ReadFile(kPublished);
   if (!text) return;
   const auto published = Schema::Compile(*text, "published", kWhole);
   ASSERT_TRUE(published) << published.error().message;
-  EXPECT_EQ(base::ToPrettyJson(Verdicts(Ours())), base::ToPrettyJson(Verdicts(*published)));
+  EXPECT_EQ(base::ToPrettyJson(Validity(Ours())), base::ToPrettyJson(Validity(*published)));
 }
 
 }  // namespace

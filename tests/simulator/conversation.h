@@ -21,8 +21,8 @@ class Conversation {
       : settings_(std::move(settings)),
         inspector_(settings_, registry_),
         factsheet_(FactsheetBody(settings_.version, settings_.state_interval)),
-        robot_({settings_, WordsOf(settings_.version), inspector_, factsheet_},
-               {std::string(vda5050::FactsOf(settings_.version).name), "KIT", "0001"}) {
+        robot_({settings_, GetTerms(settings_.version), inspector_, factsheet_},
+               {std::string(vda5050::GetFacts(settings_.version).name), "KIT", "0001"}) {
     will_ = robot_.Will(now_).payload;
     robot_.Start(now_, said_);
   }
@@ -96,7 +96,7 @@ class Conversation {
       if (!state.HasMember(list)) continue;
       for (const auto& action : state[list].GetArray()) {
         if (base::StringMember(action, "actionId") != id) continue;
-        const auto& words = WordsOf(settings_.version);
+        const auto& words = GetTerms(settings_.version);
         const std::string result(base::StringMember(action, words.action_result));
         return std::string(base::StringMember(action, "actionStatus")) +
                (result.empty() ? "" : ": " + result);
@@ -123,13 +123,13 @@ class Conversation {
 class EachVersion : public ::testing::TestWithParam<vda5050::Version> {
  protected:
   [[nodiscard]] Settings Plain() const { return {.version = GetParam()}; }
-  [[nodiscard]] const ProtocolTerms& words() const { return WordsOf(GetParam()); }
+  [[nodiscard]] const ProtocolTerms& words() const { return GetTerms(GetParam()); }
   [[nodiscard]] bool Is30() const { return GetParam() == vda5050::Version::k300; }
 };
 
 inline std::string VersionName(const ::testing::TestParamInfo<vda5050::Version>& info) {
   std::string name = "V";
-  for (const char c : vda5050::FactsOf(info.param).name) {
+  for (const char c : vda5050::GetFacts(info.param).name) {
     if (c != '.') name += c;
   }
   return name;

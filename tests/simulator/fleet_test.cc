@@ -52,7 +52,7 @@ TEST_F(Fleets, GreetWithRetainedConnectionAndFactsheet) {
   EXPECT_THAT(sent, ElementsAre("vda5050/v3/KIT/0001/connection q1 retained",
                                 "vda5050/v3/KIT/0001/factsheet q0 retained",
                                 "vda5050/v3/KIT/0001/state q0"));
-  const mqtt::Will will = fleet->WillOf(0, now_);
+  const mqtt::Will will = fleet->MakeWill(0, now_);
   EXPECT_EQ(will.topic, "vda5050/v3/KIT/0001/connection");
   EXPECT_TRUE(will.retain);
   EXPECT_THAT(will.payload, HasSubstr("CONNECTION_BROKEN"));

@@ -45,7 +45,7 @@ void ExpectMembers(const base::JsonValue& message, const Names& names) {
 std::string Faults(schema::Registry& registry, Version version, std::string_view topic,
                    const base::JsonValue& message) {
   std::string name = "vda5050/";
-  name.append(vda5050::FactsOf(version).name).append("/").append(topic);
+  name.append(vda5050::GetFacts(version).name).append("/").append(topic);
   std::string faults;
   for (const auto& [path, what] : registry.Find(name).value()->Validate(message)) {
     faults += path + " " + what + "; ";
@@ -122,7 +122,7 @@ TEST_P(RobotMessages, FactsheetListsEveryInstantActionOfItsVersion) {
     EXPECT_EQ(action.HasMember("cancelAllowed"), Is30());
   }
   std::set<std::string_view> expected;
-  for (const auto* action : vda5050::ActionsOf(GetParam())) {
+  for (const auto* action : vda5050::ListActions(GetParam())) {
     if (action->scopes.instant) expected.insert(action->type);
   }
   EXPECT_EQ(listed, expected);

@@ -58,7 +58,7 @@ class Platforms : public ::testing::Test {
       const auto said =
           document ? soar::ReadAcknowledgement(message.topic, *document, {}) : std::nullopt;
       if (said && said->message_id == id) {
-        levels.push_back(message.topic + " " + std::string(NameOf(said->level)));
+        levels.push_back(message.topic + " " + std::string(GetName(said->level)));
       }
     }
     return levels;

@@ -236,7 +236,7 @@ TEST_P(VirtualRobots, CarryOutARepeatedActionOnce) {
   EXPECT_EQ(robot.Times("state"), states + 1) << "but it is answered";
 }
 
-std::string OrderOf(vda5050::Version version, const std::string& id, int update) {
+std::string MakeOrder(vda5050::Version version, const std::string& id, int update) {
   return fmt::format(
       R"({{"headerId":3,"timestamp":"2026-01-02T03:04:05.678Z","version":"{}","manufacturer":"KIT",
       "serialNumber":"0001","orderId":"{}","orderUpdateId":{},
@@ -245,12 +245,12 @@ std::string OrderOf(vda5050::Version version, const std::string& id, int update)
         "actionType":"detectObject","blockingType":"HARD"}}]}}],
       "edges":[{{"edgeId":"e1","sequenceId":1,"released":true,"startNodeId":"n1",
         "endNodeId":"n2","actions":[]}}]}})",
-      vda5050::FactsOf(version).name, id, update);
+      vda5050::GetFacts(version).name, id, update);
 }
 
 TEST_P(VirtualRobots, RefuseAnOrderThatDoesNotFitAndKeepTheOneTheyHave) {
   Conversation robot(Plain());
-  robot.Hear("order", OrderOf(GetParam(), "o1", 1));
+  robot.Hear("order", MakeOrder(GetParam(), "o1", 1));
   const auto refused = [&](const std::string& payload, const std::string& why) {
     robot.Hear("order", payload);
     EXPECT_EQ(robot.events().back().kind, Event::Kind::kFault);
@@ -262,10 +262,10 @@ TEST_P(VirtualRobots, RefuseAnOrderThatDoesNotFitAndKeepTheOneTheyHave) {
     EXPECT_EQ(robot.At("/orderId"), R"("o1")");
     EXPECT_EQ(robot.At("/orderUpdateId"), "1");
   };
-  refused(OrderOf(GetParam(), "o2", 0), "order o1 is still active");
-  refused(OrderOf(GetParam(), "o1", 1), "orderUpdateId 1 is not above 1");
-  refused(OrderOf(GetParam(), "o1", -1), "/orderUpdateId");
-  robot.Hear("order", OrderOf(GetParam(), "o1", 2));
+  refused(MakeOrder(GetParam(), "o2", 0), "order o1 is still active");
+  refused(MakeOrder(GetParam(), "o1", 1), "orderUpdateId 1 is not above 1");
+  refused(MakeOrder(GetParam(), "o1", -1), "/orderUpdateId");
+  robot.Hear("order", MakeOrder(GetParam(), "o1", 2));
   EXPECT_EQ(robot.At("/orderUpdateId"), "2");
 }
 
@@ -275,7 +275,7 @@ TEST_P(VirtualRobots, TakeAnOrderAndFinishIt) {
   Conversation robot(settings);
   const auto pause = robot.Do("startPause");
   robot.Do("stopPause");
-  robot.Hear("order", OrderOf(GetParam(), "o1", 0));
+  robot.Hear("order", MakeOrder(GetParam(), "o1", 0));
   EXPECT_EQ(robot.At("/orderId"), R"("o1")");
   EXPECT_EQ(robot.At("/driving"), "true");
   EXPECT_EQ(robot.At("/nodeStates/0/nodeId"), R"("n2")");

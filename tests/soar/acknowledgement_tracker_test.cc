@@ -28,7 +28,7 @@ class AcknowledgementTracker : public ::testing::Test {
          .wait_for = wait_for,
          .count = count,
          .on_level = [this](const Acknowledgement& said, auto /*after*/) {
-           levels_.push_back(said.from + " " + std::string(NameOf(said.level)));
+           levels_.push_back(said.from + " " + std::string(GetName(said.level)));
          }});
     tracker_->Published(0);
   }

@@ -134,13 +134,13 @@ TEST(AcknowledgementTopics, AreThoseOfAllPlatformsAndTheSourceOtherwise) {
   }
 }
 
-TEST(PlatformOf, ReadsAPlatformsTopic) {
-  EXPECT_EQ(PlatformOf("soar/noc/autosub/ah1/from_platform/observation", {}),
+TEST(FindPlatform, ReadsAPlatformsTopic) {
+  EXPECT_EQ(FindPlatform("soar/noc/autosub/ah1/from_platform/observation", {}),
             (Platform{"noc", "autosub", "ah1"}));
   for (const char* topic :
        {"", "soar/ah1", "sea/noc/autosub/ah1/from_platform/observation",
         "soar/noc/autosub/ah1/to/observation", "soar/noc/autosub/ah1/from_platform"}) {
-    EXPECT_FALSE(PlatformOf(topic, {})) << topic;
+    EXPECT_FALSE(FindPlatform(topic, {})) << topic;
   }
 }
 

@@ -39,8 +39,8 @@ TEST(SoarFields, AreThoseOfTheSchema) {
   for (const MessageType type : AllMessageTypes()) {
     const auto document = base::ParseJson(registry.Text("soar/1.0/messages").value());
     const auto& schemas = (*document)["components"]["schemas"];
-    for (const Field& field : FieldsOf(type)) {
-      const std::string owner(field.parent.empty() ? NameOf(type) : field.parent);
+    for (const Field& field : ListFields(type)) {
+      const std::string owner(field.parent.empty() ? GetName(type) : field.parent);
       const auto& schema = schemas[owner];
       const auto* property = base::FindMember(schema["properties"], field.name);
       ASSERT_NE(property, nullptr) << field.name;
@@ -62,7 +62,7 @@ TEST(SoarFields, AreThoseOfTheSchema) {
 }
 
 TEST(SoarFields, ReadTypedValues) {
-  const auto status = FieldsOf(MessageType::kPlatformStatus);
+  const auto status = ListFields(MessageType::kPlatformStatus);
   EXPECT_EQ(Json(status, "platform_ID", "7"), "7");
   EXPECT_EQ(Json(status, "platform_ID", "-9223372036854775808"), "-9223372036854775808");
   EXPECT_EQ(Json(status, "latitude", "50.37072283932642"), "50.37072283932642");
@@ -72,7 +72,7 @@ TEST(SoarFields, ReadTypedValues) {
   EXPECT_EQ(Json(status, "status_source", "usbl"), R"("usbl")");
   EXPECT_EQ(Json(status, "platform_timestamp", "2026-01-02T03:04:05Z"),
             R"("2026-01-02T03:04:05Z")");
-  EXPECT_EQ(Json(FieldsOf(MessageType::kObservation), "region_surveyed", " [1, null] "),
+  EXPECT_EQ(Json(ListFields(MessageType::kObservation), "region_surveyed", " [1, null] "),
             "[1,null]");
 }
 
@@ -100,7 +100,7 @@ TEST(SoarFields, RefuseWhatIsOfAnotherKindAndNameTheField) {
       Case{"sensor_data", "{", "additional_data"},
   };
   for (const auto& [field, text, why] : kCases) {
-    const auto member = ParseField(Named(FieldsOf(MessageType::kPlatformStatus), field), text);
+    const auto member = ParseField(Named(ListFields(MessageType::kPlatformStatus), field), text);
     ASSERT_FALSE(member) << field << text;
     EXPECT_EQ(member.error().kind, ErrorKind::kInvalid);
     EXPECT_THAT(member.error().message, HasSubstr(why));

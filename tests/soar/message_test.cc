@@ -21,7 +21,7 @@ Destination Eco1(MessageType type = MessageType::kAcknowledgement) {
 std::string Acknowledged() {
   const std::vector<Member> members = {{"acknowledged_message_ID", R"("id-1")"},
                                        {"status", R"("executed")"}};
-  return PayloadOf(MessageType::kAcknowledgement, members);
+  return BuildPayload(MessageType::kAcknowledgement, members);
 }
 
 TEST(SoarMessage, HasAllSevenHeaderFields) {
@@ -80,34 +80,34 @@ TEST(SoarPayload, PutsMembersOfOneParentIntoOneObject) {
                                        {"sensor_on", "true", "sensor_config"},
                                        {"additional_data", "[]", "sensor_config"},
                                        {"depth", "2"}};
-  EXPECT_EQ(PayloadOf(MessageType::kPlatformStatus, members),
+  EXPECT_EQ(BuildPayload(MessageType::kPlatformStatus, members),
             R"({"message_type":"platform_status","platform_ID":1,"sensor_config":)"
             R"({"sensor_on":true,"additional_data":[]},"depth":2})");
-  EXPECT_EQ(PayloadOf(MessageType::kPlatformStatus, std::span(members).subspan(1, 1)),
+  EXPECT_EQ(BuildPayload(MessageType::kPlatformStatus, std::span(members).subspan(1, 1)),
             R"({"message_type":"platform_status","sensor_config":{"sensor_on":true}})");
-  EXPECT_EQ(PayloadOf(MessageType::kObservation, {}), R"({"message_type":"observation"})");
+  EXPECT_EQ(BuildPayload(MessageType::kObservation, {}), R"({"message_type":"observation"})");
 }
 
 TEST(PlanningConfiguration, KeepsWhatTheFileSays) {
   constexpr auto kFile = R"({"squads":[],"planning_config_ID":3,"exclusion_zones":[],"more":1.50})";
-  EXPECT_EQ(PlanningConfigurationOf(kFile, "").value(),
+  EXPECT_EQ(ParsePlanningConfiguration(kFile, "").value(),
             R"({"message_type":"planning_configuration","squads":[],"planning_config_ID":3,)"
             R"("exclusion_zones":[],"more":1.5})");
-  EXPECT_EQ(PlanningConfigurationOf(kFile, "4").value(),
+  EXPECT_EQ(ParsePlanningConfiguration(kFile, "4").value(),
             R"({"message_type":"planning_configuration","planning_config_ID":4,"squads":[],)"
             R"("exclusion_zones":[],"more":1.5})");
-  EXPECT_EQ(PlanningConfigurationOf(R"({"message_type":"planning_configuration"})", "").value(),
+  EXPECT_EQ(ParsePlanningConfiguration(R"({"message_type":"planning_configuration"})", "").value(),
             R"({"message_type":"planning_configuration"})");
 }
 
 TEST(PlanningConfiguration, RefusesWhatIsNone) {
   for (const char* text : {"", "[]", "7", "{", R"({"message_type":"mission_plan"})",
                            R"({"message_type":7})", R"({"a":1,"a":2})"}) {
-    const auto payload = PlanningConfigurationOf(text, "");
+    const auto payload = ParsePlanningConfiguration(text, "");
     ASSERT_FALSE(payload) << text;
     EXPECT_EQ(payload.error().kind, ErrorKind::kInvalid);
   }
-  EXPECT_FALSE(PlanningConfigurationOf(std::string(100'000, '['), ""));
+  EXPECT_FALSE(ParsePlanningConfiguration(std::string(100'000, '['), ""));
 }
 
 }  // namespace

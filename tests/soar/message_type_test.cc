@@ -7,9 +7,9 @@ namespace {
 
 TEST(MessageType, HasAName) {
   for (const MessageType type : AllMessageTypes()) {
-    EXPECT_EQ(ParseMessageType(NameOf(type)), type);
+    EXPECT_EQ(ParseMessageType(GetName(type)), type);
   }
-  EXPECT_EQ(NameOf(MessageType::kPlanningConfiguration), "planning_configuration");
+  EXPECT_EQ(GetName(MessageType::kPlanningConfiguration), "planning_configuration");
   EXPECT_FALSE(ParseMessageType("Mission_Plan"));
   EXPECT_FALSE(ParseMessageType(""));
   EXPECT_EQ(MessageTypeNames(),
@@ -19,7 +19,7 @@ TEST(MessageType, HasAName) {
 TEST(Level, HasAnOrderAndAName) {
   EXPECT_LT(Level::kC2Received, Level::kOperatorApprovedAndSent);
   EXPECT_LT(Level::kOperatorApprovedAndSent, Level::kExecuted);
-  for (const Level level : AllLevels()) EXPECT_EQ(ParseLevel(NameOf(level)), level);
+  for (const Level level : AllLevels()) EXPECT_EQ(ParseLevel(GetName(level)), level);
   EXPECT_FALSE(ParseLevel("EXECUTED"));
 }
 

@@ -36,23 +36,23 @@ class FakeLedger : public ledger::Ledger {
     for (const std::string& topic : topics) {
       if (locked_.contains(topic)) return Fail(ErrorKind::kLedger, topic + " is held");
     }
-    journal_.Note("lock", topics);
+    journal_.Record("lock", topics);
     locked_.insert(topics.begin(), topics.end());
     return std::make_unique<Held>(*this, topics);
   }
 
   Result<std::vector<ledger::Reservation>> Reserve(std::span<const ledger::Draft> drafts) override {
     if (reserve_error && reserve_calls_++ >= reserve_errors_begin_at) return Fail(*reserve_error);
-    journal_.Note("reserve " + std::to_string(drafts.size()));
+    journal_.Record("reserve " + std::to_string(drafts.size()));
     std::vector<ledger::Reservation> reservations;
     for (const ledger::Draft& draft : drafts) reservations.push_back(Record(draft));
     return reservations;
   }
 
-  Status RecordOutcomes(std::span<const ledger::Outcome> outcomes) override {
+  Status RecordOutcomes(std::span<const ledger::StatusUpdate> outcomes) override {
     std::vector<std::string> statuses;
-    for (const ledger::Outcome& outcome : outcomes) statuses.push_back(outcome.status);
-    journal_.Note("record", statuses);
+    for (const ledger::StatusUpdate& outcome : outcomes) statuses.push_back(outcome.status);
+    journal_.Record("record", statuses);
     if (record_error) return Fail(*record_error);
     for (const auto& [row, status, detail] : outcomes) {
       ledger::Record& record = rows_.at(static_cast<std::size_t>(row - 1));
@@ -85,7 +85,7 @@ class FakeLedger : public ledger::Ledger {
     Held& operator=(const Held&) = delete;
     ~Held() override {
       for (const std::string& topic : topics_) ledger_.locked_.erase(topic);
-      ledger_.journal_.Note("unlock");
+      ledger_.journal_.Record("unlock");
     }
     [[nodiscard]] bool StillHeld() const override { return --ledger_.held_so_often >= 0; }
 
@@ -108,7 +108,7 @@ class FakeLedger : public ledger::Ledger {
     record.topic = draft.topic;
     if (draft.counted) record.header_id = id;
     record.actions = draft.actions;
-    record.payload = ledger::PayloadOf(draft, id);
+    record.payload = ledger::BuildPayload(draft, id);
     record.status = "RECORDED";
     rows_.push_back(record);
     return {record.id, id};

@@ -88,7 +88,7 @@ class FakeTransport : public mqtt::Transport {
   }
 
   Result<int> Publish(const mqtt::Message& message, mqtt::Deadline /*deadline*/) override {
-    journal_.Note("publish " + message.topic);
+    journal_.Record("publish " + message.topic);
     if (publish_fails_at && published_.size() >= *publish_fails_at) return Fail(publish_error);
     published_.push_back(message);
     if (message.qos == mqtt::Qos::kAtMostOnce) return 0;
@@ -101,7 +101,7 @@ class FakeTransport : public mqtt::Transport {
     if (is_distant && deadline <= std::chrono::steady_clock::now()) {
       return std::vector<mqtt::Acknowledgement>();
     }
-    journal_.Note("await");
+    journal_.Record("await");
     if (await_error) return Fail(*await_error);
     std::vector<mqtt::Acknowledgement> acknowledgements;
     std::vector<int> silent;
@@ -124,7 +124,7 @@ class FakeTransport : public mqtt::Transport {
   }
   void Cork(bool /*on*/) override {}
   void WakeOn(std::span<const int> /*descriptors*/) override {}
-  void Disconnect() override { journal_.Note("disconnect"); }
+  void Disconnect() override { journal_.Record("disconnect"); }
 
  private:
   Journal& journal_;

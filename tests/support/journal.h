@@ -10,8 +10,8 @@ namespace fleetpub::testing {
 /// What several fakes were asked to do, in one order.
 class Journal {
  public:
-  void Note(std::string entry) { entries_.push_back(std::move(entry)); }
-  void Note(std::string_view verb, std::span<const std::string> objects) {
+  void Record(std::string entry) { entries_.push_back(std::move(entry)); }
+  void Record(std::string_view verb, std::span<const std::string> objects) {
     std::string entry(verb);
     for (const std::string& object : objects) entry += " " + object;
     entries_.push_back(std::move(entry));

@@ -25,7 +25,7 @@ std::string Terminal::Shown() { return Tmux({"capture-pane", "-p"}); }
 
 std::string Terminal::ShownInColour() { return Tmux({"capture-pane", "-p", "-e"}); }
 
-std::size_t Terminal::WidthOf(const std::string& text) {
+std::size_t Terminal::MeasureWidth(const std::string& text) {
   Tmux({"set-option", "-g", "@text", text});
   return std::stoul(Tmux({"display-message", "-p", "#{w:@text}"}));
 }

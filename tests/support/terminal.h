@@ -25,7 +25,7 @@ class Terminal {
   /// The same with its colours, as escape sequences.
   [[nodiscard]] std::string ShownInColour();
   /// Columns that the text takes here: this terminal's word for it.
-  [[nodiscard]] std::size_t WidthOf(const std::string& text);
+  [[nodiscard]] std::size_t MeasureWidth(const std::string& text);
   /// Two digits, 1 or 0: the alternate screen is on, the cursor is shown.
   [[nodiscard]] std::string Flags();
   /// Whether the text is shown in time; the test fails when it is not.

@@ -13,24 +13,24 @@ import subprocess
 import threading
 import time
 
-from judgement import Ledger, Tally, end_of, judge_claims, judge_ids, judge_rows
+from checks import Ledger, Tally, end_of, check_claims, check_ids, check_rows
 from world import system_calls, wait_until
 
 NOBODY = 65534
 THREE = ("KIT/0001", "KIT/0002", "KIT/0003")
 
 
-def judge(world, ledger, run, tally, what, seen=None):
+def check(world, ledger, run, tally, what, seen=None):
     """`seen`: what arrived of this call; else it is the only one, and everything that arrives is its."""
     seen = world.witness.drain() if seen is None else seen
     since = len(ledger.seen)
     tally.rounds += 1
     tally.seen += len(seen)
     tally.ends[end_of(run)] += 1
-    judge_claims(run, seen, tally, what)
-    judge_ids(ledger, seen, tally, what)
+    check_claims(run, seen, tally, what)
+    check_ids(ledger, seen, tally, what)
     if seen and "--no-history" not in run.options:
-        judge_rows(ledger, world.folder / "rows", tally, what, since)
+        check_rows(ledger, world.folder / "rows", tally, what, since)
 
 
 def side_by_side(world, trials, tally, at_once=8):
@@ -52,9 +52,9 @@ def side_by_side(world, trials, tally, at_once=8):
                 worker.join()
             seen = world.witness.drain()
             for ledger, what, run in done:
-                judge(world, ledger, run, tally, what, [m for m in seen if f'"{run.action_id}"' in m[3]])
+                check(world, ledger, run, tally, what, [m for m in seen if f'"{run.action_id}"' in m[3]])
                 if what_now and run.code != 0:
-                    tally.complain("untrue", f"{what}: ended with {run.code}: {run.err} {run.results}")
+                    tally.report("untrue", f"{what}: ended with {run.code}: {run.err} {run.results}")
             queue, done = [(ledger, what + ", the call after it", (), {}) for ledger, what, _ in done if not what_now], []
         for ledger, *_ in trials[begin:begin + 64]:
             shutil.rmtree(ledger.folder)
@@ -95,7 +95,7 @@ def kill_at_random(world, rounds):
             known[name] = time.monotonic() - start
             ledger.seen += world.witness.drain()
         run = world.call(ledger.folder, options, targets, kill_after=random.uniform(0, 1.2 * known[name]))
-        judge(world, ledger, run, tally, name)
+        check(world, ledger, run, tally, name)
     return tally
 
 
@@ -151,13 +151,13 @@ def kill_in_parallel(world, rounds):
     for run in runs:
         mine = [message for message in seen if f'"{run.action_id}"' in message[3]]
         tally.ends[end_of(run)] += 1
-        judge_claims(run, mine, tally, "in parallel")
+        check_claims(run, mine, tally, "in parallel")
     # A message that was acknowledged came before the next one on its topic. Of a killed process's last one the broker
     # may not have known when the next process had the topic.
     ended = {run.action_id for run in runs if run.code == 0}
-    judge_ids(ledger, seen, tally, "in parallel", in_order=False)
-    judge_ids(Ledger(None), [m for m in seen if any(f'"{i}"' in m[3] for i in ended)], tally, "of those that ended")
-    judge_rows(ledger, world.folder / "rows", tally, "in parallel")
+    check_ids(ledger, seen, tally, "in parallel", in_order=False)
+    check_ids(Ledger(None), [m for m in seen if any(f'"{i}"' in m[3] for i in ended)], tally, "of those that ended")
+    check_rows(ledger, world.folder / "rows", tally, "in parallel")
     return tally
 
 
@@ -208,9 +208,9 @@ def fail_each_call(world, most=None):
 
 def recovers(world, ledger, tally, what):
     run = world.call(ledger.folder)
-    judge(world, ledger, run, tally, what)
+    check(world, ledger, run, tally, what)
     if run.code != 0:
-        tally.complain("untrue", f"{what}: still ends with {run.code}: {run.err} {run.results}")
+        tally.report("untrue", f"{what}: still ends with {run.code}: {run.err} {run.results}")
 
 
 def full_disk(world, rounds):
@@ -233,7 +233,7 @@ def full_disk(world, rounds):
             free = os.statvfs(folder).f_bavail * os.statvfs(folder).f_bsize
             (folder / "ballast").write_bytes(b"x" * max(0, free - room))
             run = world.call(folder, VARIANTS[turn % 3][1], VARIANTS[turn % 3][2])
-            judge(world, ledger, run, tally, f"{room} bytes left")
+            check(world, ledger, run, tally, f"{room} bytes left")
             (folder / "ballast").unlink()
             recovers(world, ledger, tally, "room again")
     finally:
@@ -251,7 +251,7 @@ def file_size_limit(world, rounds):
         def preexec(limit=limit):
             resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit))
         run = world.call(ledger.folder, VARIANTS[turn % 3][1], VARIANTS[turn % 3][2], preexec_fn=preexec)
-        judge(world, ledger, run, tally, f"limit {limit}")
+        check(world, ledger, run, tally, f"limit {limit}")
         recovers(world, ledger, tally, "without the limit")
     return tally
 
@@ -274,7 +274,7 @@ def memory_limit(world, rounds):
         pages = high + random.randrange(0, 160)
         variant = VARIANTS[turn % len(VARIANTS)]
         run = world.call(ledger.folder, variant[1], variant[2], preexec_fn=limited(pages))
-        judge(world, ledger, run, tally, f"{variant[0]}, {pages - high} pages more than it needs to come up")
+        check(world, ledger, run, tally, f"{variant[0]}, {pages - high} pages more than it needs to come up")
         recovers(world, ledger, tally, "without the limit")
     return tally
 
@@ -299,7 +299,7 @@ def read_only(world, rounds):
         if "folder" in protected:
             ledger.folder.chmod(modes["folder"])
         run = world.call(ledger.folder, **user)
-        judge(world, ledger, run, tally, f"read-only: {protected}")
+        check(world, ledger, run, tally, f"read-only: {protected}")
         ledger.folder.chmod(0o755)
         for file in ledger.folder.iterdir():
             file.chmod(0o644)
@@ -348,7 +348,7 @@ def damage(world, rounds):
         what = f"ledger.db{end}: {hurt(ledger.folder / f'ledger.db{end}')}"
         for _ in range(2):
             run = world.call(ledger.folder)
-            judge(world, ledger, run, tally, what)
+            check(world, ledger, run, tally, what)
         shutil.rmtree(ledger.folder)
     return tally
 
@@ -384,9 +384,9 @@ def stuck_process(world, rounds):
                 processes = [world.start(ledger.folder, options, targets) for _, options, targets in VARIANTS[:3]]
                 runs = [world.finish(process) for process in processes]
             for run in runs:
-                judge(world, ledger, run, tally, held.__name__)
+                check(world, ledger, run, tally, held.__name__)
                 if run.code != 8:
-                    tally.complain("untrue", f"{held.__name__}: ended with {run.code}, not 8: {run.err}")
+                    tally.report("untrue", f"{held.__name__}: ended with {run.code}, not 8: {run.err}")
             recovers(world, ledger, tally, "let go")
     return tally
 
@@ -410,9 +410,9 @@ def stopped_process(world, rounds):
         tally.seen += len(seen)
         for run in runs:
             tally.ends[end_of(run)] += 1
-            judge_claims(run, [m for m in seen if f'"{run.action_id}"' in m[3]], tally, "stopped")
-        judge_ids(ledger, seen, tally, "stopped")
-        judge_rows(ledger, world.folder / "rows", tally, "stopped")
+            check_claims(run, [m for m in seen if f'"{run.action_id}"' in m[3]], tally, "stopped")
+        check_ids(ledger, seen, tally, "stopped")
+        check_rows(ledger, world.folder / "rows", tally, "stopped")
     return tally
 
 
@@ -463,8 +463,8 @@ def backward_clock(world, rounds):
                  "TORTURE_CLOCK_STEP": str(random.choice((1, 60, 3_600, 86_400)))}
         _, options, targets = VARIANTS[turn % 4]
         run = world.call(ledger.folder, options, targets, extra=extra)
-        judge(world, ledger, run, tally, str(extra))
+        check(world, ledger, run, tally, str(extra))
         if run.code != 0:
-            tally.complain("untrue", f"{extra}: ended with {run.code}: {run.err}")
+            tally.report("untrue", f"{extra}: ended with {run.code}: {run.err}")
     return tally
 

@@ -37,13 +37,13 @@ std::string ActionJson(const ActionSpec& action, vda5050::Version version) {
   for (const auto& parameter : action.parameters) {
     parameters +=
         fmt::format(R"({}{{"name":"{}","type":"{}","required":{}}})", parameters.empty() ? "" : ",",
-                    parameter.name, vda5050::NameOf(parameter.type), parameter.required);
+                    parameter.name, vda5050::GetName(parameter.type), parameter.required);
   }
   return fmt::format(
       R"({{"actionType":"{}","version":"{}","instant":{},"node":{},"edge":{},"zone":{},)"
       R"("parameters":[{}],"counterAction":"{}","linkedState":"{}","idempotent":{},)"
       R"("summary":{}}})",
-      action.type, vda5050::FactsOf(version).name, action.scopes.instant, action.scopes.node,
+      action.type, vda5050::GetFacts(version).name, action.scopes.instant, action.scopes.node,
       action.scopes.edge, action.scopes.zone, parameters, action.counter_action,
       action.linked_state, action.idempotent, base::JsonString(action.summary));
 }
@@ -54,9 +54,9 @@ Result<ExitCode> RunActions(const std::string& version_text, const Context& cont
   if (!context.output.json()) {
     context.output.PeopleLine(
         fmt::format("Predefined actions of VDA 5050 {} ([optional] parameters):",
-                    vda5050::FactsOf(*version).name));
+                    vda5050::GetFacts(*version).name));
   }
-  for (const ActionSpec* action : vda5050::ActionsOf(*version)) {
+  for (const ActionSpec* action : vda5050::ListActions(*version)) {
     if (context.output.json()) {
       context.output.Line(ActionJson(*action, *version));
       continue;

@@ -102,7 +102,7 @@ Status ParseDefaults(const Options& options, const config::Config& config,
   SoarOptions soar;
   soar.prefix = options.prefix;
   soar.source = options.source;
-  auto sender = SenderOf(soar);
+  auto sender = ParseSender(soar);
   if (!sender) return Fail(std::move(sender.error()));
   request.defaults.soar = std::move(*sender);
   return {};

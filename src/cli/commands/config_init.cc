@@ -31,7 +31,7 @@ constexpr std::string_view kStarter =
 #keep_alive = 60                          # seconds
 #mqtt_version = "3.1.1"                   # or 5
 #user_property = ["desk=night shift"]     # MQTT 5: sent along with each message
-#message_expiry = "30s"                   # MQTT 5: a robot that is away for longer never gets it
+#message_expiry = "30s"                   # MQTT 5: a robot that is offline for longer never gets it
 #connect_timeout = "10s"
 #proxy = "http://proxy.example:3128"
 #qos = 0                                  # 1, 2: wait for the broker's acknowledgement

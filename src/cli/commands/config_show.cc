@@ -40,7 +40,7 @@ struct Row {
   std::string origin;
 };
 
-std::string_view StandardOf(std::string_view key) {
+std::string_view FindStandard(std::string_view key) {
   for (const config::Setting& setting : config::Settings()) {
     if (setting.key == key) return setting.standard;
   }
@@ -63,13 +63,13 @@ bool MayHoldALogin(std::string_view key) { return key == "broker" || key == "pro
 // A password in it is refused as soon as the ledger is opened, but this command opens none.
 std::string MaskedLedger(const std::string& text) {
   const bool may_be_shown = !ledger::IsUrl(text) || ledger::CheckPostgresUrl(text);
-  return may_be_shown ? text : ledger::PlaceOf(text);
+  return may_be_shown ? text : ledger::FormatPlace(text);
 }
 
-Row RowOf(const ConfigBindings::Effective& setting) {
+Row MakeRow(const ConfigBindings::Effective& setting) {
   Row row{std::string(setting.key), {}, setting.origin};
   if (setting.texts.empty()) {
-    row.value = StandardOf(setting.key);
+    row.value = FindStandard(setting.key);
     return row;
   }
   std::vector<std::string> texts = setting.texts;
@@ -120,9 +120,9 @@ void Show(const std::vector<Row>& rows, Output& output) {
   std::size_t key_width = 0;
   std::size_t value_width = 0;
   for (const Row& row : rows) {
-    key_width = std::max(key_width, base::WidthOf(base::Printable(row.key)));
-    value_width =
-        std::max(value_width, std::min<std::size_t>(base::WidthOf(base::Printable(row.value)), 40));
+    key_width = std::max(key_width, base::MeasureWidth(base::Printable(row.key)));
+    value_width = std::max(
+        value_width, std::min<std::size_t>(base::MeasureWidth(base::Printable(row.value)), 40));
   }
   for (const Row& row : rows) {
     if (output.json()) {
@@ -141,7 +141,7 @@ Result<ExitCode> RunConfigShow(OptionSet& set, const Context& context) {
   for (const auto& setting : set.bindings().All(set, context.config)) {
     const bool is_place = setting.key == "host" || setting.key == "port";
     if (is_place && setting.texts.empty()) continue;
-    rows.push_back(RowOf(setting));
+    rows.push_back(MakeRow(setting));
     if (setting.key != "password_file") continue;
     if (auto password = PasswordRow(context.options)) rows.push_back(*std::move(password));
   }

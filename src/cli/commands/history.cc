@@ -26,7 +26,7 @@ namespace {
 
 using base::JsonString;
 using ledger::Record;
-using message::kRecordedOutcomes;
+using message::kRecordedStatuses;
 using vda5050::Version;
 
 struct Options {
@@ -81,7 +81,7 @@ std::string RecordJson(const Record& record) {
   return json + R"(,"payload":)" + (is_json ? record.payload : JsonString(record.payload)) + "}";
 }
 
-std::string TypesOf(const Record& record) {
+std::string FormatTypes(const Record& record) {
   std::vector<std::string> types;
   for (const auto& action : record.actions) types.push_back(action.type);
   return base::Printable(base::Join(types, ","));
@@ -106,7 +106,7 @@ void ShowTable(const std::vector<Record>& records, Output& output) {
                     {base::FormatLocal(record.recorded_at)},
                     {base::Printable(record.user)},
                     {base::Printable(ShownTarget(record))},
-                    {TypesOf(record)},
+                    {FormatTypes(record)},
                     {HeaderIdText(record)},
                     {record.status}});
   }
@@ -137,11 +137,11 @@ Status Normalize(ledger::HistoryFilter& filter, const config::Config& config) {
     return base::EqualsIgnoringCase(outcome, filter.status);
   };
   const auto* const known =
-      std::find_if(kRecordedOutcomes.begin(), kRecordedOutcomes.end(), is_meant);
-  if (known == kRecordedOutcomes.end()) {
+      std::find_if(kRecordedStatuses.begin(), kRecordedStatuses.end(), is_meant);
+  if (known == kRecordedStatuses.end()) {
     return Fail(ErrorKind::kUsage,
                 fmt::format("--status takes one of {}, not '{}'",
-                            fmt::join(kRecordedOutcomes, ", "), base::Printable(filter.status)));
+                            fmt::join(kRecordedStatuses, ", "), base::Printable(filter.status)));
   }
   filter.status = *known;
   return {};

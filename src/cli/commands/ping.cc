@@ -58,7 +58,7 @@ void AskForSoftware(mqtt::Transport& transport, steady_clock::time_point deadlin
   if (message && *message) finding.software = base::Printable((*message)->payload);
 }
 
-std::vector<std::string> LimitsOf(const mqtt::ServerInfo& server) {
+std::vector<std::string> ListLimits(const mqtt::ServerInfo& server) {
   std::vector<std::string> limits;
   if (server.maximum_qos && *server.maximum_qos != mqtt::Qos::kExactlyOnce) {
     limits.push_back(fmt::format("QoS above {}", static_cast<int>(*server.maximum_qos)));
@@ -79,7 +79,7 @@ Result<Finding> Explore(const mqtt::ConnectOptions& connect) {
   const mqtt::ServerInfo& server = (*transport)->server();
   Finding finding{.url = server.broker.ToString(),
                   .mqtt = server.version == mqtt::ProtocolVersion::k5 ? "5" : "3.1.1",
-                  .limits = LimitsOf(server),
+                  .limits = ListLimits(server),
                   .connect = steady_clock::now() - start};
   AskForSoftware(**transport, deadline, finding);
   for (const std::string_view topic : kTopics) {
@@ -127,7 +127,7 @@ void ShowText(const Finding& finding, Output& output) {
 }
 
 Result<ExitCode> RunPing(const Context& context) {
-  const auto connect = ConnectOptionsOf(context);
+  const auto connect = MakeConnectOptions(context);
   if (!connect) return Fail(connect.error());
   const auto finding = Explore(*connect);
   if (!finding) {

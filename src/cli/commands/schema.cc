@@ -28,7 +28,7 @@ Result<ExitCode> RunList(const Context& context) {
 }
 
 // `soar` means the only schema below it; a part is named behind `#`.
-Result<std::string> TextOf(const schema::Registry& registry, const std::string& document) {
+Result<std::string> ReadText(const schema::Registry& registry, const std::string& document) {
   auto text = registry.Text(document);
   if (text) return text;
   std::string only;
@@ -46,7 +46,7 @@ Result<ExitCode> RunShow(const std::string& name, const Context& context) {
   }
   const schema::Registry registry(context.options.schema_directory);
   const auto hash = std::min(name.find('#'), name.size());
-  const auto text = TextOf(registry, name.substr(0, hash));
+  const auto text = ReadText(registry, name.substr(0, hash));
   if (!text) return Fail(text.error());
   const auto document = base::ParseJson(*text);
   if (!document) {

@@ -154,7 +154,7 @@ app::VdaOptions SpokenBy(const std::vector<RobotAddress>& robots, const Options&
   return vda;
 }
 
-Result<simulator::Settings> SettingsOf(const Options& o, const app::VdaOptions& vda) {
+Result<simulator::Settings> MakeSettings(const Options& o, const app::VdaOptions& vda) {
   if (o.version == "auto") {
     return Fail(ErrorKind::kUsage, "--vda auto is for robots that are there: name a version");
   }
@@ -282,17 +282,17 @@ Result<ExitCode> RunSimulate(const Options& o, const Context& context) {
   Output& output = context.output;
   const auto robots = Robots(o, context);
   if (!robots) return Fail(robots.error());
-  auto settings = SettingsOf(o, SpokenBy(*robots, o, context.config));
+  auto settings = MakeSettings(o, SpokenBy(*robots, o, context.config));
   if (!settings) return Fail(std::move(settings.error()));
   const vda5050::TopicScheme topics = settings->topics;
-  const std::string_view version = vda5050::FactsOf(settings->version).name;
+  const std::string_view version = vda5050::GetFacts(settings->version).name;
   schema::Registry registry(context.options.schema_directory);
   WarnOfMisspelt(o, output);
   const auto fleet = simulator::Fleet::Make(
       *std::move(settings), *robots, registry,
       [&](std::string_view robot, const simulator::Event& event) { Show(robot, event, output); });
   if (!fleet) return Fail(fleet.error());
-  auto connect = ConnectOptionsOf(context);
+  auto connect = MakeConnectOptions(context);
   if (!connect) return Fail(std::move(connect.error()));
 
   simulator::RunOptions run{.connect = *std::move(connect)};

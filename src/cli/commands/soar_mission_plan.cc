@@ -32,7 +32,7 @@ Result<soar::PlanFile> PlanFromOptions(const std::vector<std::string>& texts) {
   return plan;
 }
 
-Result<soar::PlanFile> PlanOf(const Options& options) {
+Result<soar::PlanFile> ReadPlanFile(const Options& options) {
   if (options.file.empty() == options.waypoints.empty()) {
     return Fail(ErrorKind::kUsage, options.file.empty()
                                        ? "a plan needs waypoints: give them with --waypoint, or a "
@@ -46,7 +46,7 @@ Result<soar::PlanFile> PlanOf(const Options& options) {
 }
 
 Result<ExitCode> RunMissionPlan(const Options& options, const Context& context) {
-  auto plan = PlanOf(options);
+  auto plan = ReadPlanFile(options);
   if (!plan) return Fail(std::move(plan.error()));
   if (!options.each.empty()) {
     const auto defaults =
@@ -59,7 +59,7 @@ Result<ExitCode> RunMissionPlan(const Options& options, const Context& context) 
   members->push_back({"plan", soar::ItemsJson(plan->waypoints)});
   for (const std::string& warning : plan->warnings) context.output.Warn(warning);
   constexpr auto kType = soar::MessageType::kMissionPlan;
-  return SendSoarMessage(options.sending, kType, soar::PayloadOf(kType, *members), context);
+  return SendSoarMessage(options.sending, kType, soar::BuildPayload(kType, *members), context);
 }
 
 }  // namespace
@@ -67,7 +67,7 @@ Result<ExitCode> RunMissionPlan(const Options& options, const Context& context) 
 Run DeclareSoarMissionPlan(OptionSet& set) {
   constexpr const char* kPayload = "Payload";
   const auto options = std::make_shared<Options>();
-  options->fields.Declare(set, soar::FieldsOf(soar::MessageType::kMissionPlan));
+  options->fields.Declare(set, soar::ListFields(soar::MessageType::kMissionPlan));
   set.AddOption("--waypoint", options->waypoints,
                 "A waypoint: lat=50.37,lon=-4.19 and what else there is to say: depth, altitude, "
                 "action, activate_payload, send_environmental_data, flight_style; one each")

@@ -30,10 +30,10 @@ bool IsToml(std::string_view name, std::string_view content) {
 
 Result<std::string> PayloadFrom(std::string_view name, std::string_view content,
                                 std::string_view id) {
-  if (!IsToml(name, content)) return soar::PlanningConfigurationOf(content, id);
+  if (!IsToml(name, content)) return soar::ParsePlanningConfiguration(content, id);
   const auto json = config::TomlToJson(content);
   if (!json) return Fail(json.error());
-  return soar::PlanningConfigurationOf(*json, id);
+  return soar::ParsePlanningConfiguration(*json, id);
 }
 
 Result<ExitCode> RunPlanningConfiguration(const Options& options, const Context& context) {
@@ -63,7 +63,7 @@ Run DeclareSoarPlanningConfiguration(OptionSet& set) {
                 "Squads, platforms and zones: JSON or TOML; - is standard input")
       .Type("FILE")
       .Group("Payload");
-  options->fields.Declare(set, soar::FieldsOf(soar::MessageType::kPlanningConfiguration));
+  options->fields.Declare(set, soar::ListFields(soar::MessageType::kPlanningConfiguration));
   DeclareSoarSending(set, options->sending);
   return [options](const Context& context) { return RunPlanningConfiguration(*options, context); };
 }

@@ -50,14 +50,14 @@ Result<ExitCode> RunReport(const Options& options, const Context& context) {
   if (!members) return Fail(std::move(members.error()));
   if (auto added = AddPoints(options.points, *members); !added) return Fail(added.error());
   if (options.type == MessageType::kPlatformStatus) AddTime(*members);
-  return SendSoarMessage(options.sending, options.type, soar::PayloadOf(options.type, *members),
+  return SendSoarMessage(options.sending, options.type, soar::BuildPayload(options.type, *members),
                          context);
 }
 
 std::shared_ptr<Options> DeclareReport(OptionSet& set, MessageType type) {
   auto options = std::make_shared<Options>();
   options->type = type;
-  options->fields.Declare(set, soar::FieldsOf(type));
+  options->fields.Declare(set, soar::ListFields(type));
   return options;
 }
 

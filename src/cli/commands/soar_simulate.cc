@@ -10,7 +10,7 @@
 namespace fleetpub::cli {
 namespace {
 
-Result<simulator::PlatformSettings> SettingsOf(const SoarSimulation& simulation) {
+Result<simulator::PlatformSettings> MakeSettings(const SoarSimulation& simulation) {
   simulator::PlatformSettings settings;
   auto prefix = soar::ParsePrefix(simulation.prefix);
   if (!prefix) return Fail(std::move(prefix.error()));
@@ -52,14 +52,14 @@ Result<ExitCode> RunSoarSimulation(const SoarSimulation& simulation, const Conte
     return Fail(ErrorKind::kUsage,
                 "name at least one platform, such as soar.planet-ocean.ecosub.eco1");
   }
-  auto settings = SettingsOf(simulation);
+  auto settings = MakeSettings(simulation);
   if (!settings) return Fail(std::move(settings.error()));
   schema::Registry registry(context.options.schema_directory);
   const auto fleet = simulator::PlatformFleet::Make(
       *std::move(settings), simulation.destinations, registry,
       [&](std::string_view name, const simulator::Event& event) { Show(name, event, output); });
   if (!fleet) return Fail(fleet.error());
-  auto connect = ConnectOptionsOf(context);
+  auto connect = MakeConnectOptions(context);
   if (!connect) return Fail(std::move(connect.error()));
 
   simulator::RunOptions run{.connect = *std::move(connect)};

@@ -32,10 +32,10 @@ delivery::Findings SoarValidator::Check(const base::JsonValue& message,
   if (!findings.satisfies_schema || !type_) return findings;
   const auto& payload = whole ? *FindMember(message, "payload") : message;
   const std::string_view found = base::StringMember(payload, "message_type");
-  if (found != NameOf(*type_)) {
+  if (found != GetName(*type_)) {
     findings.errors.push_back(
         {whole ? "/payload/message_type" : "/message_type",
-         fmt::format("is {}, not {}", base::Printable(found), NameOf(*type_))});
+         fmt::format("is {}, not {}", base::Printable(found), GetName(*type_))});
   }
   return findings;
 }

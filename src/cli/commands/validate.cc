@@ -98,9 +98,9 @@ class Validator {
       return findings;
     }
     std::string chosen;
-    const auto version = VersionOf(*message, chosen);
+    const auto version = FindVersion(*message, chosen);
     if (!version) return OneError(version.error().message);
-    const auto topic = TopicOf(*message);
+    const auto topic = FindTopic(*message);
     if (!topic) return OneError(topic.error().message);
     std::vector<schema::Violation> header;
     if (!chosen.empty()) header.push_back({"/version", std::move(chosen)});
@@ -138,8 +138,8 @@ class Validator {
   static Findings OneError(std::string message) { return {{{"", std::move(message)}}, {}}; }
 
   // `chosen` tells of a header that names no release.
-  [[nodiscard]] Result<vda5050::Version> VersionOf(const base::JsonValue& message,
-                                                   std::string& chosen) const {
+  [[nodiscard]] Result<vda5050::Version> FindVersion(const base::JsonValue& message,
+                                                     std::string& chosen) const {
     if (version_) return *version_;
     if (const auto said = vda5050::VersionSaidBy(message)) {
       if (!said->is_release) {
@@ -151,7 +151,7 @@ class Validator {
                 "its header does not say which VDA 5050 version it is: name it with --vda");
   }
 
-  [[nodiscard]] Result<std::string> TopicOf(const base::JsonValue& message) const {
+  [[nodiscard]] Result<std::string> FindTopic(const base::JsonValue& message) const {
     if (!options_.topic.empty()) return options_.topic;
     for (const auto& [member, topic] : kMarks) {
       if (base::FindMember(message, member) != nullptr) return std::string(topic);

@@ -86,8 +86,9 @@ void DeclareProperties(OptionSet& set, GlobalOptions& o) {
                       &o.user_properties);
   set.bindings().Bind(
       "message_expiry",
-      set.AddOption("--message-expiry", o.message_expiry,
-                    "MQTT 5: how long a broker may keep a message for who is away [no limit]")
+      set.AddOption(
+             "--message-expiry", o.message_expiry,
+             "MQTT 5: how long a broker may keep a message for a robot that is offline [no limit]")
           .Type("TIME")
           .Variable("FLEETPUB_MESSAGE_EXPIRY")
           .Group(kBrokerGroup),
@@ -229,7 +230,7 @@ Status CheckEncryption(const Context& context, std::span<const mqtt::BrokerUrl> 
   return {};
 }
 
-Result<mqtt::TlsOptions> TlsOf(const Context& context) {
+Result<mqtt::TlsOptions> MakeTlsOptions(const Context& context) {
   const GlobalOptions& o = context.options;
   mqtt::TlsOptions tls{.ca_file = o.ca_file,
                        .ca_path = o.ca_path,
@@ -259,7 +260,7 @@ Result<mqtt::ProtocolVersion> MqttVersionOf(std::string_view text) {
               fmt::format("--mqtt-version takes 3.1.1 or 5, not '{}'", base::Printable(text)));
 }
 
-Result<std::pair<std::string, std::string>> UserPropertyOf(const std::string& text) {
+Result<std::pair<std::string, std::string>> ParseUserProperty(const std::string& text) {
   const std::size_t equals = text.find('=');
   if (equals == 0 || equals == std::string::npos) {
     return Fail(ErrorKind::kUsage,
@@ -283,11 +284,11 @@ Result<std::chrono::seconds> ExpiryOf(std::string_view text) {
   return Fail(ErrorKind::kUsage, "--message-expiry takes a time of at least a second");
 }
 
-Result<mqtt::PublishProperties> PropertiesOf(const GlobalOptions& o,
-                                             mqtt::ProtocolVersion version) {
+Result<mqtt::PublishProperties> ParseProperties(const GlobalOptions& o,
+                                                mqtt::ProtocolVersion version) {
   mqtt::PublishProperties properties;
   for (const std::string& text : o.user_properties) {
-    auto property = UserPropertyOf(text);
+    auto property = ParseUserProperty(text);
     if (!property) return Fail(std::move(property.error()));
     properties.user.push_back(std::move(*property));
   }
@@ -363,7 +364,7 @@ Result<std::vector<mqtt::BrokerUrl>> ParseBrokers(const GlobalOptions& o) {
   return brokers;
 }
 
-Result<mqtt::ConnectOptions> ConnectOptionsOf(const Context& context) {
+Result<mqtt::ConnectOptions> MakeConnectOptions(const Context& context) {
   const GlobalOptions& o = context.options;
   auto brokers = ParseBrokers(o);
   if (!brokers) return Fail(std::move(brokers.error()));
@@ -376,9 +377,9 @@ Result<mqtt::ConnectOptions> ConnectOptionsOf(const Context& context) {
   if (!keep_alive) return Fail(keep_alive.error());
   const auto timeout = base::ParseDuration(o.connect_timeout);
   if (!timeout) return Fail(timeout.error());
-  auto properties = PropertiesOf(o, *version);
+  auto properties = ParseProperties(o, *version);
   if (!properties) return Fail(std::move(properties.error()));
-  auto tls = TlsOf(context);
+  auto tls = MakeTlsOptions(context);
   if (!tls) return Fail(std::move(tls.error()));
   auto password = FindPassword(context);
   if (!password) return Fail(std::move(password.error()));

@@ -84,7 +84,7 @@ struct Context {
 /// Brokers, credentials and TLS as the options, the environment and files say. May prompt for a
 /// password. Errors: ErrorKind::kUsage (also a profile whose broker somebody contradicts, and a
 /// login that is another broker's), kLedger (a password file that cannot be read).
-[[nodiscard]] Result<mqtt::ConnectOptions> ConnectOptionsOf(const Context& context);
+[[nodiscard]] Result<mqtt::ConnectOptions> MakeConnectOptions(const Context& context);
 
 /// The file or the database that the options name. Errors: ErrorKind::kUsage (a URL that is none of
 /// PostgreSQL's, or holds a password), kLedger.

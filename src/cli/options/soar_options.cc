@@ -55,7 +55,7 @@ Result<std::optional<soar::Level>> WaitForOf(const SoarWaitingOptions& options) 
   if (options.wait_for.empty()) return options.wait ? Level(soar::Level::kExecuted) : Level();
   if (const auto level = soar::ParseLevel(options.wait_for)) return Level(level);
   std::vector<std::string> names;
-  for (const soar::Level level : soar::AllLevels()) names.emplace_back(soar::NameOf(level));
+  for (const soar::Level level : soar::AllLevels()) names.emplace_back(soar::GetName(level));
   return Usage(fmt::format("--wait-for takes one of {}, not '{}'", base::Join(names, ", "),
                            base::Printable(options.wait_for)));
 }
@@ -77,7 +77,7 @@ Result<std::size_t> CountOf(const std::string& text, const soar::Destination& de
 }
 
 // A topic filter; dots are taken for slashes where there are none.
-Result<std::string> FilterOf(std::string filter) {
+Result<std::string> ParseFilter(std::string filter) {
   if (filter.find('/') == std::string::npos) std::replace(filter.begin(), filter.end(), '.', '/');
   const auto refuse = [&](std::string_view why) {
     return Usage(fmt::format("--ack-topic '{}' is refused: {}", base::Printable(filter), why));
@@ -147,7 +147,7 @@ void DeclareSoarWaiting(OptionSet& set, SoarWaitingOptions& o) {
       .Group(kAcknowledging);
 }
 
-Result<soar::Sender> SenderOf(const SoarOptions& options) {
+Result<soar::Sender> ParseSender(const SoarOptions& options) {
   auto prefix = soar::ParsePrefix(options.prefix);
   if (!prefix) return Fail(std::move(prefix.error()));
   if (auto source = soar::CheckSource(options.source); !source) return Fail(source.error());
@@ -160,8 +160,8 @@ Result<soar::Sender> SenderOf(const SoarOptions& options) {
                       options.strict ? soar::Strictness::kRefuse : soar::Strictness::kWarn};
 }
 
-Result<soar::Destination> DestinationOf(const SoarOptions& options, const soar::Sender& sender,
-                                        soar::MessageType type) {
+Result<soar::Destination> ParseDestination(const SoarOptions& options, const soar::Sender& sender,
+                                           soar::MessageType type) {
   if (options.broadcast) {
     if (options.destination.empty()) return soar::Broadcast(sender.prefix);
     return Usage(fmt::format("--broadcast is for everybody: leave out the destination '{}'",
@@ -173,8 +173,8 @@ Result<soar::Destination> DestinationOf(const SoarOptions& options, const soar::
   return soar::ParseDestination(options.destination, sender.prefix, type);
 }
 
-Result<SoarWaiting> SoarWaitingOf(const SoarWaitingOptions& options,
-                                  const soar::Destination& destination) {
+Result<SoarWaiting> ParseSoarWaiting(const SoarWaitingOptions& options,
+                                     const soar::Destination& destination) {
   SoarWaiting waiting;
   const auto wait_for = WaitForOf(options);
   if (!wait_for) return Fail(wait_for.error());
@@ -193,7 +193,7 @@ Result<SoarWaiting> SoarWaitingOf(const SoarWaitingOptions& options,
   if (!count) return Fail(count.error());
   waiting.count = *count;
   for (const std::string& topic : options.topics) {
-    auto filter = FilterOf(topic);
+    auto filter = ParseFilter(topic);
     if (!filter) return Fail(std::move(filter.error()));
     waiting.topics.push_back(*std::move(filter));
   }

@@ -44,10 +44,10 @@ void DeclarePrefix(OptionSet& set, std::string& prefix);
 void DeclareSource(OptionSet& set, std::string& source);
 
 /// Errors: ErrorKind::kUsage.
-[[nodiscard]] Result<soar::Sender> SenderOf(const SoarOptions& options);
-[[nodiscard]] Result<soar::Destination> DestinationOf(const SoarOptions& options,
-                                                      const soar::Sender& sender,
-                                                      soar::MessageType type);
+[[nodiscard]] Result<soar::Sender> ParseSender(const SoarOptions& options);
+[[nodiscard]] Result<soar::Destination> ParseDestination(const SoarOptions& options,
+                                                         const soar::Sender& sender,
+                                                         soar::MessageType type);
 
 /// What the waiting options ask for.
 struct SoarWaiting {
@@ -56,8 +56,8 @@ struct SoarWaiting {
   std::size_t count = 1;
   std::vector<std::string> topics;  ///< empty: where acknowledgements usually come back
 };
-[[nodiscard]] Result<SoarWaiting> SoarWaitingOf(const SoarWaitingOptions& options,
-                                                const soar::Destination& destination);
+[[nodiscard]] Result<SoarWaiting> ParseSoarWaiting(const SoarWaitingOptions& options,
+                                                   const soar::Destination& destination);
 
 /// Options for the fields of a payload, each under a short name or in kebab case, and as the format
 /// spells it.

@@ -87,9 +87,9 @@ void DeclareInstantOptions(OptionSet& set, InstantOptions& o) {
   add("--header-id", o.header_id, "N", "The headerId, above the topic's last [the next]");
 }
 
-Result<vda5050::InstantAction> ActionOf(const InstantOptions& o, std::string_view type,
-                                        std::vector<vda5050::Parameter> parameters,
-                                        std::size_t targets) {
+Result<vda5050::InstantAction> BuildInstantAction(const InstantOptions& o, std::string_view type,
+                                                  std::vector<vda5050::Parameter> parameters,
+                                                  std::size_t targets) {
   const auto blocking_type = BlockingTypeOf(o.blocking_type);
   if (!blocking_type) return Fail(blocking_type.error());
   if (auto ok = AddAssignments(o.assignments, parameters); !ok) return Fail(ok.error());

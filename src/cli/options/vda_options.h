@@ -30,10 +30,9 @@ void DeclareInstantOptions(OptionSet& set, InstantOptions& options);
 
 /// The action that the options describe, without an id when none was given. `targets` is how many
 /// robots get it.
-[[nodiscard]] Result<vda5050::InstantAction> ActionOf(const InstantOptions& options,
-                                                      std::string_view type,
-                                                      std::vector<vda5050::Parameter> parameters,
-                                                      std::size_t targets);
+[[nodiscard]] Result<vda5050::InstantAction> BuildInstantAction(
+    const InstantOptions& options, std::string_view type,
+    std::vector<vda5050::Parameter> parameters, std::size_t targets);
 
 /// `--header-id`; nothing when it was not given.
 [[nodiscard]] Result<std::optional<std::uint32_t>> HeaderIdOf(const std::string& text);

@@ -14,7 +14,7 @@ constexpr std::array kWorstFirst = {kInterrupted, kTerminated, kUnexpected,  kLe
 
 }  // namespace
 
-ExitCode CodeOf(ErrorKind kind) {
+ExitCode GetExitCode(ErrorKind kind) {
   switch (kind) {
     case ErrorKind::kUnexpected:
       return kUnexpected;
@@ -36,8 +36,8 @@ ExitCode CodeOf(ErrorKind kind) {
   return kUnexpected;
 }
 
-ExitCode CodeOf(const message::Report& report) {
-  return report.error ? CodeOf(*report.error) : kDone;
+ExitCode GetExitCode(const message::Report& report) {
+  return report.error ? GetExitCode(*report.error) : kDone;
 }
 
 ExitCode Worse(ExitCode a, ExitCode b) {

@@ -20,8 +20,8 @@ enum class ExitCode : int {
   kTerminated = 143,
 };
 
-[[nodiscard]] ExitCode CodeOf(ErrorKind kind);
-[[nodiscard]] ExitCode CodeOf(const message::Report& report);
+[[nodiscard]] ExitCode GetExitCode(ErrorKind kind);
+[[nodiscard]] ExitCode GetExitCode(const message::Report& report);
 
 /// Over several targets: the first of 130, 1, 8, 4, 5, 6, 7, 3, 2, 0 that occurred.
 [[nodiscard]] ExitCode Worse(ExitCode a, ExitCode b);

@@ -26,8 +26,8 @@ std::string TextOr(std::string_view text, std::string_view otherwise) {
 
 Cell Target(const RobotView& robot) { return {base::Printable(robot.robot.ToString())}; }
 
-Cell VersionOf(const RobotView& robot) {
-  if (robot.version) return {std::string(vda5050::FactsOf(*robot.version).name)};
+Cell FormatVersion(const RobotView& robot) {
+  if (robot.version) return {std::string(vda5050::GetFacts(*robot.version).name)};
   return {TextOr(robot.header_version, kUnknown)};
 }
 
@@ -134,15 +134,16 @@ std::span<const Column> FleetColumns() {
 }
 
 Row FleetRow(const RobotView& robot, base::WallTime now) {
-  return {Target(robot),  VersionOf(robot), Connection(robot), Since(robot, now), Mode(robot),
-          Driving(robot), Paused(robot),    Battery(robot),    Order(robot),      Errors(robot)};
+  return {Target(robot), FormatVersion(robot), Connection(robot), Since(robot, now),
+          Mode(robot),   Driving(robot),       Paused(robot),     Battery(robot),
+          Order(robot),  Errors(robot)};
 }
 
 std::string FleetLine(const RobotView& robot, const Output& output) {
   const Cell connection = Connection(robot);
   const Cell errors = Errors(robot);
   return fmt::format("{}  {}  {}  {}  driving {}  paused {}  battery {}  order {}  errors {}",
-                     Target(robot).text, VersionOf(robot).text,
+                     Target(robot).text, FormatVersion(robot).text,
                      output.Toned(connection.tone, connection.text), Mode(robot).text,
                      Driving(robot).text, Paused(robot).text, Battery(robot).text,
                      Order(robot).text, output.Toned(errors.tone, errors.text));
@@ -150,7 +151,7 @@ std::string FleetLine(const RobotView& robot, const Output& output) {
 
 std::string FleetJson(const RobotView& robot) {
   const std::string_view version =
-      robot.version ? vda5050::FactsOf(*robot.version).name : std::string_view();
+      robot.version ? vda5050::GetFacts(*robot.version).name : std::string_view();
   return fmt::format(
              R"("target":{},"manufacturer":{},"serialNumber":{},"version":{},"headerVersion":{},)"
              R"("interface":{},"topicLevel":{},"connectionState":{},"connectionTimestamp":{},{})",

@@ -43,13 +43,13 @@ bool WantsColour(int descriptor) {
   return isatty(descriptor) == 1;
 }
 
-std::string TypesOf(const Report& report) {
+std::string FormatTypes(const Report& report) {
   std::vector<std::string> types;
   for (const auto& action : report.actions) types.push_back(base::Printable(action.type));
   return base::Join(types, ",");
 }
 
-Tone ToneOf(const Report& report) {
+Tone ChooseTone(const Report& report) {
   if (report.error) return Tone::kBad;
   return report.status == CommandStatus::kDryRun ? Tone::kPlain : Tone::kGood;
 }
@@ -158,7 +158,7 @@ Status Output::Flush() {
 std::string ReportText(const Report& report, std::size_t target_width, const Output& output) {
   std::string line =
       fmt::format("{}  {}  {}", base::Padded(target_width, base::Printable(report.target)),
-                  TypesOf(report), output.Toned(ToneOf(report), NameOf(report.status)));
+                  FormatTypes(report), output.Toned(ChooseTone(report), GetName(report.status)));
   if (report.header_id) line += fmt::format("  headerId {}", *report.header_id);
   if (report.elapsed.count() > 0) line += "  " + base::FormatElapsed(report.elapsed);
   if (report.version_assumed) line += fmt::format("  {} (assumed)", report.version);
@@ -183,7 +183,7 @@ std::string ReportJson(const Report& report) {
   add("actions", "[" + actions + "]");
   if (report.version_assumed) add("versionAssumed", "true");
   if (report.header_id) add("headerId", std::to_string(*report.header_id));
-  add("status", JsonString(NameOf(report.status)));
+  add("status", JsonString(GetName(report.status)));
   add("elapsedMs", fmt::format("{:.3f}", static_cast<double>(report.elapsed.count()) / 1e6));
   if (!report.message.empty()) add("message", JsonString(report.message));
   if (report.status == CommandStatus::kDryRun) add("payload", report.payload);

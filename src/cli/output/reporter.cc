@@ -8,11 +8,11 @@
 namespace fleetpub::cli {
 
 void Reporter::Fit(const std::string& target) {
-  width_ = std::max(width_, base::WidthOf(base::Printable(target)));
+  width_ = std::max(width_, base::MeasureWidth(base::Printable(target)));
 }
 
 void Reporter::Show(const message::Report& report) {
-  worst_ = Worse(worst_, CodeOf(report));
+  worst_ = Worse(worst_, GetExitCode(report));
   if (output_.json()) {
     output_.Line(ReportJson(report));
   } else if (report.error) {
@@ -23,7 +23,7 @@ void Reporter::Show(const message::Report& report) {
 }
 
 void Reporter::Explain(const message::Report& report) {
-  worst_ = Worse(worst_, CodeOf(report));
+  worst_ = Worse(worst_, GetExitCode(report));
   Print(stderr, ReportText(report, width_, output_) + "\n");
 }
 

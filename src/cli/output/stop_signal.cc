@@ -14,7 +14,7 @@ std::atomic<int> g_signal = 0;
 std::atomic<int> g_writer = -1;
 
 // Inside a signal handler.
-void Note(int signal) {
+void Remember(int signal) {
   int none = 0;
   if (g_signal.compare_exchange_strong(none, signal)) {
     [[maybe_unused]] const auto ignored = write(g_writer, "", 1);
@@ -36,7 +36,7 @@ StopSignal::StopSignal() {
     g_writer = pipe_ends[1];
   }
   struct sigaction action {};
-  action.sa_handler = Note;
+  action.sa_handler = Remember;
   sigaction(SIGINT, &action, &old_interrupt_);
   sigaction(SIGTERM, &action, &old_terminate_);
 }

@@ -17,10 +17,10 @@ constexpr std::size_t kGap = 2;
 
 Widths NaturalWidths(std::span<const Column> columns, std::span<const Row> rows) {
   Widths widths;
-  for (const Column& column : columns) widths.push_back(base::WidthOf(column.name));
+  for (const Column& column : columns) widths.push_back(base::MeasureWidth(column.name));
   for (const Row& row : rows) {
     for (std::size_t i = 0; i < widths.size(); ++i) {
-      widths[i] = std::max(widths[i], base::WidthOf(row[i].text));
+      widths[i] = std::max(widths[i], base::MeasureWidth(row[i].text));
     }
   }
   return widths;
@@ -47,7 +47,7 @@ class Layout {
       const std::size_t i = shown_[at];
       const std::string fitting = base::Shortened(widths_[i], row[i].text);
       const std::string_view text = base::CutTo(room, fitting);
-      const std::size_t taken = base::WidthOf(text);
+      const std::size_t taken = base::MeasureWidth(text);
       std::size_t blanks = std::min(widths_[i] - std::min(widths_[i], taken), room - taken);
       room -= taken + blanks;
       if (columns_[i].is_number) line.append(std::exchange(blanks, 0), ' ');
@@ -87,7 +87,7 @@ class Layout {
   Widths shown_;
 };
 
-Row HeaderOf(std::span<const Column> columns) {
+Row MakeHeader(std::span<const Column> columns) {
   Row row;
   for (const Column& column : columns) row.push_back({column.name});
   return row;
@@ -107,7 +107,7 @@ std::vector<std::string> TableLines(std::span<const Column> columns, std::span<c
   const Layout layout(columns, std::move(natural), width);
   std::vector<std::string> lines;
   lines.reserve(rows.size() + 1);
-  lines.push_back(layout.Line(HeaderOf(columns), width, output));
+  lines.push_back(layout.Line(MakeHeader(columns), width, output));
   for (const Row& row : rows) lines.push_back(layout.Line(row, width, output));
   return lines;
 }

@@ -45,7 +45,7 @@ std::string TwoColumns(std::string_view left, std::string_view right) {
   return text + "\n";
 }
 
-std::string NamesOf(const Option& option) {
+std::string FormatNames(const Option& option) {
   std::vector<std::string> names;
   for (const std::string& name : option.short_names()) names.push_back("-" + name);
   for (const std::string& name : option.long_names()) names.push_back("--" + name);
@@ -68,7 +68,7 @@ std::string OptionLines(const OptionSet& set,
     std::string lines;
     for (const Option& option : set.options()) {
       if (option.group() != group || option.IsPositional()) continue;
-      lines += TwoColumns(NamesOf(option), option.description());
+      lines += TwoColumns(FormatNames(option), option.description());
     }
     if (!lines.empty()) text += fmt::format("\n{}:\n{}", group, lines);
   }
@@ -80,7 +80,7 @@ std::string ActionLines() {
   for (const std::string_view type : vda5050::AllActionNames()) {
     if (!vda5050::IsEverInstant(type)) continue;
     std::string name(type);
-    for (const std::string_view other : vda5050::ShortNamesOf(type)) {
+    for (const std::string_view other : vda5050::ListShortNames(type)) {
       name += fmt::format(", {}", other);
     }
     const auto* action = vda5050::FindAction(vda5050::Version::k300, type);

@@ -140,7 +140,7 @@ constexpr auto kOptionValues = std::to_array<Slot>({
     {"", "output", Fixed<kFormats>},
     {"", "mqtt-version", Fixed<kMqttVersions>},
     {"soar acknowledge", "status", Fixed<kSoarEnds>},
-    {"history", "status", Fixed<message::kRecordedOutcomes>},
+    {"history", "status", Fixed<message::kRecordedStatuses>},
     {"simulate", "reject", ActionTypes},
     {"simulate", "fail", ActionTypes},
     {"simulate", "retriable", ActionTypes},
@@ -194,7 +194,7 @@ void Commands(const Typed& typed, Candidates& found) {
   ActionTypes(typed, found);
   for (const std::string_view type : vda5050::AllActionNames()) {
     if (!vda5050::IsEverInstant(type)) continue;
-    for (const std::string_view name : vda5050::ShortNamesOf(type)) AddCommand(name, type, found);
+    for (const std::string_view name : vda5050::ListShortNames(type)) AddCommand(name, type, found);
   }
   for (const Subcommand& subcommand : Subcommands()) {
     const std::size_t blank = subcommand.name.find(' ');

@@ -18,13 +18,13 @@ constexpr std::string_view kSelect =
 
 constexpr int kRowsPerTransaction = 10'000;
 
-std::string MicrosOf(WallTime time) {
+std::string FormatMicros(WallTime time) {
   return std::to_string(std::chrono::duration_cast<microseconds>(time.time_since_epoch()).count());
 }
 
-std::optional<std::string> MicrosOf(const std::optional<WallTime>& time) {
+std::optional<std::string> FormatMicros(const std::optional<WallTime>& time) {
   if (!time) return std::nullopt;
-  return MicrosOf(*time);
+  return FormatMicros(*time);
 }
 
 /// Nothing: no filter.
@@ -81,7 +81,7 @@ Result<std::vector<Record>> ReadHistory(Session& session, const HistoryFilter& f
   const Query query = {
       sql,
       {Wanted(filter.target), Wanted(filter.status), Wanted(filter.user), Wanted(filter.action),
-       MicrosOf(filter.since), MicrosOf(filter.until),
+       FormatMicros(filter.since), FormatMicros(filter.until),
        filter.limit > 0 ? std::optional(std::to_string(filter.limit)) : std::nullopt}};
   auto records = ReadAll(session.Run(query, deadline));
   if (records) std::reverse(records->begin(), records->end());
@@ -102,7 +102,7 @@ Result<std::int64_t> PruneHistory(Session& session, WallTime older_than,
       "DELETE FROM fleetpub.messages WHERE id IN (SELECT id FROM fleetpub.messages "
       "WHERE recorded_at < timestamptz 'epoch' + $1::bigint * interval '1 us' "
       "ORDER BY id LIMIT $2)",
-      {MicrosOf(older_than), std::to_string(kRowsPerTransaction)}};
+      {FormatMicros(older_than), std::to_string(kRowsPerTransaction)}};
   for (std::int64_t removed = 0;;) {
     const auto rows = session.Run(query, std::chrono::steady_clock::now() + patience);
     if (!rows) return Fail(rows.error());

@@ -117,7 +117,7 @@ struct BatchPublisher {
 
 class HeldTopics : public TopicLock {
  public:
-  explicit HeldTopics(std::shared_ptr<BatchPublisher> bracket) : publisher_(std::move(bracket)) {}
+  explicit HeldTopics(std::shared_ptr<BatchPublisher> batch) : publisher_(std::move(batch)) {}
   [[nodiscard]] bool StillHeld() const override {
     return !publisher_->session->lost() && publisher_->session->IsQuiet();
   }
@@ -157,7 +157,7 @@ class PostgresLedger : public Ledger {
   Result<std::unique_ptr<TopicLock>> Lock(std::span<const std::string> topics,
                                           Deadline deadline) override;
   Result<std::vector<Reservation>> Reserve(std::span<const Draft> drafts) override;
-  Status RecordOutcomes(std::span<const Outcome> outcomes) override;
+  Status RecordOutcomes(std::span<const StatusUpdate> outcomes) override;
   Result<std::uint32_t> PeekNext(std::string_view topic) override;
   Result<std::vector<Record>> History(const HistoryFilter& filter) override;
   Result<std::optional<Record>> Find(std::int64_t id) override;
@@ -262,11 +262,11 @@ Result<std::unique_ptr<TopicLock>> PostgresLedger::TryLock(std::span<const std::
   }
   if (rows->front().Text(0, 0) != mark_) return Fail(PoolRefusal(*session_));
   const int backend = static_cast<int>((*rows)[1].Integer(0, 1));
-  auto bracket = std::make_shared<BatchPublisher>(session_, backend, mark_);
-  for (const std::string& topic : topics) bracket->last_ids[topic];
-  TakeLastIds(rows->back(), bracket->last_ids);
-  publisher_ = bracket;
-  return std::make_unique<HeldTopics>(std::move(bracket));
+  auto batch = std::make_shared<BatchPublisher>(session_, backend, mark_);
+  for (const std::string& topic : topics) batch->last_ids[topic];
+  TakeLastIds(rows->back(), batch->last_ids);
+  publisher_ = batch;
+  return std::make_unique<HeldTopics>(std::move(batch));
 }
 
 Error PostgresLedger::Refusal(const Keys& keys, steady_clock::duration waited) {
@@ -299,10 +299,10 @@ Status PostgresLedger::LearnLastIds(Session& session, std::span<const Draft> dra
 
 Result<std::vector<Reservation>> PostgresLedger::Reserve(std::span<const Draft> drafts) {
   if (Status writable = CheckWritable(); !writable) return Fail(writable.error());
-  const std::shared_ptr<BatchPublisher> bracket = publisher_.lock();
-  const std::shared_ptr<Session> session = bracket ? bracket->session : session_;
+  const std::shared_ptr<BatchPublisher> batch = publisher_.lock();
+  const std::shared_ptr<Session> session = batch ? batch->session : session_;
   LastIds unlocked;
-  LastIds& last_ids = bracket ? bracket->last_ids : unlocked;
+  LastIds& last_ids = batch ? batch->last_ids : unlocked;
   for (int attempt = 0; attempt < kAttempts; ++attempt) {
     if (Status learnt = LearnLastIds(*session, drafts, last_ids); !learnt) {
       return Fail(std::move(learnt.error()));
@@ -311,7 +311,7 @@ Result<std::vector<Reservation>> PostgresLedger::Reserve(std::span<const Draft> 
     if (!plan) return Fail(std::move(plan.error()));
     const auto written = WritePlan(*session, options_, drafts, *plan, last_ids, Patience());
     if (!written) return Fail(written.error());
-    if (bracket && written->backend != bracket->backend) {
+    if (batch && written->backend != batch->backend) {
       return Fail(PoolRefusal(*session));
     }
     if (!written->taken) {
@@ -332,7 +332,7 @@ Result<std::vector<Reservation>> PostgresLedger::Reserve(std::span<const Draft> 
                           session->place()));
 }
 
-Status PostgresLedger::RecordOutcomes(std::span<const Outcome> outcomes) {
+Status PostgresLedger::RecordOutcomes(std::span<const StatusUpdate> outcomes) {
   if (Status writable = CheckWritable(); !writable) return writable;
   return Persist(Patience(),
                  [&](Session& session) { return WriteOutcomes(session, outcomes, Patience()); });

@@ -58,7 +58,7 @@ void AddRows(std::span<const Draft> drafts, const Plan& plan, Query& query) {
       header_id.AddNull();
     }
     actions.Add(ActionsToJson(draft.actions));
-    payload.Add(PayloadOf(draft, plan.ids[i]));
+    payload.Add(BuildPayload(draft, plan.ids[i]));
   }
   for (ArrayText& column : columns) query.values.emplace_back(column.Take());
 }
@@ -126,9 +126,9 @@ Result<Written> WritePlan(Session& session, const Options& options, std::span<co
   };
 }
 
-Status WriteOutcomes(Session& session, std::span<const Outcome> outcomes, Deadline deadline) {
-  std::map<std::int64_t, const Outcome*> latest;
-  for (const Outcome& outcome : outcomes) {
+Status WriteOutcomes(Session& session, std::span<const StatusUpdate> outcomes, Deadline deadline) {
+  std::map<std::int64_t, const StatusUpdate*> latest;
+  for (const StatusUpdate& outcome : outcomes) {
     if (outcome.row != 0) latest[outcome.row] = &outcome;
   }
   if (latest.empty()) return {};

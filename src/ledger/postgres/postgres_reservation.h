@@ -49,7 +49,7 @@ struct Written {
                                         const LastIds& last_ids, Deadline deadline);
 
 /// Outcomes of row 0 are passed over.
-[[nodiscard]] Status WriteOutcomes(Session& session, std::span<const Outcome> outcomes,
+[[nodiscard]] Status WriteOutcomes(Session& session, std::span<const StatusUpdate> outcomes,
                                    Deadline deadline);
 
 }  // namespace fleetpub::ledger

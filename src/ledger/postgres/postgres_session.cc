@@ -176,7 +176,7 @@ std::int64_t Rows::Changes() const {
 
 Result<std::unique_ptr<Session>> Session::Connect(const SessionOptions& options) {
   if (!Library()) return Fail(Library().error());
-  std::string place = PlaceOf(options.url);
+  std::string place = FormatPlace(options.url);
   pg_conn* const connection = Open(options);
   if (connection == nullptr) {
     return Fail(ErrorKind::kLedger, "no memory to connect to the ledger " + place);

@@ -73,7 +73,7 @@ Status CheckPostgresUrl(std::string_view url) {
   return {};
 }
 
-std::string PlaceOf(std::string_view url) {
+std::string FormatPlace(std::string_view url) {
   const Pieces pieces = Cut(url);
   std::string text = std::string(pieces.scheme) + std::string(kSeparator);
   if (pieces.user) text += std::string(*pieces.user) + ":********@";

@@ -17,6 +17,6 @@ namespace fleetpub::ledger {
 [[nodiscard]] Status CheckPostgresUrl(std::string_view url);
 
 /// For people: without parameters, which may name anything, and with a password masked.
-[[nodiscard]] std::string PlaceOf(std::string_view url);
+[[nodiscard]] std::string FormatPlace(std::string_view url);
 
 }  // namespace fleetpub::ledger

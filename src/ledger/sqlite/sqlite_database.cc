@@ -143,30 +143,30 @@ Error Database::Explain(int code) const {
 }
 
 Statement::Statement(Database& database, std::string_view sql) : database_(database) {
-  Note(sqlite3_prepare_v2(database.db_, sql.data(), static_cast<int>(sql.size()), &statement_,
-                          nullptr));
+  KeepError(sqlite3_prepare_v2(database.db_, sql.data(), static_cast<int>(sql.size()), &statement_,
+                               nullptr));
 }
 
 Statement::~Statement() { sqlite3_finalize(statement_); }
 
-void Statement::Note(int code) {
+void Statement::KeepError(int code) {
   if (failure_ == SQLITE_OK) failure_ = code;
 }
 
 Statement& Statement::Bind(int index, std::int64_t value) {
-  Note(sqlite3_bind_int64(statement_, index, value));
+  KeepError(sqlite3_bind_int64(statement_, index, value));
   return *this;
 }
 
 Statement& Statement::Bind(int index, std::string_view text) {
   // An empty view may have no address, and SQLite would take that for NULL.
   const char* data = text.empty() ? "" : text.data();
-  Note(sqlite3_bind_text64(statement_, index, data, text.size(), SQLITE_STATIC, SQLITE_UTF8));
+  KeepError(sqlite3_bind_text64(statement_, index, data, text.size(), SQLITE_STATIC, SQLITE_UTF8));
   return *this;
 }
 
 Statement& Statement::BindNull(int index) {
-  Note(sqlite3_bind_null(statement_, index));
+  KeepError(sqlite3_bind_null(statement_, index));
   return *this;
 }
 

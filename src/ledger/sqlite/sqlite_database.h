@@ -122,7 +122,7 @@ class Statement {
   [[nodiscard]] bool IsNull(int column) const;
 
  private:
-  void Note(int code);
+  void KeepError(int code);
 
   Database& database_;
   sqlite3_stmt* statement_ = nullptr;

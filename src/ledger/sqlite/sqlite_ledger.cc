@@ -80,7 +80,7 @@ class SqliteLedger : public Ledger {
   Result<std::unique_ptr<TopicLock>> Lock(std::span<const std::string> topics,
                                           Deadline deadline) override;
   Result<std::vector<Reservation>> Reserve(std::span<const Draft> drafts) override;
-  Status RecordOutcomes(std::span<const Outcome> outcomes) override;
+  Status RecordOutcomes(std::span<const StatusUpdate> outcomes) override;
   Result<std::uint32_t> PeekNext(std::string_view topic) override;
   Result<std::vector<Record>> History(const HistoryFilter& filter) override;
   Result<std::optional<Record>> Find(std::int64_t id) override;
@@ -114,10 +114,10 @@ Result<std::vector<Reservation>> SqliteLedger::Reserve(std::span<const Draft> dr
   return ReserveAll(*database_, options_, drafts);
 }
 
-Status SqliteLedger::RecordOutcomes(std::span<const Outcome> outcomes) {
+Status SqliteLedger::RecordOutcomes(std::span<const StatusUpdate> outcomes) {
   if (Status writable = CheckWritable(); !writable) return writable;
   const bool any = std::any_of(outcomes.begin(), outcomes.end(),
-                               [](const Outcome& outcome) { return outcome.row != 0; });
+                               [](const StatusUpdate& outcome) { return outcome.row != 0; });
   database_->Allow(options_.command_timeout);
   const int most = ++rounds_ > kRoundsOfACommand ? kLogFramesOfABatch : kLogFrames;
   if (database_->wal_frames() >= most) {
@@ -157,7 +157,7 @@ Result<LedgerInfo> SqliteLedger::Describe() {
   database_->Allow(options_.history_timeout);
   if (Status counted = CountTables(*database_, info); !counted) return Fail(counted.error());
   for (const char* end : {"", "-wal", "-shm", "-journal", ".locks"}) {
-    info.bytes += static_cast<std::int64_t>(SizeOf(options_.path.string() + end));
+    info.bytes += static_cast<std::int64_t>(GetFileSize(options_.path.string() + end));
   }
   return info;
 }
@@ -183,7 +183,7 @@ Result<std::unique_ptr<Database>> OpenForWriting(const SqliteOptions& options) {
 /// Where it may not, there is nothing to share as long as the log is empty.
 Result<std::unique_ptr<Database>> OpenUnshared(const SqliteOptions& options, const Error& refusal) {
   const std::string path = options.path.string();
-  if (SizeOf(path + "-wal") == 0) {
+  if (GetFileSize(path + "-wal") == 0) {
     return Database::Open(options.path, Access::kImmutable, options.busy_timeout);
   }
   return Fail(ErrorKind::kLedger,

@@ -54,7 +54,7 @@ class Recorder {
 
   Result<std::int64_t> Add(const Draft& draft, std::uint32_t header_id) {
     const std::string actions = ActionsToJson(draft.actions);
-    const std::string payload = PayloadOf(draft, header_id);
+    const std::string payload = BuildPayload(draft, header_id);
     insert_.Bind(5, draft.broker).Bind(6, draft.target).Bind(7, draft.protocol);
     insert_.Bind(8, draft.version).Bind(9, draft.topic).Bind(11, actions).Bind(12, payload);
     if (draft.counted) {
@@ -120,14 +120,14 @@ Result<std::vector<Reservation>> ReserveAll(Database& database, const SqliteOpti
   return reservations;
 }
 
-Status WriteOutcomes(Database& database, std::span<const Outcome> outcomes) {
+Status WriteOutcomes(Database& database, std::span<const StatusUpdate> outcomes) {
   if (Status set = database.SetDurability(Durability::kNormal); !set) return set;
   Transaction transaction(database);
   if (Status begun = transaction.Begin(); !begun) return begun;
   Statement update(database,
                    "UPDATE messages SET status = ?2, detail = ?3, outcome_at = ?4 WHERE id = ?1");
   update.Bind(4, ToMicros(std::chrono::system_clock::now()));
-  for (const Outcome& outcome : outcomes) {
+  for (const StatusUpdate& outcome : outcomes) {
     if (outcome.row == 0) continue;
     Status done = update.Bind(1, outcome.row).Bind(2, outcome.status).Bind(3, outcome.detail).Run();
     if (!done) return done;

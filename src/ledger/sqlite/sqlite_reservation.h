@@ -23,6 +23,6 @@ namespace fleetpub::ledger {
                                                           std::span<const Draft> drafts);
 
 /// One transaction. Outcomes of row 0 are passed over.
-[[nodiscard]] Status WriteOutcomes(Database& database, std::span<const Outcome> outcomes);
+[[nodiscard]] Status WriteOutcomes(Database& database, std::span<const StatusUpdate> outcomes);
 
 }  // namespace fleetpub::ledger

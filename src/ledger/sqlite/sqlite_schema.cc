@@ -76,7 +76,7 @@ Status CreateDraft(const std::string& path, Journal journal, std::chrono::millis
 /// SQLite would play it into the new file.
 Status RefuseOrphanedLog(const std::filesystem::path& ledger) {
   const std::string path = ledger.string();
-  if (SizeOf(path + "-wal") == 0) return {};
+  if (GetFileSize(path + "-wal") == 0) return {};
   return Fail(ErrorKind::kLedger,
               fmt::format("the ledger {0} is gone or empty, but its log {0}-wal is there: put the "
                           "ledger back, or move the log aside as well; header ids go on where "

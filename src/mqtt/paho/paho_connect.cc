@@ -84,7 +84,7 @@ class Arguments {
   }
 
   void SetTls(const TlsOptions& tls, ConnectWatch& watch) {
-    trust_store_ = tls.ca_file.empty() && tls.ca_path.empty() ? ForeignTrustStore() : tls.ca_file;
+    trust_store_ = tls.ca_file.empty() && tls.ca_path.empty() ? FindTrustStore() : tls.ca_file;
     ssl_.trustStore = OrNull(trust_store_);
     ssl_.CApath = OrNull(tls.ca_path);
     ssl_.keyStore = OrNull(tls.cert_file);
@@ -178,7 +178,7 @@ Result<Route> FindRoute(const BrokerUrl& broker, const ConnectOptions& options, 
   return route;
 }
 
-std::string_view FirstBytesOf(const BrokerUrl& broker) {
+std::string_view GetFirstBytes(const BrokerUrl& broker) {
   if (broker.UsesTls()) return {};  // OpenSSL reads without asking poll() first, and knows its own
   if (broker.UsesWebSocket()) return "H";  // TTP/1.1
   return "\x20";                           // CONNACK
@@ -281,7 +281,7 @@ Attempted Attempt(const BrokerUrl& broker, const ConnectOptions& options,
       options.version, broker.UsesWebSocket() ? Framing::kWebSocket : Framing::kNone);
   call.Feed(*connection.input);
   if (route->connected.open()) call.Adopt(std::move(route->connected));
-  call.ExpectFirst(FirstBytesOf(broker));
+  call.ExpectFirst(GetFirstBytes(broker));
   Arguments arguments(broker, options, watch);
   code = RunConnect(client, arguments.get(), connection, server_keep_alive);
   if (code == MQTTCLIENT_SUCCESS) {

@@ -52,7 +52,7 @@ milliseconds SliceFor(std::chrono::seconds keep_alive) {
 }
 
 // As Paho takes them; it copies the texts.
-std::vector<char*> NamesOf(std::span<const std::string> filters) {
+std::vector<char*> MakeNames(std::span<const std::string> filters) {
   std::vector<char*> names;
   names.reserve(filters.size());
   for (const std::string& filter : filters) names.push_back(const_cast<char*>(filter.c_str()));
@@ -220,7 +220,8 @@ std::optional<Message> PahoSession::TakeReceived() {
   if (received_.empty()) return std::nullopt;
   std::optional<Message> message = std::move(received_.front());
   received_.pop_front();
-  const std::size_t cost = PacketCheck::CostOf(message->topic.size(), message->payload.size());
+  const std::size_t cost =
+      PacketCheck::EstimateCost(message->topic.size(), message->payload.size());
   const std::lock_guard lock(PahoMutex());
   connection_.input->check().Release(cost);
   return message;
@@ -304,7 +305,7 @@ tl::unexpected<Error> PahoSession::NoAnswer(int result) const {
 
 Status PahoSession::Subscribe(std::span<const std::string> filters, Qos qos, Deadline deadline) {
   if (lost_) return Fail(*lost_);
-  const std::vector<char*> names = NamesOf(filters);
+  const std::vector<char*> names = MakeNames(filters);
   std::vector<int> codes(filters.size(), static_cast<int>(qos));
   const std::lock_guard lock(PahoMutex());
   const PahoCall call(connection_.descriptor, deadline);
@@ -348,7 +349,7 @@ int PahoSession::PahoSubscribe(const std::vector<char*>& names, std::vector<int>
 
 Status PahoSession::Unsubscribe(std::span<const std::string> filters, Deadline deadline) {
   if (lost_) return Fail(*lost_);
-  const std::vector<char*> names = NamesOf(filters);
+  const std::vector<char*> names = MakeNames(filters);
   const std::lock_guard lock(PahoMutex());
   const PahoCall call(connection_.descriptor, deadline);
   connection_.input->check().ExpectUnsuback(filters.size());

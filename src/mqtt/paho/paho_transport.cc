@@ -24,7 +24,7 @@ constexpr int kWindowOfQos2 = 20;
 
 class PahoTransport final : public RobotTransport {
  public:
-  PahoTransport(std::unique_ptr<TraceListener> trace, PahoConnection connection,
+  PahoTransport(std::unique_ptr<TraceObserver> trace, PahoConnection connection,
                 const ConnectOptions& options)
       : trace_(std::move(trace)),
         session_(std::move(connection), options.keep_alive, options.properties),
@@ -160,7 +160,7 @@ class PahoTransport final : public RobotTransport {
     return {};
   }
 
-  std::unique_ptr<TraceListener> trace_;
+  std::unique_ptr<TraceObserver> trace_;
   PahoSession session_;
   int window_;
   std::vector<int> wake_;
@@ -168,8 +168,8 @@ class PahoTransport final : public RobotTransport {
 
 Result<std::unique_ptr<PahoTransport>> Connect(const ConnectOptions& options) {
   if (auto status = CheckConnectOptions(options); !status) return Fail(std::move(status.error()));
-  std::unique_ptr<TraceListener> trace;
-  if (options.trace) trace = std::make_unique<TraceListener>(options.trace);
+  std::unique_ptr<TraceObserver> trace;
+  if (options.trace) trace = std::make_unique<TraceObserver>(options.trace);
   std::vector<std::string> messages;
   std::vector<std::string> details;
   for (const BrokerUrl& broker : options.brokers) {

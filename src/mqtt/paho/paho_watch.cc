@@ -19,7 +19,7 @@ thread_local ConnectWatch* current_watch = nullptr;
 
 // Guarded by PahoMutex(), which is held whenever Paho can trace.
 int watches = 0;
-std::vector<std::function<void(std::string_view)>*> listeners;
+std::vector<std::function<void(std::string_view)>*> observers;
 
 // After `marker`, or "" when the line has none.
 std::string_view After(std::string_view line, std::string_view marker) {
@@ -30,7 +30,7 @@ std::string_view After(std::string_view line, std::string_view marker) {
 // Paho traces nothing that anybody listens to unless told so, and formats every line that its level
 // lets through.
 void ApplyTraceLevel() {
-  MQTTClient_setTraceLevel(watches > 0 || !listeners.empty() ? MQTTCLIENT_TRACE_PROTOCOL
+  MQTTClient_setTraceLevel(watches > 0 || !observers.empty() ? MQTTCLIENT_TRACE_PROTOCOL
                                                              : MQTTCLIENT_TRACE_ERROR);
 }
 
@@ -86,12 +86,12 @@ struct TraceCallback {
   static void OnLine(enum MQTTCLIENT_TRACE_LEVELS level, char* text) {
     if (text == nullptr || level < MQTTCLIENT_TRACE_PROTOCOL) return;
     const std::string_view line = text;
-    if (current_watch != nullptr) Note(*current_watch, line);
-    if (!listeners.empty() && IsForPeople(line))
-      (*listeners.back())(base::Printable(WithoutTime(line)));
+    if (current_watch != nullptr) Record(*current_watch, line);
+    if (!observers.empty() && IsForPeople(line))
+      (*observers.back())(base::Printable(WithoutTime(line)));
   }
 
-  static void Note(ConnectWatch& watch, std::string_view line) {
+  static void Record(ConnectWatch& watch, std::string_view line) {
     ConnectFacts& facts = watch.facts_;
     if (!After(line, "-> CONNECT version").empty()) {
       facts.connect_sent = true;
@@ -153,17 +153,17 @@ int ConnectWatch::OnTlsError(const char* text, std::size_t length, void* watch) 
   return 1;
 }
 
-TraceListener::TraceListener(std::function<void(std::string_view)> listener)
-    : listener_(std::move(listener)) {
+TraceObserver::TraceObserver(std::function<void(std::string_view)> observer)
+    : observer_(std::move(observer)) {
   const std::lock_guard lock(PahoMutex());
-  listeners.push_back(&listener_);
+  observers.push_back(&observer_);
   MQTTClient_setTraceCallback(TraceCallback::OnLine);
   ApplyTraceLevel();
 }
 
-TraceListener::~TraceListener() {
+TraceObserver::~TraceObserver() {
   const std::lock_guard lock(PahoMutex());
-  std::erase(listeners, &listener_);
+  std::erase(observers, &observer_);
   ApplyTraceLevel();
 }
 

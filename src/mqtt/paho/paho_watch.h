@@ -61,15 +61,15 @@ class ConnectWatch {
 };
 
 /// Where Paho's protocol steps go, for as long as this lives; the youngest of several gets them.
-class TraceListener {
+class TraceObserver {
  public:
-  explicit TraceListener(std::function<void(std::string_view)> listener);
-  TraceListener(const TraceListener&) = delete;
-  TraceListener& operator=(const TraceListener&) = delete;
-  ~TraceListener();
+  explicit TraceObserver(std::function<void(std::string_view)> observer);
+  TraceObserver(const TraceObserver&) = delete;
+  TraceObserver& operator=(const TraceObserver&) = delete;
+  ~TraceObserver();
 
  private:
-  std::function<void(std::string_view)> listener_;
+  std::function<void(std::string_view)> observer_;
 };
 
 }  // namespace fleetpub::mqtt

@@ -35,7 +35,7 @@ bool AreOneAction(std::string_view a, std::string_view b) {
 
 }  // namespace
 
-std::string_view NameOf(ParameterType type) {
+std::string_view GetName(ParameterType type) {
   switch (type) {
     case ParameterType::kString:
       return "string";
@@ -48,7 +48,7 @@ std::string_view NameOf(ParameterType type) {
   return "";
 }
 
-std::vector<const ActionSpec*> ActionsOf(Version version) {
+std::vector<const ActionSpec*> ListActions(Version version) {
   std::vector<const ActionSpec*> actions;
   for (const ActionSpec& action : AllActions()) {
     if (action.versions.Contains(version)) actions.push_back(&action);
@@ -80,7 +80,7 @@ std::optional<std::string_view> ActionCalled(std::string_view word) {
   return std::nullopt;
 }
 
-std::vector<std::string_view> ShortNamesOf(std::string_view type) {
+std::vector<std::string_view> ListShortNames(std::string_view type) {
   std::vector<std::string_view> names;
   for (const auto& [name, canonical] : kShortNames) {
     if (canonical == type) names.push_back(name);
@@ -101,7 +101,7 @@ std::vector<std::string_view> AllActionWords() {
   std::vector<std::string_view> words;
   for (const std::string_view action : AllActionNames()) {
     words.push_back(action);
-    for (const std::string_view name : ShortNamesOf(action)) words.push_back(name);
+    for (const std::string_view name : ListShortNames(action)) words.push_back(name);
   }
   return words;
 }
@@ -131,7 +131,7 @@ std::string VersionsWithInstant(std::string_view type) {
   std::vector<std::string> names;
   for (const Version version : kVersions) {
     const ActionSpec* action = FindAction(version, NameIn(version, type));
-    if (action != nullptr && action->scopes.instant) names.emplace_back(FactsOf(version).name);
+    if (action != nullptr && action->scopes.instant) names.emplace_back(GetFacts(version).name);
   }
   return base::Join(names, ", ");
 }

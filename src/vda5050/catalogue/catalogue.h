@@ -22,7 +22,7 @@ enum class ParameterType {
 };
 
 /// As the specification's table prints it: `string`, `float64`, `array of string`.
-[[nodiscard]] std::string_view NameOf(ParameterType type);
+[[nodiscard]] std::string_view GetName(ParameterType type);
 
 struct ParameterSpec {
   std::string_view name;
@@ -62,7 +62,7 @@ struct ActionSpec {
 [[nodiscard]] std::span<const ActionSpec> AllActions();
 
 /// The version's own rows, in the order of its table.
-[[nodiscard]] std::vector<const ActionSpec*> ActionsOf(Version version);
+[[nodiscard]] std::vector<const ActionSpec*> ListActions(Version version);
 
 /// The version's row of exactly this name (names are case-sensitive on the wire), or null.
 [[nodiscard]] const ActionSpec* FindAction(Version version, std::string_view type);
@@ -79,7 +79,7 @@ struct ActionSpec {
 [[nodiscard]] std::vector<std::string_view> AllActionWords();
 
 /// The short names of a predefined action: `pause` of `startPause`.
-[[nodiscard]] std::vector<std::string_view> ShortNamesOf(std::string_view type);
+[[nodiscard]] std::vector<std::string_view> ListShortNames(std::string_view type);
 
 /// One name per predefined action, the newest version's, in table order; with those that are never
 /// instant.

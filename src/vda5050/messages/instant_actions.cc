@@ -40,13 +40,13 @@ std::string ActionJson(const InstantAction& action, std::string_view type,
 std::string HeaderRest(const RobotAddress& robot, const Dialect& dialect) {
   return fmt::format(
       R"(","version":{},"manufacturer":{},"serialNumber":{},)",
-      JsonString(base::NonEmptyOr(dialect.header_version, FactsOf(dialect.version).name)),
+      JsonString(base::NonEmptyOr(dialect.header_version, GetFacts(dialect.version).name)),
       JsonString(base::NonEmptyOr(dialect.header_manufacturer, robot.manufacturer)),
       JsonString(base::NonEmptyOr(dialect.header_serial, robot.serial_number)));
 }
 
-message::PayloadTemplate PayloadOf(const RobotAddress& robot, const Dialect& dialect,
-                                   std::string_view actions_key, std::string_view actions_json) {
+message::PayloadTemplate BuildPayload(const RobotAddress& robot, const Dialect& dialect,
+                                      std::string_view actions_key, std::string_view actions_json) {
   return {.before_id = R"({"headerId":)",
           .before_time = R"(,"timestamp":")",
           .rest = fmt::format(R"({}"{}":[{}]}})", HeaderRest(robot, dialect), actions_key,
@@ -71,7 +71,7 @@ void WarnOfNoRelease(const Dialect& dialect, std::vector<std::string>& warnings)
 Result<message::Command> BuildInstantActions(const RobotAddress& robot, const Dialect& dialect,
                                              std::span<const InstantAction> actions,
                                              std::optional<std::uint32_t> header_id) {
-  const VersionFacts& facts = FactsOf(dialect.version);
+  const VersionFacts& facts = GetFacts(dialect.version);
   auto topic = TopicFor(dialect.topics, dialect.version, robot, "instantActions");
   if (!topic) return Fail(std::move(topic.error()));
 
@@ -99,7 +99,7 @@ Result<message::Command> BuildInstantActions(const RobotAddress& robot, const Di
     command.actions.push_back({std::string(type), action.id});
   }
   WarnOfNoRelease(dialect, command.warnings);
-  command.payload = PayloadOf(robot, dialect, actions_key, json);
+  command.payload = BuildPayload(robot, dialect, actions_key, json);
   if (!HasRecommendedCharacters(robot.serial_number)) {
     command.warnings.push_back(
         fmt::format("serial number '{}' has characters other than A-Z a-z 0-9 _ . : -",

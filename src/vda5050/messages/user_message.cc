@@ -54,7 +54,7 @@ struct OwnHeader {
 OwnHeader HeaderFor(const RobotAddress& robot, const Dialect& dialect, const Value& message) {
   const bool is_its = VersionSaidBy(message) == SpokenVersion{dialect.version, true};
   const std::string_view usual =
-      is_its ? StringMember(message, "version") : FactsOf(dialect.version).name;
+      is_its ? StringMember(message, "version") : GetFacts(dialect.version).name;
   return {base::NonEmptyOr(dialect.header_version, usual),
           base::NonEmptyOr(dialect.header_manufacturer, robot.manufacturer),
           base::NonEmptyOr(dialect.header_serial, robot.serial_number)};
@@ -87,7 +87,7 @@ void WarnOfVersion(const Value& message, const Dialect& dialect,
   if (said == nullptr) {
     if (!dialect.assumed) return;
     warnings.push_back(fmt::format("the message says no version: {} is assumed; --vda states one",
-                                   FactsOf(dialect.version).name));
+                                   GetFacts(dialect.version).name));
     return;
   }
   const auto spoken = VersionSaidBy(message);
@@ -111,7 +111,7 @@ Status CheckActionsKey(const Value& message, const RobotAddress& robot, std::str
 
 // Everything behind the timestamp's opening quotation mark: our header, then the message's own
 // members in their order.
-std::string RestOf(const Value& message, const OwnHeader& own) {
+std::string CopyRest(const Value& message, const OwnHeader& own) {
   std::string rest =
       fmt::format(R"(","version":{},"manufacturer":{},"serialNumber":{})", JsonString(own.version),
                   JsonString(own.manufacturer), JsonString(own.serial_number));
@@ -124,8 +124,8 @@ std::string RestOf(const Value& message, const OwnHeader& own) {
 }
 
 // What the history shows: the actions of instantActions; of everything else, the thing itself.
-std::vector<message::ActionRef> ContentsOf(const Value& message, std::string_view topic,
-                                           std::string_view actions_key) {
+std::vector<message::ActionRef> ListContents(const Value& message, std::string_view topic,
+                                             std::string_view actions_key) {
   std::vector<message::ActionRef> contents;
   if (topic == "order") {
     contents.push_back({"order", std::string(StringMember(message, "orderId"))});
@@ -165,11 +165,11 @@ Result<message::Command> BuildUserMessage(const RobotAddress& robot, const Diale
                                           std::string_view topic, const Value& message,
                                           HeaderMismatch foreign,
                                           std::optional<std::uint32_t> header_id) {
-  const VersionFacts& facts = FactsOf(dialect.version);
+  const VersionFacts& facts = GetFacts(dialect.version);
   const Version since = SinceWhen(topic);
   if (dialect.version < since) {
     return Fail(ErrorKind::kUsage, fmt::format("{} exists from version {} on, not in {}", topic,
-                                               FactsOf(since).name, facts.name));
+                                               GetFacts(since).name, facts.name));
   }
   if (!message.IsObject()) return Fail(ErrorKind::kInvalid, "the message must be a JSON object");
   const OwnHeader own = HeaderFor(robot, dialect, message);
@@ -199,17 +199,17 @@ Result<message::Command> BuildUserMessage(const RobotAddress& robot, const Diale
   if (topic == "instantActions" && key != facts.actions_key) {
     command.renamed_member = std::pair<std::string, std::string>(key, facts.actions_key);
   }
-  command.actions = ContentsOf(message, topic, key);
+  command.actions = ListContents(message, topic, key);
   command.payload = {.before_id = R"({"headerId":)",
                      .before_time = R"(,"timestamp":")",
-                     .rest = RestOf(message, own)};
+                     .rest = CopyRest(message, own)};
   return command;
 }
 
 std::vector<InstantAction> ActionsIn(const Value& message, const Dialect& dialect) {
   std::vector<InstantAction> actions;
   const Value* list = FindArray(
-      message, base::NonEmptyOr(dialect.actions_key, FactsOf(dialect.version).actions_key));
+      message, base::NonEmptyOr(dialect.actions_key, GetFacts(dialect.version).actions_key));
   if (list == nullptr) return actions;
   for (const Value& entry : list->GetArray()) {
     InstantAction action{.type = std::string(StringMember(entry, "actionType")),

@@ -182,7 +182,7 @@ bool HasRecommendedCharacters(std::string_view text) {
 Result<std::string> TopicFor(const TopicScheme& scheme, Version version, const RobotAddress& robot,
                              std::string_view topic) {
   if (auto ok = CheckTemplate(scheme.topic_template); !ok) return Fail(ok.error());
-  const VersionFacts& facts = FactsOf(version);
+  const VersionFacts& facts = GetFacts(version);
   const std::string_view interface_name = scheme.interface_name.empty()
                                               ? facts.interface_name
                                               : std::string_view(scheme.interface_name);

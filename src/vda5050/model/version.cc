@@ -68,28 +68,28 @@ std::optional<Release> ReadRelease(std::string_view text) {
 
 std::optional<Version> Known(const Release& release) {
   for (const Version version : kVersions) {
-    const auto ours = ReadRelease(FactsOf(version).name);
+    const auto ours = ReadRelease(GetFacts(version).name);
     if (ours->major == release.major && ours->minor == release.minor) return version;
   }
   return std::nullopt;
 }
 
-std::optional<Version> NewestOf(int major) {
+std::optional<Version> FindNewest(int major) {
   std::optional<Version> newest;
   for (const Version version : kVersions) {
-    if (ReadRelease(FactsOf(version).name)->major == major) newest = version;
+    if (ReadRelease(GetFacts(version).name)->major == major) newest = version;
   }
   return newest;
 }
 
 }  // namespace
 
-const VersionFacts& FactsOf(Version version) { return kFacts[static_cast<std::size_t>(version)]; }
+const VersionFacts& GetFacts(Version version) { return kFacts[static_cast<std::size_t>(version)]; }
 
 Result<Version> ParseVersion(std::string_view text) {
   const auto release = ReadRelease(text);
   if (release && release->is_exact) {
-    const auto version = release->minor < 0 ? NewestOf(release->major) : Known(*release);
+    const auto version = release->minor < 0 ? FindNewest(release->major) : Known(*release);
     if (version) return *version;
   }
   return Fail(ErrorKind::kUsage,
@@ -102,13 +102,13 @@ std::optional<SpokenVersion> VersionSpoken(std::string_view header_version,
                                            std::string_view major_level) {
   const auto said = ReadRelease(header_version);
   const auto level = ReadRelease(major_level);
-  const auto by_level = level ? NewestOf(level->major) : std::nullopt;
+  const auto by_level = level ? FindNewest(level->major) : std::nullopt;
   auto chosen = by_level;
   if (said) {
     if (const auto known = Known(*said)) {
       return SpokenVersion{*known, said->is_exact && said->is_full};
     }
-    const auto own = NewestOf(said->major);
+    const auto own = FindNewest(said->major);
     if (!own) return std::nullopt;  // said, and not ours
     if (!by_level) chosen = own;
   }
@@ -118,7 +118,7 @@ std::optional<SpokenVersion> VersionSpoken(std::string_view header_version,
 
 std::string NoReleaseText(std::string_view header_version, Version taken_as) {
   return fmt::format("\"{}\" is no release of VDA 5050: taken as {}",
-                     base::Printable(header_version.substr(0, 80)), FactsOf(taken_as).name);
+                     base::Printable(header_version.substr(0, 80)), GetFacts(taken_as).name);
 }
 
 }  // namespace fleetpub::vda5050

@@ -29,7 +29,7 @@ struct VersionFacts {
   bool empty_parameters;
 };
 
-[[nodiscard]] const VersionFacts& FactsOf(Version version);
+[[nodiscard]] const VersionFacts& GetFacts(Version version);
 
 /// What a person states: `1.1.0`, `2.0.0`, `2.1.0`, `3.0.0`, or a patch level of them (`2.1.3`);
 /// short `1`, `1.1`, `2`, `2.0`, `2.1`, `3`, `3.0`; `2` is the newest 2.x. Errors:

@@ -114,7 +114,7 @@ void AddMembers(std::string_view rules, Members& members) {
 Members FindMembers(std::string_view topic_name) {
   Members members;
   for (const Version version : kVersions) {
-    const std::string name = fmt::format("vda5050/{}/{}", FactsOf(version).name, topic_name);
+    const std::string name = fmt::format("vda5050/{}/{}", GetFacts(version).name, topic_name);
     for (const schema::Embedded& embedded : schema::EmbeddedSchemas()) {
       if (embedded.name == name) AddMembers(embedded.rules, members);
     }

@@ -68,7 +68,7 @@ std::string PeculiarVersion(std::string_view spoken, Version version) {
   constexpr std::size_t kLongest = 16;
   const bool is_plain = !spoken.empty() && spoken.size() <= kLongest &&
                         spoken.find_first_not_of("0123456789.vV") == std::string_view::npos;
-  return is_plain && VersionSpoken(spoken, "") && spoken != FactsOf(version).name
+  return is_plain && VersionSpoken(spoken, "") && spoken != GetFacts(version).name
              ? std::string(spoken)
              : std::string();
 }
@@ -81,7 +81,7 @@ Dialect DialectOf(const Dialect& base, const TopicLevels& levels, const MessageH
                   const SpokenVersion& spoken) {
   Dialect dialect = base;
   const Version version = spoken.version;
-  const VersionFacts& facts = FactsOf(version);
+  const VersionFacts& facts = GetFacts(version);
   dialect.version = version;
   dialect.version_said = spoken.is_release ? "" : header.version;
   dialect.assumed = false;

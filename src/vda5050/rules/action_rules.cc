@@ -108,7 +108,7 @@ void AddWarning(Findings& findings, std::string path, std::string message) {
 void CheckUnknownType(std::string_view type, const std::string& path, Version version,
                       Findings& findings) {
   std::vector<std::string_view> names;
-  for (const ActionSpec* action : ActionsOf(version)) names.push_back(action->type);
+  for (const ActionSpec* action : ListActions(version)) names.push_back(action->type);
   std::optional<std::string> meant = base::Nearest(type, names);
   if (const auto predefined = ActionCalled(type)) meant = NameIn(version, *predefined);
   if (!meant) return;

@@ -27,7 +27,7 @@ constexpr std::array<std::string_view, 8> kTopics = {"state",         "connectio
 
 // 1.1's text has v2 in its example, and there are robots that follow it.
 bool MatchesLevel(Version version, std::string_view major) {
-  return major.empty() || major == FactsOf(version).major ||
+  return major.empty() || major == GetFacts(version).major ||
          (version == Version::k110 && major == "v2");
 }
 
@@ -137,7 +137,7 @@ std::optional<Version> Conformance::FindVersion(const Value& message, const Topi
   if (options_.version) {
     if (exact != options_.version) {
       errors.push_back({"/version", fmt::format("is \"{}\", not \"{}\"", Shown(said, 80),
-                                                FactsOf(*options_.version).name)});
+                                                GetFacts(*options_.version).name)});
     }
     return options_.version;
   }

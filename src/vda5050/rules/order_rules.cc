@@ -20,7 +20,7 @@ using base::Printable;
 using base::StringMember;
 using Value = base::JsonValue;
 
-std::optional<std::uint64_t> SequenceIdOf(const Value& leg) {
+std::optional<std::uint64_t> ReadSequenceId(const Value& leg) {
   const Value* id = FindMember(leg, "sequenceId");
   if (id == nullptr || !id->IsUint64()) return std::nullopt;
   return id->GetUint64();
@@ -38,7 +38,7 @@ struct Leg {
   }
 };
 
-std::vector<Leg> LegsOf(const Value& nodes, const Value& edges) {
+std::vector<Leg> ReadLegs(const Value& nodes, const Value& edges) {
   std::vector<Leg> legs;
   for (rapidjson::SizeType i = 0; i < nodes.Size(); ++i) {
     if (i > 0) legs.push_back({edges[i - 1], fmt::format("/edges/{}", i - 1), false});
@@ -49,8 +49,8 @@ std::vector<Leg> LegsOf(const Value& nodes, const Value& edges) {
 
 void CheckSequence(const std::vector<Leg>& legs, Findings& findings) {
   for (std::size_t i = 1; i < legs.size(); ++i) {
-    const auto before = SequenceIdOf(legs[i - 1].value);
-    const auto here = SequenceIdOf(legs[i].value);
+    const auto before = ReadSequenceId(legs[i - 1].value);
+    const auto here = ReadSequenceId(legs[i].value);
     if (!before || !here || *here == *before + 1) continue;
     return AddError(findings, legs[i].path + "/sequenceId",
                     fmt::format("sequenceId must be {}, one more than that of {}: nodes and edges "
@@ -106,7 +106,7 @@ void CheckAction(const Value& action, const Leg& leg, const std::string& path, V
   if (!allowed) {
     return AddError(findings, path + "/actionType",
                     fmt::format("{} is no action for {} in version {}", type,
-                                leg.is_node ? "a node" : "an edge", FactsOf(version).name));
+                                leg.is_node ? "a node" : "an edge", GetFacts(version).name));
   }
   CheckActionParameters(*spec, FindMember(action, "actionParameters"), path, findings);
 }
@@ -142,7 +142,7 @@ Findings CheckOrder(const Value& message, Version version) {
                          nodes->Size() == 2 ? "" : "s", edges->Size()));
     return findings;
   }
-  const std::vector<Leg> legs = LegsOf(*nodes, *edges);
+  const std::vector<Leg> legs = ReadLegs(*nodes, *edges);
   CheckSequence(legs, findings);
   CheckReleases(legs, findings);
   CheckEnds(legs, findings);

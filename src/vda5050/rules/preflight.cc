@@ -124,7 +124,7 @@ bool HasDigit(std::string_view text) {
 // `v2` says no more than the major version.
 bool Fits(std::string_view spoken, Version theirs, Version ours) {
   const bool is_release = spoken.find('.') != std::string_view::npos;
-  return theirs == ours || (!is_release && FactsOf(theirs).major == FactsOf(ours).major);
+  return theirs == ours || (!is_release && GetFacts(theirs).major == GetFacts(ours).major);
 }
 
 // Whether the robot's connection message is where the version's topics are.
@@ -219,7 +219,7 @@ void CheckBlockingType(Check& check, const InstantAction& action, const Factshee
       fmt::format("{}'s factsheet does not list the blocking type {} for {}", check.name,
                   Shown(type), Shown(action.type));
   // From 3.0 an instant action has no other; the list is meant for orders then.
-  if (FactsOf(check.dialect.version).only_blocking_type_none) return check.Warn(sentence);
+  if (GetFacts(check.dialect.version).only_blocking_type_none) return check.Warn(sentence);
   check.RefuseUnless(sentence,
                      "use --blocking-type " + Shown(base::Join(listed.blocking_types, " or ")));
 }
@@ -321,7 +321,7 @@ std::optional<std::string> RivalText(const RobotAddress& robot, const KnownRobot
                      Shown(known.other_topic));
 }
 
-std::string SuitableActionId(const Factsheet* factsheet) {
+std::string MakeActionId(const Factsheet* factsheet) {
   constexpr std::size_t kUuid = 36;
   constexpr std::size_t kDigits = 18;  // fits a signed 64-bit integer
   const FactsheetLimits limits = factsheet == nullptr ? FactsheetLimits() : factsheet->limits;

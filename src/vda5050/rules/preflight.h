@@ -61,6 +61,6 @@ struct PreflightFindings {
 /// An actionId that the robot takes: a random UUID, or a random decimal number when its factsheet
 /// allows only numbers or is too short for a UUID (`idNumericalOnly`, `idLen`, `maximumIdLength`).
 /// `factsheet` may be null.
-[[nodiscard]] std::string SuitableActionId(const Factsheet* factsheet);
+[[nodiscard]] std::string MakeActionId(const Factsheet* factsheet);
 
 }  // namespace fleetpub::vda5050

@@ -17,7 +17,7 @@ using base::StringMember;
 using Value = base::JsonValue;
 
 std::string WhyNotInstant(const ActionSpec* action, std::string_view type, Version version) {
-  const std::string_view name = FactsOf(version).name;
+  const std::string_view name = GetFacts(version).name;
   const std::string_view here = NameIn(version, type);
   if (here != type) {
     return fmt::format("{} is called {} in version {}", type, here, name);
@@ -53,7 +53,7 @@ void CheckAction(const Value& action, const std::string& path, Version version,
 }  // namespace
 
 Findings CheckInstantActions(const Value& message, Version version) {
-  const std::string_view array = FactsOf(version).actions_key;
+  const std::string_view array = GetFacts(version).actions_key;
   Findings findings;
   const Value* actions = FindMember(message, array);
   if (actions == nullptr || !actions->IsArray() || actions->Empty()) {

@@ -41,7 +41,7 @@ class ActionTracker final : public message::ResponseTracker {
         reception_(std::move(reception)),
         type_(type),
         id_(std::move(id)),
-        ending_(EndingOf(type)),
+        ending_(FindEnding(type)),
         wait_for_(wait_for) {
     progress_.message = "not sent yet";
   }
@@ -320,7 +320,7 @@ Result<std::unique_ptr<message::ResponseTracker>> TrackInstantAction(const Robot
                                                               {"connection", &topics.connection},
                                                               {"factsheet", &topics.factsheet}};
   for (const auto& [name, topic] : wanted) {
-    if (name == "factsheet" && !EndingOf(action_type).factsheet) continue;
+    if (name == "factsheet" && !FindEnding(action_type).factsheet) continue;
     auto full = TopicFor(dialect.topics, dialect.version, robot, name);
     if (!full) return Fail(std::move(full.error()));
     *topic = std::move(*full);

@@ -26,7 +26,7 @@ constexpr Ending kOrdinary{};
 
 }  // namespace
 
-const Ending& EndingOf(std::string_view action_type) {
+const Ending& FindEnding(std::string_view action_type) {
   const auto* const found =
       std::find_if(kEndings.begin(), kEndings.end(),
                    [&](const Ending& ending) { return ending.action_type == action_type; });

@@ -22,6 +22,6 @@ struct Ending {
 };
 
 /// Of an action that has no special one, a manufacturer's own included: FINISHED alone.
-[[nodiscard]] const Ending& EndingOf(std::string_view action_type);
+[[nodiscard]] const Ending& FindEnding(std::string_view action_type);
 
 }  // namespace fleetpub::vda5050

@@ -23,7 +23,7 @@ std::uint32_t Number(const Value& object, std::string_view name) {
   return member != nullptr && member->IsUint() ? member->GetUint() : 0;
 }
 
-std::string PlaceOf(const RobotState& state) {
+std::string FormatPlace(const RobotState& state) {
   return fmt::format("{} {}", state.last_node_sequence_id.value_or(0), state.last_node_id);
 }
 
@@ -72,14 +72,14 @@ void OrderProgress::AddLeg(const Value& leg, std::string_view id_key) {
 
 void OrderProgress::Before(const RobotState& state) {
   had_it_before_ = state.order_id == id_ && state.order_update_id.value_or(0) >= update_id_;
-  if (!had_it_before_) place_without_ = PlaceOf(state);
+  if (!had_it_before_) place_without_ = FormatPlace(state);
 }
 
 std::optional<Progress> OrderProgress::Look(const RobotState& state) {
   const std::uint32_t update_id = state.order_update_id.value_or(0);
   if (state.order_id != id_ || update_id < update_id_) {
     if (is_taken_) return Conclude(state, false);
-    place_without_ = PlaceOf(state);
+    place_without_ = FormatPlace(state);
     had_it_before_ = false;
     return std::nullopt;
   }
@@ -96,11 +96,11 @@ std::optional<Progress> OrderProgress::Look(const RobotState& state) {
                                                         ? "the robot had this order before"
                                                         : "the robot has the order");
   }
-  Note(state);
+  Record(state);
   return Conclude(state, true);
 }
 
-void OrderProgress::Note(const RobotState& state) {
+void OrderProgress::Record(const RobotState& state) {
   for (Action& action : actions_) {
     const ActionState* listed = FindActionState(state, action.id, action.type);
     const ActionState* other = listed == nullptr ? FindActionState(state, action.id) : nullptr;
@@ -128,7 +128,7 @@ bool OrderProgress::IsAtLastNode(const RobotState& state) const {
 // Whether this is more than what an order of the same id, done before, would look like.
 bool OrderProgress::IsNew(const RobotState& state) const {
   if (was_open_ || is_one_place_) return true;
-  return place_without_ && (*place_without_ != PlaceOf(state) || !actions_.empty());
+  return place_without_ && (*place_without_ != FormatPlace(state) || !actions_.empty());
 }
 
 Progress OrderProgress::Conclude(const RobotState& state, bool is_shown) {

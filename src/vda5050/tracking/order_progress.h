@@ -43,7 +43,7 @@ class OrderProgress {
   };
 
   void AddLeg(const base::JsonValue& leg, std::string_view id_key);
-  void Note(const RobotState& state);
+  void Record(const RobotState& state);
   [[nodiscard]] bool IsAtLastNode(const RobotState& state) const;
   [[nodiscard]] bool IsNew(const RobotState& state) const;
   [[nodiscard]] message::Progress Conclude(const RobotState& state, bool is_shown);

@@ -47,7 +47,7 @@ class ItemTracker final : public message::ResponseTracker {
         reception_(std::move(reception)),
         state_topic_(std::move(state_topic)),
         connection_topic_(std::move(connection_topic)) {
-    Tell();
+    UpdateMessage();
   }
 
   [[nodiscard]] std::vector<std::string> Topics() const override {
@@ -60,7 +60,7 @@ class ItemTracker final : public message::ResponseTracker {
       told_ = "the robot has sent no state since";
     }
     header_ids_.push_back(header_id);
-    if (!progress_.ended) Tell();
+    if (!progress_.ended) UpdateMessage();
   }
 
   void Receive(const message::Incoming& message) override {
@@ -76,7 +76,7 @@ class ItemTracker final : public message::ResponseTracker {
         OnState(*state);
       }
     }
-    if (!progress_.ended) Tell();
+    if (!progress_.ended) UpdateMessage();
   }
 
   [[nodiscard]] const Progress& progress() const override { return progress_; }
@@ -120,7 +120,7 @@ class ItemTracker final : public message::ResponseTracker {
         fmt::format("the robot became {} while we waited; {}", state, told_));
   }
 
-  void Tell() {
+  void UpdateMessage() {
     progress_.unreadable = reception_.passed_over() > 0;
     progress_.message = WithErrors(told_);
     if (const std::string text = reception_.Text(); !text.empty()) {
@@ -129,7 +129,7 @@ class ItemTracker final : public message::ResponseTracker {
   }
 
   void End(CommandStatus status, const std::string& message) {
-    const bool is_well = !message::TroubleOf(status);
+    const bool is_well = !message::ToErrorKind(status);
     progress_ = {.seen = true,
                  .ended = true,
                  .status = status,
@@ -214,7 +214,7 @@ Item OrderItem(const Value& order, WaitFor wait_for) {
           .parts = progress->parts()};
 }
 
-CommandStatus StatusOf(WaitFor wait_for) {
+CommandStatus ToStatus(WaitFor wait_for) {
   return wait_for == WaitFor::kAccepted ? CommandStatus::kAccepted : CommandStatus::kFinished;
 }
 
@@ -234,7 +234,7 @@ Item ZoneSetItem(const Value& message, WaitFor wait_for) {
       .look = [=](const RobotState& state) -> std::optional<Progress> {
         const auto known = find(state);
         if (known == state.zone_sets.end()) return std::nullopt;
-        return message::Ended(StatusOf(wait_for),
+        return message::Ended(ToStatus(wait_for),
                               fmt::format("the robot lists it as {}{}", Shown(known->status),
                                           *had_it ? "; it had one of this id before" : ""));
       }};
@@ -267,7 +267,7 @@ Result<Item> ResponseItem(const Value& message, WaitFor wait_for) {
               .look = [=](const RobotState& state) -> std::optional<Progress> {
                 const auto status = status_in(state);
                 if (status == grant) {
-                  return message::Ended(StatusOf(wait_for),
+                  return message::Ended(ToStatus(wait_for),
                                         fmt::format("the robot has the request as {}", grant));
                 }
                 if (status) {
@@ -276,7 +276,7 @@ Result<Item> ResponseItem(const Value& message, WaitFor wait_for) {
                 }
                 if (!*last) return std::nullopt;
                 if (grant == "REVOKED") {
-                  return message::Ended(StatusOf(wait_for), "the robot has removed the request");
+                  return message::Ended(ToStatus(wait_for), "the robot has removed the request");
                 }
                 return message::Ended(
                     CommandStatus::kVanished,
@@ -288,7 +288,7 @@ Result<std::unique_ptr<message::ResponseTracker>> ConfirmActions(const RobotAddr
                                                                  const Dialect& dialect,
                                                                  const Value& message,
                                                                  WaitFor wait_for) {
-  const std::string_view own_key = FactsOf(dialect.version).actions_key;
+  const std::string_view own_key = GetFacts(dialect.version).actions_key;
   const Value* actions =
       FindArray(message, dialect.actions_key.empty() ? own_key : dialect.actions_key);
   std::vector<std::unique_ptr<message::ResponseTracker>> parts;

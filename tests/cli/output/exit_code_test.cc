@@ -34,20 +34,20 @@ TEST(Worse, KeepsTermination) {
   EXPECT_EQ(Worse(kBroker, kTerminated), kTerminated);
 }
 
-TEST(CodeOf, FollowsTheKindOfTheError) {
+TEST(GetExitCode, FollowsTheKindOfTheError) {
   constexpr std::pair<ErrorKind, int> kCases[] = {
       {ErrorKind::kUnexpected, 1}, {ErrorKind::kUsage, 2},    {ErrorKind::kInvalid, 3},
       {ErrorKind::kBroker, 4},     {ErrorKind::kRejected, 5}, {ErrorKind::kUnconfirmed, 6},
       {ErrorKind::kPreflight, 7},  {ErrorKind::kLedger, 8},
   };
   for (const auto& [kind, code] : kCases) {
-    EXPECT_EQ(static_cast<int>(CodeOf(kind)), code);
-    EXPECT_EQ(static_cast<int>(CodeOf(message::Report{.error = kind})), code);
+    EXPECT_EQ(static_cast<int>(GetExitCode(kind)), code);
+    EXPECT_EQ(static_cast<int>(GetExitCode(message::Report{.error = kind})), code);
   }
 }
 
-TEST(CodeOf, IsDoneForAReportWithoutTrouble) {
-  EXPECT_EQ(CodeOf(message::Report{.status = message::CommandStatus::kSent}), kDone);
+TEST(GetExitCode, IsDoneForAReportWithoutTrouble) {
+  EXPECT_EQ(GetExitCode(message::Report{.status = message::CommandStatus::kSent}), kDone);
 }
 
 }  // namespace

@@ -142,7 +142,7 @@ TEST(ReportJson, ParsesForEveryVerdict) {
     report.status = status;
     const auto object = base::ParseJson(ReportJson(report));
     ASSERT_TRUE(object);
-    EXPECT_EQ(base::StringMember(*object, "status"), message::NameOf(status));
+    EXPECT_EQ(base::StringMember(*object, "status"), message::GetName(status));
   }
 }
 

@@ -25,7 +25,7 @@ using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-std::string ErrorOf(const PostgresOptions& options, OpenMode mode = OpenMode::kCreate) {
+std::string FindError(const PostgresOptions& options, OpenMode mode = OpenMode::kCreate) {
   const auto ledger = OpenPostgres(options, mode);
   if (ledger) return "";
   EXPECT_EQ(ledger.error().kind, ErrorKind::kLedger);
@@ -46,7 +46,7 @@ class PostgresLedger : public ::testing::Test {
     return ledger.Lock(topics, In(wait));
   }
   /// A process that holds the topic until it is killed. Returns when it does.
-  [[nodiscard]] pid_t HolderOf(const std::string& topic) const {
+  [[nodiscard]] pid_t FindHolder(const std::string& topic) const {
     const pid_t holder = StartProcess([&] {
       const auto ledger = Open();
       const auto lock = Lock(*ledger, {topic}, seconds(5));
@@ -91,7 +91,7 @@ TEST_F(PostgresLedger, WaitsForAllLocksTogetherUntilTheDeadline) {
 }
 
 TEST_F(PostgresLedger, GivesAKilledHoldersTopicsToOthers) {
-  const pid_t holder = HolderOf("a");
+  const pid_t holder = FindHolder("a");
   const auto other = Open();
   EXPECT_FALSE(Lock(*other, {"a"}, milliseconds(20)));
   kill(holder, SIGKILL);
@@ -105,7 +105,7 @@ TEST_F(PostgresLedger, IsNotHeldByAStalledHolderForOtherTopics) {
     std::vector<std::string> topics;
     std::vector<Draft> drafts;
     for (int robot = 0; robot < 500; ++robot) {
-      topics.push_back(TopicOf(robot));
+      topics.push_back(MakeTopic(robot));
       drafts.push_back(DraftFor(robot));
     }
     const auto lock = ledger->Lock(topics, In(seconds(5)));
@@ -116,15 +116,15 @@ TEST_F(PostgresLedger, IsNotHeldByAStalledHolderForOtherTopics) {
   waitpid(holder, &status, WUNTRACED);
   ASSERT_TRUE(WIFSTOPPED(status));
   const auto own = Open();
-  auto lock = Lock(*own, {TopicOf(1'000)});
+  auto lock = Lock(*own, {MakeTopic(1'000)});
   ASSERT_TRUE(lock) << lock.error().message;
   EXPECT_EQ(MustReserve(*own, DraftFor(1'000)).header_id, 0U);
   lock->reset();
-  EXPECT_FALSE(Lock(*own, {TopicOf(499)}, milliseconds(50)));
+  EXPECT_FALSE(Lock(*own, {MakeTopic(499)}, milliseconds(50)));
   kill(holder, SIGKILL);
   WaitFor(holder);
-  ASSERT_TRUE(Lock(*own, {TopicOf(499)}, seconds(5)));
-  EXPECT_EQ(own->PeekNext(TopicOf(499)), 1U);
+  ASSERT_TRUE(Lock(*own, {MakeTopic(499)}, seconds(5)));
+  EXPECT_EQ(own->PeekNext(MakeTopic(499)), 1U);
 }
 
 TEST_F(PostgresLedger, NeverWaitsInACircle) {
@@ -148,7 +148,7 @@ TEST_F(PostgresLedger, NeverWaitsInACircle) {
 TEST_F(PostgresLedger, GivesNoIdTwiceEvenToWhoDoesNotLock) {
   const auto one = Open();
   const auto two = Open();
-  const auto lock = Lock(*one, {TopicOf(1)});  // reads the last id: none
+  const auto lock = Lock(*one, {MakeTopic(1)});  // reads the last id: none
   ASSERT_TRUE(lock);
   EXPECT_EQ(MustReserve(*two).header_id, 0U);
   EXPECT_EQ(MustReserve(*two).header_id, 1U);
@@ -160,8 +160,8 @@ TEST_F(PostgresLedger, OfANewerVersionIsRefused) {
   MustReserve(*Open());
   Server().Sql(url_, "UPDATE fleetpub.ledger_version SET version = 2");
   const auto options = PostgresOptionsFor(url_, OptionsFor(""));
-  EXPECT_THAT(ErrorOf(options), AllOf(HasSubstr("newer fleetpub"), HasSubstr(url_)));
-  EXPECT_THAT(ErrorOf(options, OpenMode::kReadOnly), HasSubstr("newer fleetpub"));
+  EXPECT_THAT(FindError(options), AllOf(HasSubstr("newer fleetpub"), HasSubstr(url_)));
+  EXPECT_THAT(FindError(options, OpenMode::kReadOnly), HasSubstr("newer fleetpub"));
 }
 
 TEST_F(PostgresLedger, SendsOnlyWhatIsOnTheServersDisk) {
@@ -186,9 +186,9 @@ TEST_F(PostgresLedger, TellsWhatRightsAreMissing) {
   const std::string name = url_.substr(url_.rfind('/') + 1);
   Server().Sql(url_, "CREATE ROLE " + name + "_op LOGIN");
   const auto options = PostgresOptionsFor(Server().Url(name, name + "_op"), OptionsFor(""));
-  EXPECT_THAT(ErrorOf(options), AllOf(HasSubstr("ledger migrate"), HasSubstr("grant")));
+  EXPECT_THAT(FindError(options), AllOf(HasSubstr("ledger migrate"), HasSubstr("grant")));
   MustReserve(*Open());  // the owner makes the tables
-  EXPECT_THAT(ErrorOf(options), HasSubstr("grant"));
+  EXPECT_THAT(FindError(options), HasSubstr("grant"));
   Server().Sql(url_, "GRANT USAGE ON SCHEMA fleetpub TO " + name +
                          "_op; GRANT SELECT, INSERT, UPDATE ON ALL TABLES IN SCHEMA fleetpub TO " +
                          name + "_op");
@@ -204,8 +204,8 @@ TEST_F(PostgresLedger, ThatIsAStandbyIsRefused) {
                "DO $$BEGIN EXECUTE format('ALTER DATABASE %I SET "
                "default_transaction_read_only = on', current_database()); END$$");
   const auto options = PostgresOptionsFor(url_, OptionsFor(""));
-  EXPECT_THAT(ErrorOf(options), HasSubstr("read-only"));
-  EXPECT_EQ(ErrorOf(options, OpenMode::kReadOnly), "");
+  EXPECT_THAT(FindError(options), HasSubstr("read-only"));
+  EXPECT_EQ(FindError(options, OpenMode::kReadOnly), "");
 }
 
 TEST_F(PostgresLedger, ThatDoesNotAnswerIsGivenUp) {
@@ -230,7 +230,7 @@ TEST_F(PostgresLedger, ThatDoesNotAnswerIsGivenUp) {
 TEST(PostgresThatIsNotThere, IsRefused) {
   const std::string url =
       "postgresql://127.0.0.1:" + std::to_string(testing::FreePort()) + "/fleet";
-  EXPECT_THAT(ErrorOf(PostgresOptionsFor(url, OptionsFor(""))),
+  EXPECT_THAT(FindError(PostgresOptionsFor(url, OptionsFor(""))),
               AllOf(HasSubstr("cannot reach the ledger " + url), HasSubstr("refused")));
 }
 
@@ -248,7 +248,7 @@ TEST(PostgresThatIsNotThere, IsNotWaitedForLonger) {
       "postgresql://127.0.0.1:" + std::to_string(ntohs(address.sin_port)) + "/fleet",
       OptionsFor(""));
   options.connect_timeout = milliseconds(100);  // libpq makes two seconds of it
-  EXPECT_THAT(ErrorOf(options), HasSubstr("no answer in time"));
+  EXPECT_THAT(FindError(options), HasSubstr("no answer in time"));
   close(listener);
 }
 
@@ -271,14 +271,14 @@ TEST_F(OwnPostgresServer, IsReachedAgainAfterARestart) {
   recording.join();
   EXPECT_EQ(ledger->Find(sent.row)->value().status, "FINISHED");
   server_.Restart();
-  const std::vector<std::string> topics = {TopicOf(1)};
+  const std::vector<std::string> topics = {MakeTopic(1)};
   EXPECT_TRUE(ledger->Lock(topics, In(seconds(5))));
   EXPECT_EQ(MustReserve(*ledger).header_id, 1U);
 }
 
 TEST_F(OwnPostgresServer, TakesLocksWithItAndReservesNothingWithoutThem) {
   const auto ledger = Open();
-  const std::vector<std::string> topics = {TopicOf(1)};
+  const std::vector<std::string> topics = {MakeTopic(1)};
   {
     const auto lock = ledger->Lock(topics, In(seconds(5)));
     ASSERT_TRUE(lock);
@@ -297,7 +297,7 @@ TEST_F(OwnPostgresServer, TakesLocksWithItAndReservesNothingWithoutThem) {
 
 TEST_F(OwnPostgresServer, IsReachedThroughAPoolOfSessions) {
   const testing::PgBouncer pool(server_, "session");
-  const std::vector<std::string> topics = {TopicOf(1)};
+  const std::vector<std::string> topics = {MakeTopic(1)};
   for (std::uint32_t id = 0; id < 2; ++id) {
     const auto ledger = Place{Kind::kPostgres, pool.Url()}.MustOpen();
     const auto lock = ledger->Lock(topics, In(seconds(5)));
@@ -309,7 +309,7 @@ TEST_F(OwnPostgresServer, IsReachedThroughAPoolOfSessions) {
 // Both would get the same server process, which gives its own locks again.
 TEST_F(OwnPostgresServer, IsRefusedBehindAPoolThatSharesSessions) {
   const testing::PgBouncer pool(server_, "transaction");
-  const std::vector<std::string> topics = {TopicOf(1)};
+  const std::vector<std::string> topics = {MakeTopic(1)};
   const auto first = Place{Kind::kPostgres, pool.Url()}.MustOpen();
   const auto second = Place{Kind::kPostgres, pool.Url()}.MustOpen();
   auto held = first->Lock(topics, In(seconds(5)));
@@ -326,11 +326,11 @@ TEST_F(OwnPostgresServer, AsksForAPassword) {
   server_.Sql(server_.Url(), "CREATE ROLE alice LOGIN SUPERUSER PASSWORD 'hush'");
   server_.Authenticate("host all alice 127.0.0.1/32 scram-sha-256\n");
   PostgresOptions options = PostgresOptionsFor(server_.Url("postgres", "alice"), OptionsFor(""));
-  EXPECT_THAT(ErrorOf(options), AllOf(HasSubstr("password"), HasSubstr("PGPASSFILE")));
+  EXPECT_THAT(FindError(options), AllOf(HasSubstr("password"), HasSubstr("PGPASSFILE")));
   options.password = "wrong";
-  EXPECT_THAT(ErrorOf(options), AllOf(HasSubstr("not accepted"), Not(HasSubstr("wrong"))));
+  EXPECT_THAT(FindError(options), AllOf(HasSubstr("not accepted"), Not(HasSubstr("wrong"))));
   options.password = "hush";
-  EXPECT_EQ(ErrorOf(options), "");
+  EXPECT_EQ(FindError(options), "");
 }
 
 TEST_F(OwnPostgresServer, IsVerifiedByItsCertificate) {
@@ -344,7 +344,7 @@ TEST_F(OwnPostgresServer, IsVerifiedByItsCertificate) {
                     {{"server.crt", content("server.crt")}, {"server.key", content("server.key")}});
   server_.Authenticate("hostnossl all all 127.0.0.1/32 reject\n");
   const auto error_with = [&](const std::string& parameters) {
-    return ErrorOf(PostgresOptionsFor(server_.Url() + "?" + parameters, OptionsFor("")));
+    return FindError(PostgresOptionsFor(server_.Url() + "?" + parameters, OptionsFor("")));
   };
   EXPECT_EQ(error_with("sslmode=verify-full&sslrootcert=" + (certificates / "ca.crt")), "");
   EXPECT_THAT(error_with("sslmode=verify-full&sslrootcert=" + (certificates / "stranger.crt")),

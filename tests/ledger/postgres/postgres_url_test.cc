@@ -38,7 +38,7 @@ TEST(LedgerUrl, WithAPasswordIsRefusedWithoutSayingIt) {
     EXPECT_EQ(refused.error().kind, ErrorKind::kUsage);
     EXPECT_THAT(refused.error().message,
                 AllOf(HasSubstr("PGPASSFILE"), HasSubstr("PGPASSWORD"), Not(HasSubstr("hu"))));
-    EXPECT_THAT(PlaceOf(url), Not(HasSubstr("hush"))) << url;
+    EXPECT_THAT(FormatPlace(url), Not(HasSubstr("hush"))) << url;
   }
 }
 
@@ -51,9 +51,9 @@ TEST(LedgerUrl, OfAnotherKindIsRefused) {
 }
 
 TEST(LedgerUrl, IsShownWithoutItsParameters) {
-  EXPECT_EQ(PlaceOf("postgresql://op@db.example:5433/fleet?sslmode=require"),
+  EXPECT_EQ(FormatPlace("postgresql://op@db.example:5433/fleet?sslmode=require"),
             "postgresql://op@db.example:5433/fleet");
-  EXPECT_EQ(PlaceOf("postgresql://op:hush@db.example/fleet"),
+  EXPECT_EQ(FormatPlace("postgresql://op:hush@db.example/fleet"),
             "postgresql://op:********@db.example/fleet");
 }
 

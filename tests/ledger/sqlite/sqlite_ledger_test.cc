@@ -30,7 +30,7 @@ using ::testing::HasSubstr;
 using ::testing::UnorderedElementsAre;
 namespace fs = std::filesystem;
 
-int ModeOf(const fs::path& path) {
+int GetMode(const fs::path& path) {
   struct stat info {};
   return stat(path.c_str(), &info) == 0 ? static_cast<int>(info.st_mode & 0777) : -1;
 }
@@ -76,10 +76,10 @@ class SqliteFile : public ::testing::Test {
 TEST_F(SqliteFile, IsTheUsersOwnWithItsFolders) {
   const fs::path path = folder_ / "a" / "b" / "ledger.db";
   MustReserve(*MustOpen(path));
-  EXPECT_EQ(ModeOf(folder_ / "a"), 0700);
-  EXPECT_EQ(ModeOf(path.parent_path()), 0700);
+  EXPECT_EQ(GetMode(folder_ / "a"), 0700);
+  EXPECT_EQ(GetMode(path.parent_path()), 0700);
   for (const std::string& name : NamesIn(path.parent_path())) {
-    EXPECT_EQ(ModeOf(path.parent_path() / name), 0600) << name;
+    EXPECT_EQ(GetMode(path.parent_path() / name), 0600) << name;
   }
 }
 
@@ -88,14 +88,14 @@ TEST_F(SqliteFile, BelongsToTheGroupInAFolderThatDoes) {
   fs::create_directory(folder_ / "shared");
   chmod((folder_ / "shared").c_str(), 02770);
   const auto ledger = MustOpen(folder_ / "shared" / "ledger.db");
-  const std::string topic = TopicOf(1);
+  const std::string topic = MakeTopic(1);
   EXPECT_TRUE(ledger->Lock(std::span(&topic, 1), In(milliseconds(100))));
   MustReserve(*ledger);
   umask(umask_before);
   const auto names = NamesIn(folder_ / "shared");
   EXPECT_THAT(names, UnorderedElementsAre("ledger.db", "ledger.db-wal", "ledger.db-shm",
                                           "ledger.db.locks"));
-  for (const std::string& name : names) EXPECT_EQ(ModeOf(folder_ / "shared" / name), 0660) << name;
+  for (const std::string& name : names) EXPECT_EQ(GetMode(folder_ / "shared" / name), 0660) << name;
 }
 
 TEST_F(SqliteFile, MayBeEmptyAtFirst) {
@@ -158,7 +158,7 @@ TEST_F(SqliteFile, WithDamageInsideReservesNothing) {
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().kind, ErrorKind::kLedger);
   EXPECT_THAT(refused.error().message, HasSubstr(".recover"));
-  EXPECT_FALSE((*ledger)->PeekNext(TopicOf(1)));
+  EXPECT_FALSE((*ledger)->PeekNext(MakeTopic(1)));
   EXPECT_FALSE((*ledger)->History({}));
 }
 
@@ -293,7 +293,7 @@ TEST_F(SqliteFile, WithoutALogIsMadeAndKeptSo) {
   ASSERT_TRUE(CreateLedger(path_, Journal::kRollback, milliseconds(100)));
   Fill(2);
   EXPECT_FALSE(fs::exists(path_.string() + "-wal"));
-  EXPECT_EQ(MustOpen(path_, OpenMode::kReadOnly)->PeekNext(TopicOf(1)), 2U);
+  EXPECT_EQ(MustOpen(path_, OpenMode::kReadOnly)->PeekNext(MakeTopic(1)), 2U);
 }
 
 TEST_F(SqliteFile, WithALogGivesItUpWhereHostsShareTheFile) {

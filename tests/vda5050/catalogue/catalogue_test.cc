@@ -107,7 +107,7 @@ Rows TableOf30() {
   };
 }
 
-Rows TableOf(Version version) {
+Rows ReadTable(Version version) {
   switch (version) {
     case Version::k110:
       return TableOf11();
@@ -131,7 +131,7 @@ std::string RowText(const ActionSpec& action) {
   std::string parameters;
   for (const ParameterSpec& parameter : action.parameters) {
     parameters += fmt::format("{}{} {}{}", parameters.empty() ? "" : ", ", parameter.name,
-                              NameOf(parameter.type), parameter.required ? "" : "?");
+                              GetName(parameter.type), parameter.required ? "" : "?");
   }
   std::string row(action.type);
   for (const std::string& cell :
@@ -142,20 +142,21 @@ std::string RowText(const ActionSpec& action) {
   return row;
 }
 
-Rows CatalogueOf(Version version) {
+Rows ListCatalogue(Version version) {
   Rows rows;
-  for (const ActionSpec* action : ActionsOf(version)) rows.push_back(RowText(*action));
+  for (const ActionSpec* action : ListActions(version)) rows.push_back(RowText(*action));
   return rows;
 }
 
 class Catalogue : public ::testing::TestWithParam<Version> {};
 
 TEST_P(Catalogue, HasTheRowsOfTheSpecificationsTable) {
-  EXPECT_THAT(CatalogueOf(GetParam()), ::testing::UnorderedElementsAreArray(TableOf(GetParam())));
+  EXPECT_THAT(ListCatalogue(GetParam()),
+              ::testing::UnorderedElementsAreArray(ReadTable(GetParam())));
 }
 
 TEST_P(Catalogue, FindsEachActionByItsExactName) {
-  for (const ActionSpec* action : ActionsOf(GetParam())) {
+  for (const ActionSpec* action : ListActions(GetParam())) {
     EXPECT_EQ(FindAction(GetParam(), action->type), action);
   }
   EXPECT_EQ(FindAction(GetParam(), "STARTPAUSE"), nullptr) << "names are case-sensitive";
@@ -163,7 +164,7 @@ TEST_P(Catalogue, FindsEachActionByItsExactName) {
 }
 
 TEST_P(Catalogue, NamesCounterActionsThatExistAndPointBack) {
-  for (const ActionSpec* action : ActionsOf(GetParam())) {
+  for (const ActionSpec* action : ListActions(GetParam())) {
     if (action->counter_action.empty()) continue;
     const ActionSpec* counter = FindAction(GetParam(), action->counter_action);
     ASSERT_NE(counter, nullptr) << action->type;
@@ -172,7 +173,7 @@ TEST_P(Catalogue, NamesCounterActionsThatExistAndPointBack) {
 }
 
 TEST_P(Catalogue, SaysOfEveryActionAndParameterWhatItIsFor) {
-  for (const ActionSpec* action : ActionsOf(GetParam())) {
+  for (const ActionSpec* action : ListActions(GetParam())) {
     EXPECT_NE(action->summary, "") << action->type;
     for (const ParameterSpec& parameter : action->parameters) {
       EXPECT_NE(parameter.meaning, "") << action->type << " " << parameter.name;
@@ -188,7 +189,7 @@ TEST_P(Catalogue, ChecksThetaAsAnAngle) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Every, Catalogue, ::testing::ValuesIn(kVersions), [](const auto& version) {
-  std::string name(FactsOf(version.param).name);
+  std::string name(GetFacts(version.param).name);
   std::replace(name.begin(), name.end(), '.', '_');
   return "Version" + name;
 });
@@ -197,7 +198,7 @@ TEST(Catalogue, CountsAsTheSpecificationDoes) {
   std::vector<std::size_t> all;
   std::vector<std::ptrdiff_t> instant;
   for (const Version version : kVersions) {
-    const auto actions = ActionsOf(version);
+    const auto actions = ListActions(version);
     all.push_back(actions.size());
     instant.push_back(std::count_if(actions.begin(), actions.end(),
                                     [](const auto* action) { return action->scopes.instant; }));
@@ -207,7 +208,7 @@ TEST(Catalogue, CountsAsTheSpecificationDoes) {
 }
 
 TEST(Catalogue, StandsInTheOrderOfTheNewestTable) {
-  EXPECT_THAT(CatalogueOf(Version::k300), ElementsAreArray(TableOf30()));
+  EXPECT_THAT(ListCatalogue(Version::k300), ElementsAreArray(TableOf30()));
 }
 
 TEST(AllActionNames, ListsEachActionOnceUnderItsNewestName) {
@@ -258,10 +259,10 @@ TEST(ActionCalled, KnowsNothingElse) {
   }
 }
 
-TEST(ShortNamesOf, AreThoseOfThePredefinedName) {
-  EXPECT_THAT(ShortNamesOf("startPause"), ElementsAre("pause"));
-  EXPECT_THAT(ShortNamesOf("initializePosition"), ElementsAre("initPosition"));
-  EXPECT_THAT(ShortNamesOf("shutdown"), IsEmpty());
+TEST(ListShortNames, AreThoseOfThePredefinedName) {
+  EXPECT_THAT(ListShortNames("startPause"), ElementsAre("pause"));
+  EXPECT_THAT(ListShortNames("initializePosition"), ElementsAre("initPosition"));
+  EXPECT_THAT(ListShortNames("shutdown"), IsEmpty());
 }
 
 TEST(IsEverInstant, TellsOrderActionsApart) {
@@ -283,16 +284,16 @@ TEST(VersionsWithInstant, ListsThemForAMessage) {
   EXPECT_EQ(VersionsWithInstant("pick"), "");
 }
 
-std::vector<std::string_view> NamesOf(const std::vector<ParameterSpec>& parameters) {
+std::vector<std::string_view> ListNames(const std::vector<ParameterSpec>& parameters) {
   std::vector<std::string_view> names;
   for (const ParameterSpec& parameter : parameters) names.push_back(parameter.name);
   return names;
 }
 
 TEST(ParametersInAnyVersion, ListsEachOnce) {
-  EXPECT_THAT(NamesOf(ParametersInAnyVersion("initPosition")),
+  EXPECT_THAT(ListNames(ParametersInAnyVersion("initPosition")),
               ElementsAre("x", "y", "theta", "mapId", "lastNodeId"));
-  EXPECT_THAT(NamesOf(ParametersInAnyVersion("cancelOrder")), ElementsAre("orderId"));
+  EXPECT_THAT(ListNames(ParametersInAnyVersion("cancelOrder")), ElementsAre("orderId"));
   EXPECT_THAT(ParametersInAnyVersion("startPause"), IsEmpty());
   EXPECT_THAT(ParametersInAnyVersion("beep"), IsEmpty());
 }

@@ -42,13 +42,13 @@ message::Command Build(const Dialect& dialect, const std::vector<InstantAction>&
   return std::move(*command);
 }
 
-std::string PayloadOf(const Dialect& dialect, const std::vector<InstantAction>& actions,
-                      const RobotAddress& robot = kRobot) {
+std::string BuildPayload(const Dialect& dialect, const std::vector<InstantAction>& actions,
+                         const RobotAddress& robot = kRobot) {
   return Build(dialect, actions, robot).payload.Render(kHeaderId, kNow);
 }
 
 // `error /path: sentence` and `warning …`, one per finding.
-std::vector<std::string> FindingsOf(const message::Command& command) {
+std::vector<std::string> ListFindings(const message::Command& command) {
   schema::Registry registry;
   const auto findings = delivery::Validate(command, registry);
   if (!findings) return {"refused: " + findings.error().message};
@@ -66,7 +66,7 @@ class InstantActions : public ::testing::TestWithParam<Version> {
   static std::string Golden(std::string_view name) {
     auto text =
         base::ReadFile(fmt::format(FLEETPUB_SOURCE_DIR "/tests/data/vda5050/golden/{}/{}.json",
-                                   FactsOf(GetParam()).name, name));
+                                   GetFacts(GetParam()).name, name));
     if (!text) throw std::runtime_error(text.error().message);
     while (text->ends_with('\n')) text->pop_back();
     return *text;
@@ -75,30 +75,30 @@ class InstantActions : public ::testing::TestWithParam<Version> {
 };
 
 TEST_P(InstantActions, LooksAsTheGoldenMessage) {
-  EXPECT_EQ(PayloadOf(In(), {Pause()}), Golden("startPause"));
+  EXPECT_EQ(BuildPayload(In(), {Pause()}), Golden("startPause"));
 }
 
 TEST_P(InstantActions, WithParametersLooksAsTheGoldenMessage) {
-  EXPECT_EQ(PayloadOf(In(), {Position()}), Golden("initPosition"));
+  EXPECT_EQ(BuildPayload(In(), {Position()}), Golden("initPosition"));
 }
 
 TEST_P(InstantActions, WithSeveralActionsLooksAsTheGoldenMessage) {
   const InstantAction beep{.type = "beep", .id = "a2", .parameters = {{"tones", "[{\"hz\":440}]"}}};
-  EXPECT_EQ(PayloadOf(In(), {Pause(), beep}), Golden("several"));
+  EXPECT_EQ(BuildPayload(In(), {Pause(), beep}), Golden("several"));
 }
 
 TEST_P(InstantActions, SatisfiesSchemaAndText) {
-  EXPECT_THAT(FindingsOf(Build(In(), {Pause()})), IsEmpty());
-  EXPECT_THAT(FindingsOf(Build(In(), {Position()})), IsEmpty());
+  EXPECT_THAT(ListFindings(Build(In(), {Pause()})), IsEmpty());
+  EXPECT_THAT(ListFindings(Build(In(), {Position()})), IsEmpty());
 }
 
 TEST_P(InstantActions, KnowsTopicSchemaAndVersion) {
   const auto command = Build(In(), {Pause()});
   EXPECT_EQ(command.target, "KIT/0001");
   EXPECT_EQ(command.protocol, "vda5050");
-  EXPECT_EQ(command.version, FactsOf(GetParam()).name);
+  EXPECT_EQ(command.version, GetFacts(GetParam()).name);
   EXPECT_EQ(command.topic, *TopicFor({}, GetParam(), kRobot, "instantActions"));
-  EXPECT_EQ(command.schema, fmt::format("vda5050/{}/instantActions", FactsOf(GetParam()).name));
+  EXPECT_EQ(command.schema, fmt::format("vda5050/{}/instantActions", GetFacts(GetParam()).name));
   EXPECT_THAT(command.actions, ElementsAre(message::ActionRef{"startPause", "a1"}));
   EXPECT_TRUE(command.payload.counted);
 }
@@ -110,33 +110,33 @@ TEST_P(InstantActions, AllowsOtherBlockingTypesOnlyBefore30) {
     const auto command = Build(In(), {action});
     EXPECT_THAT(command.payload.Render(0, kNow), HasSubstr(R"("blockingType":")" + type + "\""));
     const bool allowed = type == "NONE" || GetParam() != Version::k300;
-    EXPECT_EQ(FindingsOf(command).empty(), allowed) << type;
+    EXPECT_EQ(ListFindings(command).empty(), allowed) << type;
   }
 }
 
 TEST_P(InstantActions, RefusesAnUnknownBlockingType) {
   InstantAction action = Pause();
   action.blocking_type = "LOUD";
-  EXPECT_THAT(
-      FindingsOf(Build(In(), {action})),
-      ElementsAre(HasSubstr(fmt::format("/{}/0/blockingType: ", FactsOf(GetParam()).actions_key))));
+  EXPECT_THAT(ListFindings(Build(In(), {action})),
+              ElementsAre(HasSubstr(
+                  fmt::format("/{}/0/blockingType: ", GetFacts(GetParam()).actions_key))));
 }
 
 TEST_P(InstantActions, RefusesAnEmptyList) {
-  EXPECT_THAT(FindingsOf(Build(In(), {})),
+  EXPECT_THAT(ListFindings(Build(In(), {})),
               ElementsAre(HasSubstr("there must be at least one action")));
 }
 
 TEST_P(InstantActions, RefusesAValueThatIsNull) {
   InstantAction action = Pause();
   action.parameters = {{"a", "null"}};
-  EXPECT_THAT(FindingsOf(Build(In(), {action})),
+  EXPECT_THAT(ListFindings(Build(In(), {action})),
               ElementsAre(HasSubstr("/actionParameters/0/value: ")));
 }
 
 INSTANTIATE_TEST_SUITE_P(Every, InstantActions, ::testing::ValuesIn(kVersions),
                          [](const auto& version) {
-                           std::string name(FactsOf(version.param).name);
+                           std::string name(GetFacts(version.param).name);
                            std::replace(name.begin(), name.end(), '.', '_');
                            return "Version" + name;
                          });
@@ -188,7 +188,7 @@ TEST(BuildInstantActions, TakesAHeaderThatDiffersFromTheTopic) {
   EXPECT_EQ(command.target, "KIT/0001");
   EXPECT_THAT(command.payload.Render(0, kNow),
               HasSubstr(R"("version":"v2","manufacturer":"Kit \"Lab\"","serialNumber":"AGV 1")"));
-  EXPECT_THAT(FindingsOf(command), IsEmpty());
+  EXPECT_THAT(ListFindings(command), IsEmpty());
 }
 
 TEST(BuildInstantActions, TakesAnotherInterfaceAndTemplate) {
@@ -210,17 +210,17 @@ TEST(BuildInstantActions, SendsTheArrayUnderTheNameThatTheRobotExpects) {
   const auto quirky = Build({.version = Version::k200, .actions_key = "instantActions"}, {Pause()});
   EXPECT_THAT(quirky.payload.Render(0, kNow), HasSubstr(R"("instantActions":[)"));
   EXPECT_THAT(quirky.payload.Render(0, kNow), Not(HasSubstr(R"("actions")")));
-  EXPECT_THAT(FindingsOf(quirky), IsEmpty());
+  EXPECT_THAT(ListFindings(quirky), IsEmpty());
 
   const auto old = Build({.version = Version::k110, .actions_key = "actions"}, {Pause()});
   EXPECT_THAT(old.payload.Render(0, kNow), HasSubstr(R"("actions":[)"));
-  EXPECT_THAT(FindingsOf(old), IsEmpty());
+  EXPECT_THAT(ListFindings(old), IsEmpty());
 }
 
 TEST(BuildInstantActions, ValidatesAQuirkyMessageAsStrictly) {
   const auto command = Build({.version = Version::k200, .actions_key = "instantActions"},
                              {{.type = "logReport", .id = "a1"}});
-  EXPECT_THAT(FindingsOf(command),
+  EXPECT_THAT(ListFindings(command),
               ElementsAre("error /actions/0: logReport needs the parameter reason"));
 }
 

@@ -170,7 +170,7 @@ class UserMessageTracker : public ::testing::Test {
   }
   [[nodiscard]] std::string Ending() const {
     const auto& now = tracker_->progress();
-    return now.ended ? std::string(message::NameOf(now.status)) : "";
+    return now.ended ? std::string(message::GetName(now.status)) : "";
   }
   [[nodiscard]] std::string Told() const { return tracker_->progress().message; }
 

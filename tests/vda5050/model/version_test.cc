@@ -72,15 +72,15 @@ TEST(NoReleaseText, IsSafeToShow) {
               AllOf(HasSubstr(R"("2.0\x1b")"), HasSubstr("2.0.0")));
 }
 
-TEST(FactsOf, StandInTheOrderOfTheVersions) {
-  for (const Version version : kVersions) EXPECT_EQ(FactsOf(version).version, version);
+TEST(GetFacts, StandInTheOrderOfTheVersions) {
+  for (const Version version : kVersions) EXPECT_EQ(GetFacts(version).version, version);
 }
 
-TEST(FactsOf, NameAVersionAsItIsParsed) {
-  for (const Version version : kVersions) EXPECT_EQ(ParseVersion(FactsOf(version).name), version);
+TEST(GetFacts, NameAVersionAsItIsParsed) {
+  for (const Version version : kVersions) EXPECT_EQ(ParseVersion(GetFacts(version).name), version);
 }
 
-TEST(FactsOf, TellWhatDiffers) {
+TEST(GetFacts, TellWhatDiffers) {
   struct Case {
     Version version;
     std::string_view topic_levels;
@@ -92,7 +92,7 @@ TEST(FactsOf, TellWhatDiffers) {
         Case{Version::k200, "uagv/v2", "actions", "actionDescription"},
         Case{Version::k210, "uagv/v2", "actions", "actionDescription"},
         Case{Version::k300, "vda5050/v3", "actions", "actionDescriptor"}}) {
-    const VersionFacts& facts = FactsOf(version);
+    const VersionFacts& facts = GetFacts(version);
     EXPECT_EQ(std::string(facts.interface_name) + "/" + std::string(facts.major), levels);
     EXPECT_EQ(facts.actions_key, actions);
     EXPECT_EQ(facts.descriptor_key, descriptor);

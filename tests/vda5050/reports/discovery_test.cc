@@ -15,8 +15,8 @@ using ::testing::SizeIs;
 constexpr std::array<std::string_view, 1> kConnection = {"connection"};
 constexpr std::array<std::string_view, 3> kAll = {"connection", "factsheet", "state"};
 
-std::vector<std::string> FiltersOf(const TopicScheme& scheme, const RobotFilter& filter = {},
-                                   std::span<const std::string_view> names = kConnection) {
+std::vector<std::string> ListFilters(const TopicScheme& scheme, const RobotFilter& filter = {},
+                                     std::span<const std::string_view> names = kConnection) {
   auto filters = DiscoveryFilters(scheme, filter, names);
   if (!filters) return {"refused: " + filters.error().message};
   return std::move(*filters);
@@ -29,10 +29,10 @@ std::string Message(std::string_view version, std::string_view more = "") {
 // ── filters ──
 
 TEST(DiscoveryFilters, LeaveOpenWhatIsNotKnown) {
-  EXPECT_THAT(FiltersOf({}), ElementsAre("+/+/+/+/connection"));
-  EXPECT_THAT(FiltersOf({}, {.manufacturer = "KIT"}), ElementsAre("+/+/KIT/+/connection"));
+  EXPECT_THAT(ListFilters({}), ElementsAre("+/+/+/+/connection"));
+  EXPECT_THAT(ListFilters({}, {.manufacturer = "KIT"}), ElementsAre("+/+/KIT/+/connection"));
   EXPECT_THAT(
-      FiltersOf({}, {"KIT", "0001"}, kAll),
+      ListFilters({}, {"KIT", "0001"}, kAll),
       ElementsAre("+/+/KIT/0001/connection", "+/+/KIT/0001/factsheet", "+/+/KIT/0001/state"));
 }
 
@@ -49,19 +49,21 @@ TEST(SpecifiedTopics, AreThoseOfEveryReleaseEachOnce) {
 }
 
 TEST(DiscoveryFilters, KeepWhatIsStated) {
-  EXPECT_THAT(FiltersOf({.interface_name = "fts"}), ElementsAre("fts/+/+/+/connection"));
-  EXPECT_THAT(FiltersOf({.topic_template = "/site/{interface}/v2/{manufacturer}/{serial}/{topic}"}),
-              ElementsAre("/site/+/v2/+/+/connection"));
-  EXPECT_THAT(FiltersOf({.topic_template = "a-{interface}-{major}/{manufacturer}.{serial}/{topic}"},
-                        {"KIT", "0001"}),
-              ElementsAre("+/KIT.0001/connection"));
+  EXPECT_THAT(ListFilters({.interface_name = "fts"}), ElementsAre("fts/+/+/+/connection"));
+  EXPECT_THAT(
+      ListFilters({.topic_template = "/site/{interface}/v2/{manufacturer}/{serial}/{topic}"}),
+      ElementsAre("/site/+/v2/+/+/connection"));
+  EXPECT_THAT(
+      ListFilters({.topic_template = "a-{interface}-{major}/{manufacturer}.{serial}/{topic}"},
+                  {"KIT", "0001"}),
+      ElementsAre("+/KIT.0001/connection"));
 }
 
 TEST(DiscoveryFilters, AreRefusedWhereTheTopicWouldBe) {
-  EXPECT_THAT(FiltersOf({.topic_template = "{nothing}/{manufacturer}/{serial}/{topic}"}),
+  EXPECT_THAT(ListFilters({.topic_template = "{nothing}/{manufacturer}/{serial}/{topic}"}),
               ElementsAre(HasSubstr("is no placeholder")));
-  EXPECT_THAT(FiltersOf({.interface_name = "#"}), ElementsAre(HasSubstr("wildcards")));
-  EXPECT_THAT(FiltersOf({}, {"KIT", "+"}), ElementsAre(HasSubstr("wildcards")));
+  EXPECT_THAT(ListFilters({.interface_name = "#"}), ElementsAre(HasSubstr("wildcards")));
+  EXPECT_THAT(ListFilters({}, {"KIT", "+"}), ElementsAre(HasSubstr("wildcards")));
 }
 
 // ── topics ──
@@ -131,8 +133,9 @@ TEST(DialectFrom, RemembersAVersionThatIsNoRelease) {
 TEST(DialectFrom, SpeaksEachVersionAtItsOwnTopics) {
   for (const Version version : kVersions) {
     const auto topic = *TopicFor({}, version, {"KIT", "0001"}, "connection");
-    const auto found = DialectFrom(
-        {.assumed = true}, topic, Message(FactsOf(version).name, R"(,"connectionState":"ONLINE")"));
+    const auto found =
+        DialectFrom({.assumed = true}, topic,
+                    Message(GetFacts(version).name, R"(,"connectionState":"ONLINE")"));
     ASSERT_TRUE(found && found->dialect);
     EXPECT_EQ(found->robot.ToString(), "KIT/0001");
     EXPECT_EQ(found->topic_name, "connection");

@@ -9,14 +9,14 @@ using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 using ::testing::SizeIs;
 
-RobotState StateOf(std::string_view payload) {
+RobotState ParseState(std::string_view payload) {
   auto state = ReadState(payload);
   if (!state) throw std::runtime_error("no state");
   return std::move(*state);
 }
 
 TEST(ReadState, ReadsTheNamesUpTo21) {
-  const auto state = StateOf(R"({
+  const auto state = ParseState(R"({
     "headerId": 7, "timestamp": "2026-01-02T03:04:05.678Z", "version": "2.1.0",
     "manufacturer": "KIT", "serialNumber": "0001", "orderId": "o1", "orderUpdateId": 2,
     "lastNodeId": "n1", "driving": true, "paused": false, "operatingMode": "AUTOMATIC",
@@ -61,7 +61,7 @@ TEST(ReadState, ReadsTheNamesUpTo21) {
 }
 
 TEST(ReadState, ReadsTheNamesOf30) {
-  const auto state = StateOf(R"({
+  const auto state = ParseState(R"({
     "powerSupply": {"stateOfCharge": 20, "charging": false},
     "mobileRobotPosition": {"x": 1, "y": 2, "theta": 3, "mapId": "m", "localized": false},
     "actionStates": [],
@@ -78,7 +78,7 @@ TEST(ReadState, ReadsTheNamesOf30) {
 }
 
 TEST(ReadState, TakesATranslationWhenThereIsNoText) {
-  const auto state = StateOf(R"({"errors": [
+  const auto state = ParseState(R"({"errors": [
     {"errorType": "E", "errorDescriptionTranslations": [
        {"translationKey": "de", "translationValue": "Kein Auftrag"},
        {"translationKey": "en", "translationValue": "no order"},
@@ -94,12 +94,12 @@ TEST(ReadState, TakesATranslationWhenThereIsNoText) {
 
 TEST(ReadState, TakesLowerCaseStatusesOf11) {
   const auto state =
-      StateOf(R"({"actionStates": [{"actionId": "a", "actionStatus": "finished"}]})");
+      ParseState(R"({"actionStates": [{"actionId": "a", "actionStatus": "finished"}]})");
   EXPECT_EQ(state.action_states[0].status, "FINISHED");
 }
 
 TEST(ReadState, TakesNumbersAndTruthsInPlaceOfTexts) {
-  const auto state = StateOf(R"({"headerId": "7", "paused": "TRUE", "orderId": 12,
+  const auto state = ParseState(R"({"headerId": "7", "paused": "TRUE", "orderId": 12,
     "batteryState": {"batteryCharge": "80"},
     "actionStates": [{"actionId": 4711, "actionStatus": "RUNNING", "resultDescription": true}],
     "errors": [{"errorReferences": [{"referenceKey": "headerId", "referenceValue": 18}]}]})");
@@ -144,7 +144,7 @@ TEST(ReadState, IsNothingForWhatIsNoObject) {
 }
 
 TEST(ReadState, KeepsWhatIsNotSaidApartFromFalse) {
-  const auto state = StateOf("{}");
+  const auto state = ParseState("{}");
   EXPECT_EQ(state.paused, std::nullopt);
   EXPECT_EQ(state.charging, std::nullopt);
   EXPECT_EQ(state.battery_charge, std::nullopt);
@@ -156,7 +156,7 @@ TEST(ReadState, KeepsWhatIsNotSaidApartFromFalse) {
 bool IsBefore(std::string_view id_a, std::string_view time_a, std::string_view id_b,
               std::string_view time_b) {
   const auto header = [](std::string_view id, std::string_view time) {
-    return StateOf(fmt::format(R"({{"headerId":{},"timestamp":{}}})", id, time)).header;
+    return ParseState(fmt::format(R"({{"headerId":{},"timestamp":{}}})", id, time)).header;
   };
   return vda5050::IsBefore(header(id_a, time_a), header(id_b, time_b));
 }
@@ -202,7 +202,7 @@ TEST(ReadState, ReadsWhatCanOnlyMeanOneThing) {
 }
 
 TEST(FindActionState, LooksInBothArrays) {
-  const auto state = StateOf(R"({"actionStates":[{"actionId":"a","actionStatus":"RUNNING"}],
+  const auto state = ParseState(R"({"actionStates":[{"actionId":"a","actionStatus":"RUNNING"}],
     "instantActionStates":[{"actionId":"b","actionStatus":"WAITING"}]})");
   EXPECT_EQ(FindActionState(state, "a")->status, "RUNNING");
   EXPECT_EQ(FindActionState(state, "b")->status, "WAITING");
@@ -211,19 +211,19 @@ TEST(FindActionState, LooksInBothArrays) {
 
 TEST(FindActionState, TakesTheEntryThatHasComeFurthest) {
   // ros_amr_interop lists a repeated action a second time, WAITING for ever.
-  const auto state = StateOf(R"({"actionStates":[{"actionId":"a","actionStatus":"FINISHED"},
+  const auto state = ParseState(R"({"actionStates":[{"actionId":"a","actionStatus":"FINISHED"},
     {"actionId":"a","actionStatus":"WAITING"},{"actionId":"a","actionStatus":"SLEEPING"}]})");
   EXPECT_EQ(FindActionState(state, "a")->status, "FINISHED");
 }
 
 TEST(FindActionState, TakesAFailureBeforeASuccess) {
-  const auto state = StateOf(R"({"actionStates":[{"actionId":"a","actionStatus":"FINISHED"}],
+  const auto state = ParseState(R"({"actionStates":[{"actionId":"a","actionStatus":"FINISHED"}],
     "instantActionStates":[{"actionId":"a","actionStatus":"failed"}]})");
   EXPECT_EQ(FindActionState(state, "a")->status, "FAILED");
 }
 
 TEST(FindActionState, PassesOverAnotherActionType) {
-  const auto state = StateOf(
+  const auto state = ParseState(
       R"({"actionStates":[{"actionId":"a","actionType":"pick","actionStatus":"FINISHED"}]})");
   EXPECT_EQ(FindActionState(state, "a", "drop"), nullptr);
   EXPECT_NE(FindActionState(state, "a", "pick"), nullptr);

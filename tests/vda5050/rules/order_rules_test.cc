@@ -17,7 +17,7 @@ using ::testing::StartsWith;
 
 using Findings = std::vector<message::TextFinding>;
 
-std::vector<std::string> LinesOf(const Findings& findings) {
+std::vector<std::string> ListLines(const Findings& findings) {
   std::vector<std::string> lines;
   for (const auto& [violation, is_error] : findings) {
     lines.push_back(fmt::format("{} {}: {}", is_error ? "error" : "warning", violation.path,
@@ -42,7 +42,7 @@ struct Parts {
   std::string edge_actions;
 };
 
-std::string OrderOf(const Parts& p) {
+std::string MakeOrder(const Parts& p) {
   return fmt::format(
       R"({{"orderId":"{}","nodes":[
         {{"nodeId":"n1","sequenceId":{},"released":{},"actions":[{}]}},
@@ -57,7 +57,7 @@ std::string OrderOf(const Parts& p) {
 }
 
 std::vector<std::string> Check(const Parts& parts, Version version = Version::k300) {
-  return LinesOf(CheckOrder(Parsed(OrderOf(parts)), version));
+  return ListLines(CheckOrder(Parsed(MakeOrder(parts)), version));
 }
 
 TEST(OrderRules, HaveNothingAgainstAnOrderWithBaseAndHorizon) {
@@ -105,13 +105,13 @@ TEST(OrderRules, WantEachEdgeBetweenItsNodes) {
 TEST(OrderRules, WantOneEdgeFewerThanNodes) {
   const auto order = Parsed(R"({"orderId":"o","nodes":[{"nodeId":"n1","sequenceId":0,
       "released":true,"actions":[]}],"edges":[{"edgeId":"e"}]})");
-  EXPECT_THAT(LinesOf(CheckOrder(order, Version::k210)),
+  EXPECT_THAT(ListLines(CheckOrder(order, Version::k210)),
               ElementsAre("error /edges: 1 node are joined by 0 edges, not by 1"));
 }
 
 TEST(OrderRules, WantANodeAndAnId) {
   const auto order = Parsed(R"({"orderId":"","nodes":[],"edges":[]})");
-  EXPECT_THAT(LinesOf(CheckOrder(order, Version::k210)),
+  EXPECT_THAT(ListLines(CheckOrder(order, Version::k210)),
               ElementsAre(StartsWith("error /orderId"), StartsWith("error /nodes")));
 }
 
@@ -141,7 +141,7 @@ TEST(OrderRules, CheckTheParametersOfActions) {
 // ── zone sets ──
 
 std::vector<std::string> CheckZones(const std::string& zones) {
-  return LinesOf(CheckZoneSet(
+  return ListLines(CheckZoneSet(
       Parsed(fmt::format(R"({{"zoneSet":{{"mapId":"m","zoneSetId":"z","zones":[{}]}}}})", zones))));
 }
 
@@ -161,7 +161,7 @@ TEST(ZoneRules, WantPolygonsAndUniqueIds) {
 
 std::vector<std::string> CheckAnswers(const std::string& responses) {
   const auto now = *base::ParseDateTime("2026-11-22T20:00:00Z");
-  return LinesOf(CheckResponses(Parsed(fmt::format(R"({{"responses":[{}]}})", responses)), now));
+  return ListLines(CheckResponses(Parsed(fmt::format(R"({{"responses":[{}]}})", responses)), now));
 }
 
 TEST(ResponseRules, AllowALeaseOnlyWithGranted) {

@@ -194,7 +194,7 @@ TEST(Preflight, TakesAVersionThatIsSaidInOtherWords) {
       {"2", Version::k200},   {"v2", Version::k210}, {"2.2.0", Version::k210}};
   for (const auto& [spoken, ours] : no_release) {
     EXPECT_THAT(Findings(Online(spoken), Action("startPause"), {.version = ours}),
-                ElementsAre(AllOf(StartsWith("warning"), HasSubstr(FactsOf(ours).name))))
+                ElementsAre(AllOf(StartsWith("warning"), HasSubstr(GetFacts(ours).name))))
         << spoken;
   }
 }
@@ -440,31 +440,31 @@ Factsheet WithIds(bool numerical_only, std::size_t length) {
   return factsheet;
 }
 
-TEST(SuitableActionId, IsAUuidWhereItCanBe) {
+TEST(MakeActionId, IsAUuidWhereItCanBe) {
   const char* const uuid = "[0-9a-f]+-[0-9a-f]+-4[0-9a-f]+-[0-9a-f]+-[0-9a-f]+";
-  EXPECT_THAT(SuitableActionId(nullptr), MatchesRegex(uuid));
+  EXPECT_THAT(MakeActionId(nullptr), MatchesRegex(uuid));
   for (const std::size_t length : {0U, 36U, 100U}) {
     const auto factsheet = WithIds(false, length);
-    EXPECT_THAT(SuitableActionId(&factsheet), MatchesRegex(uuid));
+    EXPECT_THAT(MakeActionId(&factsheet), MatchesRegex(uuid));
   }
 }
 
-TEST(SuitableActionId, IsANumberWhereItMustBe) {
+TEST(MakeActionId, IsANumberWhereItMustBe) {
   const std::tuple<bool, std::size_t, std::size_t> cases[] = {
       {true, 0, 18}, {true, 100, 18}, {true, 10, 10}, {true, 1, 1}, {false, 35, 18}, {false, 4, 4}};
   for (const auto& [numerical_only, length, digits] : cases) {
     const auto factsheet = WithIds(numerical_only, length);
-    const std::string id = SuitableActionId(&factsheet);
+    const std::string id = MakeActionId(&factsheet);
     EXPECT_EQ(id.size(), digits);
     EXPECT_THAT(id, MatchesRegex("[1-9][0-9]*"));
   }
 }
 
-TEST(SuitableActionId, PassesThePreflightAndIsNeverTheSame) {
+TEST(MakeActionId, PassesThePreflightAndIsNeverTheSame) {
   std::set<std::string> ids;
   const KnownRobot known = WithLimits(R"("idNumericalOnly":true,"maximumIdLength":12)");
   for (int i = 0; i < 100; ++i) {
-    const std::string id = SuitableActionId(&*known.factsheet);
+    const std::string id = MakeActionId(&*known.factsheet);
     EXPECT_THAT(Findings(known, InstantAction{.type = "startPause", .id = id}), IsEmpty());
     ids.insert(id);
   }

@@ -24,7 +24,7 @@ std::vector<std::string> Check(Version version, const std::string& message) {
 }
 
 std::vector<std::string> CheckActions(Version version, const std::string& actions) {
-  return Check(version, fmt::format(R"({{"{}":[{}]}})", FactsOf(version).actions_key, actions));
+  return Check(version, fmt::format(R"({{"{}":[{}]}})", GetFacts(version).actions_key, actions));
 }
 
 // One action with an unobjectionable id. `parameters` are members of `actionParameters`.
@@ -90,7 +90,7 @@ TEST(CheckInstantActions, RefusesWhatIsNeverInstant) {
       EXPECT_THAT(CheckAction(version, type),
                   ElementsAre(fmt::format("error /{}/0/actionType: {} is never an instant action: "
                                           "it belongs to the nodes and edges of an order",
-                                          FactsOf(version).actions_key, type)));
+                                          GetFacts(version).actions_key, type)));
     }
   }
 }

@@ -163,7 +163,7 @@ TEST_F(ResponseTracker, FindsTheActionInEitherArrayOfEveryVersion) {
       Publish();
       HearState(
           fmt::format(R"("{}":[{},{}])", array, Entry(kOther, "FAILED"), Entry(kId, "finished")));
-      EXPECT_EQ(Ending(), "FINISHED") << FactsOf(version).name << " " << array;
+      EXPECT_EQ(Ending(), "FINISHED") << GetFacts(version).name << " " << array;
     }
   }
 }

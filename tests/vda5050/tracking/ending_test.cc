@@ -34,7 +34,7 @@ constexpr Case kCases[] = {
 TEST(Ending, IsThatOfTheSpecificationsTable) {
   for (const Case& expected : kCases) {
     SCOPED_TRACE(expected.type);
-    const Ending& ending = EndingOf(expected.type);
+    const Ending& ending = FindEnding(expected.type);
     EXPECT_EQ(ending.connection_state, expected.connection_state);
     EXPECT_EQ(ending.may_reconnect, expected.may_reconnect);
     EXPECT_EQ(ending.factsheet, expected.factsheet);
@@ -45,7 +45,7 @@ TEST(Ending, IsThatOfTheSpecificationsTable) {
 
 TEST(Ending, IsOfActionsThatTheCatalogueHas) {
   for (const Case& special : kCases) {
-    if (EndingOf(special.type).action_type.empty()) continue;
+    if (FindEnding(special.type).action_type.empty()) continue;
     EXPECT_NE(FindAction(Version::k300, special.type), nullptr) << special.type;
   }
 }

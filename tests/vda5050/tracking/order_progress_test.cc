@@ -57,7 +57,7 @@ class OrderTracking : public ::testing::Test {
   }
   [[nodiscard]] std::string Ending() const {
     const auto& now = tracker_->progress();
-    return now.ended ? std::string(NameOf(now.status)) : "";
+    return now.ended ? std::string(GetName(now.status)) : "";
   }
   [[nodiscard]] std::string Told() const { return tracker_->progress().message; }
 

@@ -72,7 +72,7 @@ class ResponseTracker : public ::testing::Test {
   [[nodiscard]] const message::Progress& Now() const { return tracker_->progress(); }
   [[nodiscard]] bool HasEnded() const { return Now().ended; }
   [[nodiscard]] std::string Ending() const {
-    return Now().ended ? std::string(message::NameOf(Now().status)) : "WAITING";
+    return Now().ended ? std::string(message::GetName(Now().status)) : "WAITING";
   }
   [[nodiscard]] std::string Told() const { return Now().message; }
 

@@ -1,4 +1,4 @@
-#include "vda5050/reports/roster.h"
+#include "vda5050/reports/robot_directory.h"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -16,9 +16,9 @@ std::string Connection(std::string_view version, std::string_view state, int sec
   return Message(version, fmt::format(R"("connectionState":"{}")", state), second);
 }
 
-class RosterTest : public ::testing::Test {
+class RobotDirectoryTest : public ::testing::Test {
  protected:
-  RosterTest() {
+  RobotDirectoryTest() {
     for (const char* text : {"paused=true", "version=2.1.0"}) {
       conditions_.push_back(*ParseCondition(text));
     }
@@ -38,7 +38,7 @@ class RosterTest : public ::testing::Test {
   std::vector<Condition> conditions_;
 };
 
-TEST_F(RosterTest, FindsWhomItAdmitsEachInItsOwnDialect) {
+TEST_F(RobotDirectoryTest, FindsWhomItAdmitsEachInItsOwnDialect) {
   RobotDirectory directory = Open();
   const auto* old = directory.Deliver("uagv/v2/KIT/0001/connection", Connection("2.1.0", "ONLINE"),
                                       Origin::kRetained);
@@ -54,7 +54,7 @@ TEST_F(RosterTest, FindsWhomItAdmitsEachInItsOwnDialect) {
   EXPECT_NE(broken->connection->fault, "") << "there is a robot, and why it is not known how";
 }
 
-TEST_F(RosterTest, SharesWhatRobotsOfOneMakeHaveInCommon) {
+TEST_F(RobotDirectoryTest, SharesWhatRobotsOfOneMakeHaveInCommon) {
   RobotDirectory directory = Open();
   const RobotEntry* entries[2] = {};
   for (int i = 0; i < 2; ++i) {
@@ -71,7 +71,7 @@ TEST_F(RosterTest, SharesWhatRobotsOfOneMakeHaveInCommon) {
   EXPECT_NE(entries[0]->factsheet, nullptr);
 }
 
-TEST_F(RosterTest, BelievesTheMessageOfTheGreaterStanding) {
+TEST_F(RobotDirectoryTest, BelievesTheMessageOfTheGreaterStanding) {
   RobotDirectory directory = Open();
   const auto deliver = [&](const char* topic, const std::string& payload) {
     return directory.Deliver(topic, payload, Origin::kRetained);
@@ -83,7 +83,7 @@ TEST_F(RosterTest, BelievesTheMessageOfTheGreaterStanding) {
   EXPECT_EQ(entry->topic, "uagv/v2/KIT/0001/connection");
 }
 
-TEST_F(RosterTest, JudgesConditionsByTheTopicThatTheyAreAbout) {
+TEST_F(RobotDirectoryTest, TestsConditionsByTheTopicThatTheyAreAbout) {
   EXPECT_EQ(TopicOf(*ParseCondition("connectionState=ONLINE")), "connection");
   EXPECT_EQ(TopicOf(*ParseCondition("/typeSpecification/agvClass=FORKLIFT")), "factsheet");
   EXPECT_EQ(TopicOf(*ParseCondition("/batteryState/batteryCharge<20")), "state");
@@ -102,7 +102,7 @@ TEST_F(RosterTest, JudgesConditionsByTheTopicThatTheyAreAbout) {
   EXPECT_EQ(entry->unmet[0], "") << "what was retained is the past";
 }
 
-TEST_F(RosterTest, DecidesNothingByARetainedState) {
+TEST_F(RobotDirectoryTest, DecidesNothingByARetainedState) {
   RobotDirectory directory = Open();
   const auto* entry = directory.Deliver("uagv/v2/KIT/0001/connection",
                                         Connection("2.1.0", "ONLINE"), Origin::kRetained);
@@ -117,7 +117,7 @@ TEST_F(RosterTest, DecidesNothingByARetainedState) {
   EXPECT_EQ(entry->Known().operating_mode, "MANUAL") << "which the check heeds";
 }
 
-TEST_F(RosterTest, BelievesThePlaceAtWhichARobotSpeaks) {
+TEST_F(RobotDirectoryTest, BelievesThePlaceAtWhichARobotSpeaks) {
   RobotDirectory directory = Open();
   directory.Deliver("vda5050/v3/KIT/0001/factsheet", Message("3.0.0", R"("protocolLimits":{})"),
                     Origin::kRetained);
@@ -172,7 +172,7 @@ TEST_F(RosterTest, LetsAHibernatingRobotHibernate) {
   EXPECT_FALSE(entry->IsAlive());
 }
 
-TEST_F(RosterTest, SaysWhyAFactsheetCannotBeRead) {
+TEST_F(RobotDirectoryTest, SaysWhyAFactsheetCannotBeRead) {
   RobotDirectory directory = Open();
   directory.Deliver("uagv/v2/KIT/0001/connection", Connection("2.1.0", "ONLINE"),
                     Origin::kRetained);

@@ -25,7 +25,7 @@ class Tally:
         self.flaws = collections.Counter()
         self.complaints = []
 
-    def complain(self, flaw, what):
+    def report(self, flaw, what):
         self.flaws[flaw] += 1
         self.complaints.append(f"{self.name}: {flaw}: {what}")
 
@@ -71,36 +71,36 @@ def end_of(run):
     return f"exit {run.code}" if run.code >= 0 else signal.Signals(-run.code).name
 
 
-def judge_claims(run, seen, tally, what):
+def check_claims(run, seen, tally, what):
     """The exit code and each result line, against what arrived of this call."""
     said = " ".join([run.err.strip()[-300:], *(result.get("message", "") for result in run.results)]).strip()
     what = f"{what}: {end_of(run)}: {said}"
     topics = {topic for topic, _, _, _ in seen}
     if run.hung:
-        tally.complain("hangs", what)
+        tally.report("hangs", what)
         return
     if not run.killed:
         if run.code < 0:
-            tally.complain("crashes", what)
+            tally.report("crashes", what)
         # 127: the dynamic loader could not even start the program.
         elif run.code not in KNOWN and not (run.code == 127 and not seen):
-            tally.complain("untrue", what)
+            tally.report("untrue", what)
         elif run.code in NOTHING_SENT and seen and not any(r.get("status") in SENT for r in run.results):
-            tally.complain("untrue", f"{what}: but it arrived")
+            tally.report("untrue", f"{what}: but it arrived")
         elif run.code in (0, 5, 6) and len(seen) < len(run.targets):
-            tally.complain("untrue", f"{what}: but {len(seen)} of {len(run.targets)} arrived")
+            tally.report("untrue", f"{what}: but {len(seen)} of {len(run.targets)} arrived")
         elif "nothing was sent" in run.err and seen:
-            tally.complain("untrue", f"{what}: but it arrived")
+            tally.report("untrue", f"{what}: but it arrived")
     for result in run.results:
         status, message = result.get("status"), result.get("message", "")
         arrived = result.get("topic") in topics
         if status in SENT and not arrived:
-            tally.complain("untrue", f"{what}: {status}, but it did not arrive")
+            tally.report("untrue", f"{what}: {status}, but it did not arrive")
         if status == "ERROR" and arrived and not any(words in message for words in UNSURE):
-            tally.complain("untrue", f"{what}: {message}, but it arrived")
+            tally.report("untrue", f"{what}: {message}, but it arrived")
 
 
-def judge_ids(ledger, seen, tally, what, in_order=True):
+def check_ids(ledger, seen, tally, what, in_order=True):
     """Ids against all that were ever seen of this ledger."""
     known = collections.defaultdict(list)
     for topic, header_id, _, _ in ledger.seen:
@@ -108,17 +108,17 @@ def judge_ids(ledger, seen, tally, what, in_order=True):
     for message in seen:
         topic, header_id = message[0], message[1]
         if header_id in known[topic]:
-            tally.complain("repeated ids", f"{what}: {header_id} on {topic}")
+            tally.report("repeated ids", f"{what}: {header_id} on {topic}")
         elif in_order and known[topic] and header_id < max(known[topic]):
-            tally.complain("ids backwards", f"{what}: {header_id} after {max(known[topic])} on {topic}")
+            tally.report("ids backwards", f"{what}: {header_id} after {max(known[topic])} on {topic}")
         known[topic].append(header_id)
     ledger.seen += seen
 
 
-def judge_rows(ledger, scratch, tally, what, since=0):
+def check_rows(ledger, scratch, tally, what, since=0):
     """Each message that was seen has its row, with its very payload. `since`: of the newest ones only."""
     rows = ledger.rows(scratch)
     for topic, header_id, _, payload in ledger.seen[since:]:
         row = rows.get((topic, header_id))
         if row is None or row[0] != payload:
-            tally.complain("seen, no row", f"{what}: {header_id} on {topic}")
+            tally.report("seen, no row", f"{what}: {header_id} on {topic}")

@@ -1,4 +1,4 @@
-#include "vda5050/reports/roster.h"
+#include "vda5050/reports/robot_directory.h"
 
 #include <algorithm>
 #include <array>

@@ -14,9 +14,9 @@ struct Dialect {
   std::vector<std::string> options;
 };
 
-class ForeignRobot : public EndToEnd, public ::testing::WithParamInterface<Dialect> {
+class VirtualAgv : public EndToEnd, public ::testing::WithParamInterface<Dialect> {
  protected:
-  ForeignRobot()
+  VirtualAgv()
       : robot_({.arguments = {"node", FLEETPUB_SOURCE_DIR "/tests/peers/virtual_agv.mjs",
                               broker_.Url(), GetParam().version, "LIB", "0001"}}) {
     // Its library calls itself started before the broker has its subscriptions.
@@ -38,12 +38,12 @@ class ForeignRobot : public EndToEnd, public ::testing::WithParamInterface<Diale
   Process robot_;
 };
 
-INSTANTIATE_TEST_SUITE_P(Versions, ForeignRobot,
+INSTANTIATE_TEST_SUITE_P(Versions, VirtualAgv,
                          ::testing::Values(Dialect{"1.1.0", {}},
                                            Dialect{"2.0.0", {"--actions-key", "instantActions"}}),
                          [](const auto& robot) { return robot.index == 0 ? "V110" : "V200"; });
 
-TEST_P(ForeignRobot, PausesAndGoesOn) {
+TEST_P(VirtualAgv, PausesAndGoesOn) {
   const Finished pause = Command({"pause", "LIB/0001"});
   EXPECT_EQ(pause.exit_code, 0) << pause.errors;
   EXPECT_THAT(pause.output, HasSubstr("LIB/0001  startPause  FINISHED"));
@@ -52,36 +52,36 @@ TEST_P(ForeignRobot, PausesAndGoesOn) {
   EXPECT_THAT(resume.output, HasSubstr("stopPause  FINISHED"));
 }
 
-TEST_P(ForeignRobot, TakesOverAPosition) {
+TEST_P(VirtualAgv, TakesOverAPosition) {
   const Finished run = Command({"initPosition", "LIB/0001", "--x", "1.5", "--y", "-2", "--theta",
                                 "0.5", "--mapId", "hall-1", "--lastNodeId", "n1"});
   EXPECT_EQ(run.exit_code, 0) << run.errors;
   EXPECT_THAT(run.output, HasSubstr("initPosition  FINISHED"));
 }
 
-TEST_P(ForeignRobot, AnswersAStateRequest) {
+TEST_P(VirtualAgv, AnswersAStateRequest) {
   EXPECT_EQ(Command({"stateRequest", "LIB/0001"}).exit_code, 0);
 }
 
-TEST_P(ForeignRobot, RefusesAnActionThatItDoesNotKnow) {
+TEST_P(VirtualAgv, RefusesAnActionThatItDoesNotKnow) {
   const Finished run = Command({"action", "beep", "LIB/0001", "--no-check"});
   EXPECT_EQ(run.exit_code, 5);
   EXPECT_THAT(run.output + run.errors, HasSubstr("not supported"));
 }
 
-TEST_P(ForeignRobot, HasNoOrderToCancel) {
+TEST_P(VirtualAgv, HasNoOrderToCancel) {
   const Finished run = Command({"cancel", "LIB/0001"});
   EXPECT_EQ(run.exit_code, 5);
   EXPECT_THAT(run.output + run.errors, HasSubstr("no active order"));
 }
 
-TEST_P(ForeignRobot, RefusesAMessageThatItCallsInvalid) {
+TEST_P(VirtualAgv, RefusesAMessageThatItCallsInvalid) {
   const Finished run = Command({"pause", "LIB/0001", "--header-version", "2.1.0", "--no-check"});
   EXPECT_EQ(run.exit_code, 5);
   EXPECT_THAT(run.output + run.errors, HasSubstr("not compatible"));
 }
 
-TEST_P(ForeignRobot, IsNotTheOneWhoseSerialNumberIsMistyped) {
+TEST_P(VirtualAgv, IsNotTheOneWhoseSerialNumberIsMistyped) {
   const Finished run = Command({"resume", "LIB/0002"});
   EXPECT_EQ(run.exit_code, 7);
   EXPECT_THAT(run.output + run.errors, HasSubstr("LIB/0002"));
