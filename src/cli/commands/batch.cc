@@ -43,7 +43,7 @@ class BatchPrinter final : public app::BatchObserver {
   void Begin() override { stop_.emplace(); }
   void Sent() override { output_.SomethingWasSent(); }
   void Report(const message::Report& report) override {
-    const ExitCode code = CodeOf(report);
+    const ExitCode code = GetExitCode(report);
     worst_ = Worse(worst_, code);
     output_.JsonLine("{" + report.reference + R"(,"exitCode":)" +
                      std::to_string(static_cast<int>(code)) +

@@ -82,7 +82,7 @@ class Validator {
     }
     if (version_ && !options_.topic.empty()) {
       const auto schema = registry_.Find(
-          fmt::format("vda5050/{}/{}", vda5050::FactsOf(*version_).name, options_.topic));
+          fmt::format("vda5050/{}/{}", vda5050::GetFacts(*version_).name, options_.topic));
       if (!schema) return Fail(schema.error());
     }
     return {};

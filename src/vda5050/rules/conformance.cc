@@ -59,7 +59,7 @@ delivery::Findings CheckMessage(const Value& message, Version version, std::stri
                                 bool strict, schema::Registry& registry,
                                 std::vector<Violation> header) {
   const auto schema =
-      registry.Find(fmt::format("vda5050/{}/{}", FactsOf(version).name, topic_name));
+      registry.Find(fmt::format("vda5050/{}/{}", GetFacts(version).name, topic_name));
   if (!schema) return {{{"", schema.error().message}}, std::move(header), false};
   auto findings = delivery::Check(message, **schema, TextRulesFor(topic_name, version));
   if (findings.satisfies_schema) CheckTimestamp(message, findings.warnings);
@@ -117,7 +117,7 @@ void Conformance::ValidateMessage(const Value& message, const TopicLevels& level
   CompareWithTopic(message, "serialNumber", levels.robot.serial_number, warnings);
   delivery::Findings& findings = result.findings;
   if (version) {
-    result.version = FactsOf(*version).name;
+    result.version = GetFacts(*version).name;
     findings = CheckMessage(message, *version, levels.topic_name, options_.strict, registry_,
                             std::move(warnings));
   } else {
