@@ -66,7 +66,7 @@ class CommandSender final : private delivery::CommandSource {
         observer_(observer),
         directory_(std::move(directory)),
         excluded_(excluded),
-        factory_(request, environment.schema_directory),
+        factory_(environment.schema_directory),
         warnings_(observer) {}
 
   // Robots that were named: the broker is asked only what each has said of itself, and that only
@@ -132,13 +132,13 @@ class CommandSender final : private delivery::CommandSource {
   }
 
   Status ValidateUnseen() {
-    auto valid = factory_.ValidateInAnyVersion(robots_);
+    auto valid = factory_.ValidateInAnyVersion(request_, robots_);
     if (valid) return valid;
     return Fail(ReportNothingSent(CommandStatus::kInvalid, std::move(valid.error())));
   }
 
   Status Validate() {
-    auto valid = factory_.Validate(robots_);
+    auto valid = factory_.Validate(request_, robots_);
     if (valid) return valid;
     return Fail(ReportNothingSent(CommandStatus::kInvalid, std::move(valid.error())));
   }
@@ -147,12 +147,10 @@ class CommandSender final : private delivery::CommandSource {
   Status Discover() {
     if (auto ok = Connect(); !ok) return ok;
     const bool check = request_.waiting.check;
-    const auto& server = link_->transport->server();
-    factory_.SetLook({.check = check,
-                      .site = Site(),
-                      .why_nobody = server.retain_available.value_or(true)
-                                        ? ""
-                                        : std::string(kNothingRetained)});
+    factory_.SetLook(
+        {.check = check,
+         .site = Site(),
+         .keeps_nothing = !link_->transport->server().retain_available.value_or(true)});
     DiscoveryOptions options{.all = check,
                              .factsheets = check && request_.make_message()->NeedsFactsheet(),
                              .discover = request_.waiting.discover};
@@ -192,33 +190,9 @@ class CommandSender final : private delivery::CommandSource {
 
   // To those of whom nothing is known.
   void SuggestNames() {
-    constexpr std::size_t kMost = 20;
-    std::vector<const ListedRobot*> unknown;
-    for (const ListedRobot* robot : robots_) {
-      const bool is_looked_for = request_.waiting.check || robot->second.automatic;
-      if (is_looked_for && !robot->second.WasHeard()) unknown.push_back(robot);
-    }
-    if (unknown.empty() || unknown.size() > kMost || request_.make_message()->IsOnlyStartPause()) {
-      return;
-    }
-    const std::set<std::string> names = NamesOnline();
-    const std::vector<std::string_view> candidates(names.begin(), names.end());
-    for (const ListedRobot* robot : unknown) {
-      const auto nearest = base::Nearest(robot->first.ToString(), candidates);
-      if (!nearest) continue;
-      factory_.Suggest(robot->first, fmt::format("did you mean {}?", base::Printable(*nearest)));
-    }
-  }
-
-  // Only who is there may be meant.
-  std::set<std::string> NamesOnline() {
-    std::set<std::string> names;
-    for (const RobotAddress& robot :
-         ListRobots(*link_->transport, request_.resolver.common().topics, request_.waiting.discover,
-                    Robots::kOnline)) {
-      names.insert(robot.ToString());
-    }
-    return names;
+    if (request_.make_message()->IsOnlyStartPause()) return;
+    factory_.SuggestNames(robots_, *link_->transport, request_.resolver.common().topics,
+                          request_.waiting.discover);
   }
 
   Status Connect() {
@@ -236,9 +210,9 @@ class CommandSender final : private delivery::CommandSource {
     observer_.Chosen(names);
     for (const ListedRobot* robot : unheard_) {
       observer_.Report(
-          factory_.ReportOn(*robot, CommandStatus::kRefused, ErrorKind::kPreflight,
-                            fmt::format("not sent: {}, so --where cannot be decided",
-                                        WhyUnheard(robot->second, request_.targets.state_wait))));
+          ReportOn(*robot, CommandStatus::kRefused, ErrorKind::kPreflight,
+                   fmt::format("not sent: {}, so --where cannot be decided",
+                               WhyUnheard(robot->second, request_.targets.state_wait))));
     }
     auto sent = settings_.dry_run ? ShowDryRun(*this, environment_, observer_) : Send();
     if (sent) warnings_.TellRest();
@@ -265,7 +239,8 @@ class CommandSender final : private delivery::CommandSource {
     built_.commands.reserve(end - next_);
     for (; next_ < end; ++next_) {
       const std::size_t before = built_.commands.size();
-      built_all_ = factory_.Build(*robots_[next_], built_);
+      const auto message = request_.make_message();
+      built_all_ = factory_.Build(*robots_[next_], RequestFor(*message), built_);
       if (!built_all_) return Fail(built_all_.error());
       if (settings_.dry_run && built_.commands.size() > before) Explain(*robots_[next_]);
     }
@@ -288,15 +263,27 @@ class CommandSender final : private delivery::CommandSource {
 
   void GiveUp(const Error& reason) override {
     for (; next_ < robots_.size(); ++next_) {
-      observer_.Report(factory_.ReportOn(*robots_[next_], CommandStatus::kError, reason.kind,
-                                         "not sent: " + reason.message));
+      observer_.Report(ReportOn(*robots_[next_], CommandStatus::kError, reason.kind,
+                                "not sent: " + reason.message));
     }
+  }
+
+  [[nodiscard]] RobotRequest RequestFor(RobotMessage& message) const {
+    return {.message = message,
+            .header_id = request_.header_id,
+            .wait_for = request_.waiting.wait_for,
+            .is_set = request_.targets.IsSet()};
+  }
+
+  [[nodiscard]] Report ReportOn(const ListedRobot& robot, CommandStatus status, ErrorKind kind,
+                                std::string text) const {
+    const auto message = request_.make_message();
+    return CommandFactory::ReportOn(robot, RequestFor(*message), status, kind, std::move(text));
   }
 
   Error ReportNothingSent(CommandStatus status, Error error) {
     for (const ListedRobot* robot : robots_) {
-      observer_.NothingSent(
-          factory_.ReportOn(*robot, status, error.kind, "not sent: " + error.message));
+      observer_.NothingSent(ReportOn(*robot, status, error.kind, "not sent: " + error.message));
     }
     error.message = "nothing was sent: " + error.message;
     return error;

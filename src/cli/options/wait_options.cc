@@ -46,6 +46,10 @@ void DeclareWaitingOptions(OptionSet& set, WaitingOptions& options) {
       .Type("N")
       .InRange(0, 100)
       .Group(kWaiting);
+  DeclareCheckOptions(set, options);
+}
+
+void DeclareCheckOptions(OptionSet& set, WaitingOptions& options) {
   set.AddFlag("--check", options.check,
               "Look first whether the robot is online and supports the action [the default]")
       .Group(kWaiting);

@@ -22,6 +22,8 @@ struct WaitingOptions {
 
 /// `--wait`, `--wait-for` and `--timeout` alone.
 void DeclareWaitOptions(OptionSet& set, WaitingOptions& options);
+/// `--check`, `--no-check` and `--discover` alone.
+void DeclareCheckOptions(OptionSet& set, WaitingOptions& options);
 void DeclareWaitingOptions(OptionSet& set, WaitingOptions& options);
 
 /// Errors: ErrorKind::kUsage.
