@@ -93,6 +93,11 @@ Status CommandFactory::Build(const ListedRobot& robot, const RobotRequest& reque
       built.refused.push_back(
           ReportOn(robot, request, offline ? CommandStatus::kOffline : CommandStatus::kRefused,
                    ErrorKind::kPreflight, "not sent: " + findings.refusals.front()));
+      // What is to be said of the message itself is said all the same.
+      const auto command = request.message.Build(robot.first, *entry.Spoken(), request.header_id);
+      const auto warnings = command ? ValidateCommand(*command, registry_) : Fail(command.error());
+      if (!warnings) return {};
+      built.warnings.insert(built.warnings.end(), warnings->begin(), warnings->end());
       return {};
     }
     // The result says it, then.

@@ -214,7 +214,10 @@ class CommandSender final : private delivery::CommandSource {
                    fmt::format("not sent: {}, so --where cannot be decided",
                                WhyUnheard(robot->second, request_.targets.state_wait))));
     }
-    auto sent = settings_.dry_run ? ShowDryRun(*this, environment_, observer_) : Send();
+    auto sent = settings_.dry_run
+                    ? ShowDryRun(*this, environment_, observer_,
+                                 [this](std::size_t i) { observer_.Info(explanations_[i]); })
+                    : Send();
     if (sent) warnings_.TellRest();
     return sent;
   }
@@ -235,6 +238,7 @@ class CommandSender final : private delivery::CommandSource {
   // What cannot be sent is reported at once.
   Result<std::span<const message::Command>> Next(std::size_t most) override {
     built_ = {};
+    explanations_.clear();
     const std::size_t end = next_ + std::min(left(), most);
     built_.commands.reserve(end - next_);
     for (; next_ < end; ++next_) {
@@ -242,7 +246,9 @@ class CommandSender final : private delivery::CommandSource {
       const auto message = request_.make_message();
       built_all_ = factory_.Build(*robots_[next_], RequestFor(*message), built_);
       if (!built_all_) return Fail(built_all_.error());
-      if (settings_.dry_run && built_.commands.size() > before) Explain(*robots_[next_]);
+      if (settings_.dry_run && built_.commands.size() > before) {
+        explanations_.push_back(ExplainDryRun(*robots_[next_]));
+      }
     }
     for (const std::string& warning : built_.warnings) warnings_.Tell(warning);
     for (const Report& refused : built_.refused) observer_.Report(refused);
@@ -250,15 +256,15 @@ class CommandSender final : private delivery::CommandSource {
   }
 
   // Where a dry run would go, and why there.
-  void Explain(const ListedRobot& robot) {
+  [[nodiscard]] std::string ExplainDryRun(const ListedRobot& robot) const {
     const message::Command& command = built_.commands.back();
     const auto& entry = robot.second;
     const std::string_view why = entry.automatic && entry.own ? "as the robot itself says"
                                  : !entry.base->assumed       ? "as stated"
                                  : link_                      ? "assumed"
                                                               : "assumed: no broker was asked";
-    observer_.Info(fmt::format("would be published to {} in {} ({})",
-                               base::Printable(command.topic), command.version, why));
+    return fmt::format("would be published to {} in {} ({})", base::Printable(command.topic),
+                       command.version, why);
   }
 
   void GiveUp(const Error& reason) override {
@@ -302,7 +308,8 @@ class CommandSender final : private delivery::CommandSource {
   std::vector<const ListedRobot*> unheard_;  // whether --where is true is not known
   std::size_t next_ = 0;
   CommandFactory::Built built_;
-  Status built_all_;  // why a message could not be made
+  std::vector<std::string> explanations_;  // of these, in a dry run
+  Status built_all_;                       // why a message could not be made
 };
 
 }  // namespace
