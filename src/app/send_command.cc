@@ -73,6 +73,7 @@ class CommandSender final : private delivery::CommandSource {
   // unless somebody states the version and wants no check.
   Status SendToNamed() {
     ChooseRobots();
+    if (auto ok = CheckTopics(); !ok) return ok;
     // What is invalid anyway costs no connection.
     if (auto ok = ValidateUnseen(); !ok) return ok;
     if (NeedsLook()) {
@@ -129,6 +130,32 @@ class CommandSender final : private delivery::CommandSource {
   [[nodiscard]] std::string Site() const {
     if (!link_ || link_->transport == nullptr) return environment_.site;
     return FormatSite(link_->transport->server().broker, environment_.config.profile);
+  }
+
+  // A topic template may leave out what tells robots or topics apart.
+  [[nodiscard]] Status CheckTopics() const {
+    std::map<std::string_view, const RobotAddress*> alike;  // by serial number
+    for (const ListedRobot* robot : robots_) {
+      const vda5050::TopicScheme& scheme = robot->second.base->topics;
+      if (request_.waiting.wait_for && !scheme.Names("{topic}")) {
+        return Fail(ErrorKind::kUsage,
+                    fmt::format("topic template '{}' has no {{topic}}, so no state of {} can be "
+                                "waited for: leave out --wait",
+                                base::Printable(scheme.topic_template),
+                                base::Printable(robot->first.ToString())));
+      }
+      if (scheme.Names("{manufacturer}")) continue;
+      const auto [other, is_new] = alike.emplace(robot->first.serial_number, &robot->first);
+      if (is_new) continue;
+      return Fail(
+          ErrorKind::kUsage,
+          fmt::format("topic template '{}' lacks {{manufacturer}}: {} and {} would get each "
+                      "other's messages",
+                      base::Printable(scheme.topic_template),
+                      base::Printable(other->second->ToString()),
+                      base::Printable(robot->first.ToString())));
+    }
+    return {};
   }
 
   Status ValidateUnseen() {
