@@ -254,8 +254,7 @@ struct Request {
     auto command =
         vda5050::BuildInstantActions(robot, dialect, std::span(&action, 1), ReadHeaderId(line));
     if (!command || !wait_for) return command;
-    const message::ActionRef& sent = command->actions.front();
-    auto tracker = vda5050::TrackInstantAction(robot, dialect, sent.type, sent.id, *wait_for);
+    auto tracker = vda5050::TrackInstantAction(robot, dialect, action, *wait_for);
     if (!tracker) return Fail(std::move(tracker.error()));
     command->tracker = std::move(*tracker);
     return command;
@@ -333,7 +332,7 @@ struct SoarRequest {
          .prefix = sender.prefix,
          .wait_for = *wait_for,
          .count = 1,
-         .on_level = {}});
+         .target = destination->name});
     return command;
   }
 };

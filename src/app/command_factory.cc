@@ -98,7 +98,7 @@ Status CommandFactory::AddCommand(const ListedRobot& robot, const RobotMessage& 
   if (is_offline) {
     command->tracker = std::make_shared<NotAwaited>(DescribeOffline(robot));
   } else if (request_.waiting.wait_for) {
-    auto tracker = message.Track(address, *dialect, *command, *request_.waiting.wait_for);
+    auto tracker = message.Track(address, *dialect, *request_.waiting.wait_for);
     if (!tracker) return Fail(std::move(tracker.error()));
     command->tracker = std::move(*tracker);
   }

@@ -43,7 +43,7 @@ class RobotMessage {
       const vda5050::KnownRobot& known) const = 0;
   [[nodiscard]] virtual Result<std::unique_ptr<message::ResponseTracker>> Track(
       const vda5050::RobotAddress& robot, const vda5050::Dialect& dialect,
-      const message::Command& command, vda5050::WaitFor wait_for) const = 0;
+      vda5050::WaitFor wait_for) const = 0;
   /// Whether, in one dialect, it is valid for every robot or for none.
   [[nodiscard]] virtual bool IsAlikeForAll() const { return false; }
   /// The robot's limits, before it is built for the last time.

@@ -66,7 +66,8 @@ Status Deliver(delivery::CommandSource& source, Link& link, ledger::Ledger& ledg
        .sent = [&] { observer.Sent(); },
        .connect = link.connection.open,
        .lost = [&](const Error& error) { observer.Warn(error.message + ": connecting again"); },
-       .again = [&] { observer.Warn("connected again"); }});
+       .again = [&] { observer.Warn("connected again"); },
+       .news = [&](std::string_view line) { observer.Info(line); }});
   auto sent = delivery::SendAll(
       source, session, {.batch = send.batch, .rate = settings.rate, .tick = observer.tick()});
   if (link.transport != nullptr) link.transport->Disconnect();

@@ -40,10 +40,8 @@ class InstantMessage final : public app::RobotMessage {
   }
 
   [[nodiscard]] Result<std::unique_ptr<message::ResponseTracker>> Track(
-      const RobotAddress& robot, const Dialect& dialect, const message::Command& command,
-      vda5050::WaitFor wait_for) const override {
-    const message::ActionRef& action = command.actions.front();
-    return vda5050::TrackInstantAction(robot, dialect, action.type, action.id, wait_for);
+      const RobotAddress& robot, const Dialect& dialect, vda5050::WaitFor wait_for) const override {
+    return vda5050::TrackInstantAction(robot, dialect, action_, wait_for);
   }
 
   [[nodiscard]] bool IsAlikeForAll() const override { return true; }
@@ -69,10 +67,11 @@ void DeclareInstantSendingOptions(OptionSet& set, InstantSendingOptions& options
 }
 
 Result<ExitCode> SendToRobots(const app::CommandRequest& request, const app::SendSettings& settings,
-                              const Context& context) {
+                              const Context& context, bool no_order_is_fine) {
   using Show = SendingObserver::Show;
   SendingObserver observer(context.output,
-                           request.targets.IsSet() ? Show::kResultsAndProgress : Show::kResults);
+                           request.targets.IsSet() ? Show::kResultsAndProgress : Show::kResults,
+                           no_order_is_fine);
   auto sent = app::SendCommand(request, settings, MakeEnvironment(context), observer);
   if (!sent) return Fail(std::move(sent.error()));
   return observer.Conclude();
@@ -83,6 +82,9 @@ Result<ExitCode> SendInstantAction(const InstantSendingOptions& options, std::st
                                    const Context& context) {
   const auto waiting = ParseWaitingOptions(options.waiting);
   if (!waiting) return Fail(waiting.error());
+  if (options.if_any && !waiting->wait_for) {
+    return Fail(ErrorKind::kUsage, "--if-any belongs to waiting: add --wait");
+  }
   auto target_request = ParseTargetOptions(options.targets);
   if (!target_request) return Fail(std::move(target_request.error()));
   auto targets = app::ResolveTargets(*std::move(target_request), context.config, context.output);
@@ -106,7 +108,7 @@ Result<ExitCode> SendInstantAction(const InstantSendingOptions& options, std::st
                                  *action, options.instant.id.has_value());
                            },
                        .waiting = *waiting},
-                      *settings, context);
+                      *settings, context, options.if_any);
 }
 
 }  // namespace fleetpub::cli

@@ -47,15 +47,17 @@ CommandSession::CommandSession(std::unique_ptr<mqtt::Transport>& transport, ledg
       send_(send),
       resends_(wait.resend > 0),
       hooks_(std::move(hooks)),
-      pending_(wait,
-               [this](PendingCommands::Key key, message::Report ended) {
-                 again_.erase(key);
-                 if (lost_ && ended.status == message::CommandStatus::kTimeout) {
-                   ended.message += "; the broker was out of reach at the end";
-                   if (!is_told_) ended.message += ": " + lost_->message;
-                 }
-                 ended_.push_back(std::move(ended));
-               }),
+      pending_(
+          wait,
+          [this](PendingCommands::Key key, message::Report ended) {
+            again_.erase(key);
+            if (lost_ && ended.status == message::CommandStatus::kTimeout) {
+              ended.message += "; the broker was out of reach at the end";
+              if (!is_told_) ended.message += ": " + lost_->message;
+            }
+            ended_.push_back(std::move(ended));
+          },
+          hooks_.news),
       pipeline_(ledger, send, hooks_.sent,
                 [this](PublishPipeline::Key first_key, BatchResult result) {
                   Done(first_key, std::move(result));

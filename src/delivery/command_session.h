@@ -36,6 +36,8 @@ struct SessionHooks {
   /// The connection was lost and is now opened again; it is there again. Either may be empty.
   std::function<void(const Error&)> lost;
   std::function<void()> again;
+  /// See PendingCommands::NewsHook.
+  PendingCommands::NewsHook news;
 };
 
 /// Sends and follows over one connection, which is opened again whenever it is lost. No command is

@@ -111,6 +111,24 @@ TEST_F(RobotsAsBuilt, DoNoOrderAgainThatTheyHaveDone) {
   EXPECT_THAT(run->Output(), HasSubstr("TIMEOUT"));
 }
 
+TEST_F(RobotsAsBuilt, AreHeardAtOnceWhenAnOrderGoesWrong) {
+  const auto run = SendOrder(0, {"--wait-for", "finished", "-W", "10s"});
+  const auto say = [&](std::string_view left, std::string_view errors) {
+    Say("state", fmt::format(R"({{{},"orderId":"o-1","orderUpdateId":0,"nodeStates":[{}],)"
+                             R"("edgeStates":[],"lastNodeId":"b","lastNodeSequenceId":2,)"
+                             R"("errors":[{}]}})",
+                             kHeader, left, errors));
+  };
+  say(R"({"nodeId":"b","sequenceId":2})", "");
+  say(R"({"nodeId":"b","sequenceId":2})",
+      R"({"errorType":"wheelLost","errorLevel":"FATAL","errorReferences":[
+          {"referenceKey":"orderId","referenceValue":"o-1"}]})");
+  EXPECT_TRUE(run->AwaitErrors("RIG/7: wheelLost")) << "before the end: " << run->Errors();
+  EXPECT_EQ(run->Output(), "");
+  say("", "");
+  EXPECT_EQ(run->Wait(), 0) << run->Output();
+}
+
 TEST_F(RobotsAsBuilt, RefuseAnUpdateThatIsLowerThanTheirs) {
   constexpr std::string_view kState =
       R"({{{},"orderId":"o-1","orderUpdateId":6,"errors":[{{"errorType":"tooOld","errorReferences":[{}]}}]}})";

@@ -40,7 +40,13 @@ TEST_F(Wait, TellsWhetherThereWasAnOrderToCancel) {
   const auto idle = Robot({"KIT/0001"});
   const Finished none = Fleetpub({"cancel", "KIT/0001", "--wait"});
   EXPECT_EQ(none.exit_code, 5);
-  EXPECT_THAT(none.output, AllOf(HasSubstr("FAILED"), HasSubstr("NO_ORDER_TO_CANCEL")));
+  EXPECT_THAT(none.output, AllOf(HasSubstr("  NO_ORDER  "), HasSubstr("NO_ORDER_TO_CANCEL")));
+  const Finished fine = Fleetpub({"cancel", "KIT/*", "--wait", "--if-any", "--yes", "-o", "json"});
+  EXPECT_EQ(fine.exit_code, 0) << fine.errors;
+  EXPECT_THAT(fine.output, AllOf(HasSubstr(R"("status":"NO_ORDER")"), HasSubstr(R"("noOrder":1,)"),
+                                 HasSubstr(R"("exitCode":0)")));
+  EXPECT_EQ(Fleetpub({"cancel", "KIT/0001", "--if-any"}).exit_code, 2) << "nobody would know";
+  EXPECT_EQ(Fleetpub({"pause", "KIT/0001", "--wait", "--if-any"}).exit_code, 2);
   const auto busy = Robot({"KIT/0002", "--with-order", "--vda", "2.1"});
   const Finished cancelled = Fleetpub({"cancel", "KIT/0002", "--wait", "--vda", "2.1"});
   EXPECT_EQ(cancelled.exit_code, 0) << cancelled.output;

@@ -135,7 +135,8 @@ class Batch {
                 [this](const Error& error) {
                   context_.output.Warn(error.message + ": connecting again");
                 },
-            .again = [this] { context_.output.Warn("connected again"); }};
+            .again = [this] { context_.output.Warn("connected again"); },
+            .news = [this](std::string_view line) { context_.output.Info(line); }};
   }
 
   [[nodiscard]] bool IsDone(const delivery::CommandSession& session) const {

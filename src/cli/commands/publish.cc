@@ -67,8 +67,7 @@ class UserMessage final : public app::RobotMessage {
   }
 
   [[nodiscard]] Result<std::unique_ptr<message::ResponseTracker>> Track(
-      const RobotAddress& robot, const Dialect& dialect, const message::Command& /*command*/,
-      vda5050::WaitFor wait_for) const override {
+      const RobotAddress& robot, const Dialect& dialect, vda5050::WaitFor wait_for) const override {
     return vda5050::TrackUserMessage(robot, dialect, topic_, *message_, wait_for);
   }
 

@@ -29,7 +29,13 @@ void SendingObserver::Report(const message::Report& report) {
     return output_.JsonLine(output_.json() ? ReportJson(report) : report.payload);
   }
   summary_.Add(report);
-  reporter_.Show(report);
+  if (no_order_is_fine_ && report.status == message::CommandStatus::kNoOrder) {
+    message::Report fine = report;
+    fine.error.reset();
+    reporter_.Show(fine);
+  } else {
+    reporter_.Show(report);
+  }
   Output::FlushNow();
 }
 

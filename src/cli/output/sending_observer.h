@@ -19,7 +19,9 @@ class SendingObserver final : public app::Observer {
  public:
   enum class Show { kResults, kResultsAndProgress };
 
-  SendingObserver(Output& output, Show show) : output_(output), show_(show), reporter_(output) {}
+  /// With `no_order_is_fine` a robot that had nothing to cancel is no trouble.
+  SendingObserver(Output& output, Show show, bool no_order_is_fine = false)
+      : output_(output), show_(show), no_order_is_fine_(no_order_is_fine), reporter_(output) {}
 
   void Warn(std::string_view text) override { output_.Warn(text); }
   void Info(std::string_view text) override { output_.Info(text); }
@@ -39,6 +41,7 @@ class SendingObserver final : public app::Observer {
  private:
   Output& output_;
   Show show_;
+  bool no_order_is_fine_;
   const InterruptGuard interrupt_;
   Reporter reporter_;
   FleetSummary summary_;

@@ -46,6 +46,19 @@ TEST(CodeOf, FollowsTheKindOfTheError) {
   }
 }
 
+// What a target's word is worth, whoever asked it and however it was named.
+TEST(CodeOf, FollowsTheStatus) {
+  using enum message::CommandStatus;
+  constexpr std::pair<message::CommandStatus, int> kCases[] = {
+      {kAccepted, 0},  {kFinished, 0}, {kNoOrder, 5}, {kFailed, 5},  {kRejected, 5},
+      {kRetriable, 6}, {kVanished, 6}, {kOffline, 6}, {kTimeout, 6},
+  };
+  for (const auto& [status, code] : kCases) {
+    const message::Report report{.status = status, .error = message::TroubleOf(status)};
+    EXPECT_EQ(static_cast<int>(CodeOf(report)), code) << message::NameOf(status);
+  }
+}
+
 TEST(CodeOf, IsDoneForAReportWithoutTrouble) {
   EXPECT_EQ(CodeOf(message::Report{.status = message::CommandStatus::kSent}), kDone);
 }

@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 
 #include "base/json.h"
+#include "base/text.h"
 #include "vda5050/messages/user_message.h"
 
 namespace fleetpub::vda5050 {
@@ -121,6 +122,27 @@ TEST_F(OrderTracking, TellsOfActionsAndErrorsWhileItWaits) {
   At("b", 2, "", Pick("FAILED"));
   EXPECT_EQ(Ending(), "FAILED");
   EXPECT_THAT(Told(), AllOf(HasSubstr("pick failed"), HasSubstr("gripper")));
+}
+
+TEST_F(OrderTracking, TellsAtOnceWhatGoesWrongAndOnce) {
+  const auto news = [&] { return base::Join(tracker_->TakeNews(), "\n"); };
+  constexpr std::string_view kError = R"(,"errors":[{"errorType":"gripper","errorLevel":"FATAL",
+        "errorReferences":[{"referenceKey":"nodeId","referenceValue":"b"}]}])";
+  Send(Order({"a", "b"}, true));
+  At("a", 0, kOneLeft, Pick("RUNNING"));
+  EXPECT_EQ(news(), "");
+  At("a", 0, kOneLeft, Pick("RETRIABLE"));
+  EXPECT_THAT(news(), AllOf(HasSubstr("KIT/0001: action pick (p-1)"), HasSubstr("retry")));
+  At("a", 0, kOneLeft, Pick("RETRIABLE") + std::string(kError));
+  EXPECT_THAT(news(), AllOf(HasSubstr("KIT/0001: gripper"), Not(HasSubstr("pick"))));
+  At("a", 0, kOneLeft, Pick("FAILED") + std::string(kError));
+  EXPECT_THAT(news(), AllOf(HasSubstr("failed"), Not(HasSubstr("gripper"))));
+  At("a", 0, kOneLeft, Pick("FAILED"));
+  EXPECT_EQ(news(), "");
+  Send(Order({"a"}, true));
+  At("a", 0, "", Pick("FAILED"));
+  EXPECT_EQ(Ending(), "FAILED");
+  EXPECT_EQ(news(), "") << "the result says it";
 }
 
 TEST_F(OrderTracking, TakesNoOrderOfBeforeForTheOneThatWasSent) {
