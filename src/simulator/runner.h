@@ -5,6 +5,7 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "base/result.h"
@@ -17,6 +18,9 @@ namespace fleetpub::simulator {
 /// one will per connection. More of them have none.
 constexpr std::size_t kMostWills = 32;
 
+/// More robots leave OFFLINE behind, whatever was there before.
+constexpr std::size_t kMostPutBack = 1'000;
+
 struct RunOptions {
   mqtt::ConnectOptions connect;
   std::optional<std::chrono::milliseconds> duration;  ///< none: until `stopped`
@@ -25,11 +29,14 @@ struct RunOptions {
   /// Filters of the robots' connection messages: nobody may be ONLINE there. Empty: nobody looks.
   std::vector<std::string> places;
   std::function<void(const Error&)> on_lost;  ///< the connection broke; tried again
+  /// Over MQTT 3.1.1: this message was sent and did not come back, so the broker may have dropped it.
+  std::function<void(std::string_view topic)> on_unheard;
 };
 
 /// Runs the robots until the time is over, `stopped` says so, or all of them have shut down; then
-/// says OFFLINE for them. A connection that is lost is made again. Errors: the first connection
-/// cannot be made; kPreflight: a robot of such a name is ONLINE already, as far as the broker hands
+/// says OFFLINE for them, and leaves retained messages as it found them. A connection that is lost
+/// is made again. Errors: the first connection cannot be made, or the broker refuses what they say
+/// (kBroker); kPreflight: a robot of such a name is ONLINE already, as far as the broker hands
 /// out its retained messages before it acknowledges the next request.
 [[nodiscard]] Status Run(Fleet& fleet, const RunOptions& options);
 
