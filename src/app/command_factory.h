@@ -56,6 +56,7 @@ struct Waiting {
   delivery::WaitOptions wait;
   bool check = false;
   bool no_check = false;  ///< said outright
+  bool tidy = false;      ///< see TidyUp
   delivery::RetainedOptions discover;
 };
 

@@ -52,6 +52,23 @@ TEST_F(Wait, TellsWhetherThereWasAnOrderToCancel) {
   EXPECT_EQ(cancelled.exit_code, 0) << cancelled.output;
 }
 
+TEST_F(Wait, ClearsAFullListAndOneThatIsToBeTidy) {
+  const auto robot = Robot({"KIT/0001", "--list-limit", "3"});
+  const auto pause = [&](std::vector<std::string> more) {
+    more.insert(more.begin(), {"pause", "KIT/0001", "--wait"});
+    const Finished run = Fleetpub(std::move(more));
+    EXPECT_EQ(run.exit_code, 0) << run.errors;
+    EXPECT_THAT(Lines(run.output), ::testing::SizeIs(1));
+    return run.errors;
+  };
+  EXPECT_EQ(pause({}), "");
+  EXPECT_THAT(pause({"--tidy"}), HasSubstr("KIT/0001: cleared"));
+  EXPECT_EQ(pause({}), "") << "there is clearInstantActions beside it";
+  EXPECT_THAT(pause({}), AllOf(HasSubstr("KIT/0001: its list"), HasSubstr("KIT/0001: cleared")));
+  const std::string config = operator_.home().Write("tidy.toml", "tidy = true\n").string();
+  EXPECT_THAT(pause({"--config", config}), HasSubstr("cleared"));
+}
+
 TEST_F(Wait, ReadsBothStylesOfRejection) {
   for (const char* style : {"state", "error"}) {
     const auto robot =
@@ -135,7 +152,7 @@ TEST_F(Wait, RepeatsOnRequestWithTheSameActionId) {
 }
 
 TEST_F(Wait, KnowsThePeculiarEndings) {
-  const auto robot = Robot({"KIT/0001"});
+  const auto robot = Robot({"KIT/0001", "KIT/0002"});  // the second keeps what the first left
   for (const char* action : {"factsheetRequest", "clearInstantActions", "startHibernation",
                              "stopHibernation", "shutdown"}) {
     const Finished run = Fleetpub({action, "KIT/0001", "--wait", "-W", "5s"});

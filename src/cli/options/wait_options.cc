@@ -50,6 +50,12 @@ void DeclareWaitingOptions(OptionSet& set, WaitingOptions& options) {
               "Look first whether the robot is online and supports the action [with --wait]")
       .Group(kWaiting);
   set.AddFlag("--no-check", options.no_check, "Send without looking").Group(kWaiting);
+  set.bindings().Bind("tidy",
+                      set.AddFlag("--tidy", options.tidy,
+                                  "With --wait: clear the robot's list of instant actions "
+                                  "afterwards (3.0) [when it is full]")
+                          .Group(kWaiting),
+                      &options.tidy);
   set.AddOption("--discover", options.discover,
                 "Silence in ms after which a retained message is not there [300]")
       .Type("MS")
@@ -75,6 +81,7 @@ Result<app::Waiting> ParseWaitingOptions(const WaitingOptions& options) {
   }
   waiting.check = options.check || (waiting.wait_for && !options.no_check);
   waiting.no_check = options.no_check;
+  waiting.tidy = options.tidy;
   const auto discover = ParseDiscover(options.discover);
   if (!discover) return Fail(discover.error());
   waiting.discover = *discover;

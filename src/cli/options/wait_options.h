@@ -17,6 +17,7 @@ struct WaitingOptions {
   int resend = 0;
   bool check = false;
   bool no_check = false;
+  bool tidy = false;
   std::string discover = "300";
 };
 
