@@ -62,25 +62,22 @@ Status CommandFactory::Build(const ListedRobot& robot, Built& built) {
   const auto message = request_.make_message();
   const vda5050::RobotEntry& entry = robot.second;
   if (entry.factsheet) message->ApplyLimits(*entry.factsheet);
-  const bool is_set = request_.targets.IsSet();
   bool is_offline =
       entry.connection && !entry.IsOnline() && entry.connection->connection_state != "HIBERNATING";
   if (check_ || entry.automatic) {
     PreflightFindings findings = FindingsOn(robot, *message);
     is_offline = is_offline || findings.unreachable;
     if (!findings.refusals.empty()) {
-      const bool offline = is_set && findings.unreachable;
       built.refused.push_back(
-          ReportOn(robot, offline ? CommandStatus::kOffline : CommandStatus::kRefused,
+          ReportOn(robot, findings.unreachable ? CommandStatus::kOffline : CommandStatus::kRefused,
                    ErrorKind::kPreflight, "not sent: " + findings.refusals.front()));
       return {};
     }
     // The result says it, then.
-    const bool is_told = is_set && is_offline && findings.unreachable;
-    if (is_told) findings.warnings.erase(findings.warnings.begin());
+    if (is_offline && findings.unreachable) findings.warnings.erase(findings.warnings.begin());
     for (std::string& warning : findings.warnings) built.warnings.push_back(std::move(warning));
   }
-  return AddCommand(robot, *message, is_set && is_offline, built);
+  return AddCommand(robot, *message, is_offline, built);
 }
 
 Status CommandFactory::AddCommand(const ListedRobot& robot, const RobotMessage& message,

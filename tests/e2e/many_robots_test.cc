@@ -70,7 +70,7 @@ TEST_F(ManyRobots, TheReportOnAThousandNamesExactlyThoseThatAreNotPaused) {
   const auto lines = Lines(run.output);
   ASSERT_THAT(lines, SizeIs(1'001));
   EXPECT_THAT(lines.back(),
-              HasSubstr(R"("robots":1000,"finished":965,"sent":0,"failed":10,"unconfirmed":5,)"
+              HasSubstr(R"("robots":1000,"finished":965,"sent":0,"noOrder":0,"failed":10,"unconfirmed":5,)"
                         R"("offline":20,"refused":0,"errors":0)"));
 }
 

@@ -156,6 +156,26 @@ TEST_F(RobotsAsBuilt, AreNotJudgedByAStateOfYesterday) {
   EXPECT_EQ(Fleetpub({"await", "RIG/7", "connection", "connectionState=ONLINE"}).exit_code, 0);
 }
 
+TEST_F(RobotsAsBuilt, ThatAreOfflineAreSoHoweverTheyAreNamed) {
+  Connect("OFFLINE");
+  for (const char* target : {"RIG/7", "RIG/*"}) {
+    const auto run = [&](const char* action) {
+      return Fleetpub({action, target, "--vda", "auto", "--wait", "-o", "json"});
+    };
+    const Finished refused = run("resume");
+    EXPECT_EQ(refused.exit_code, 7) << target << refused.errors;
+    const auto none = Json(Lines(refused.output).at(0));
+    EXPECT_STREQ(none["status"].GetString(), "OFFLINE");
+    EXPECT_FALSE(none.HasMember("headerId"));
+    const Finished pause = run("pause");
+    EXPECT_EQ(pause.exit_code, 6) << target << pause.errors;
+    const auto sent = Json(Lines(pause.output).at(0));
+    EXPECT_STREQ(sent["status"].GetString(), "OFFLINE");
+    EXPECT_TRUE(sent.HasMember("headerId"));
+    EXPECT_LT(sent["elapsedMs"].GetDouble(), 1000) << "nobody waits for it";
+  }
+}
+
 TEST_F(RobotsAsBuilt, ThatAreFoundTwiceAreNamedTwice) {
   Connect();
   ASSERT_EQ(testing::Run({.arguments = {"mosquitto_pub", "-p", std::to_string(broker_.port()), "-r",
