@@ -257,10 +257,9 @@ Result<ExitCode> RunPlatforms(const Options& o, const Context& context) {
 
 // A fault of an action that nobody will send shows nothing.
 void WarnOfMisspelt(const Options& o, Output& output) {
-  const auto names = vda5050::AllActionWords();
   for (const auto* words : {&o.fail, &o.reject, &o.retriable}) {
     for (const std::string& word : *words) {
-      const auto nearest = vda5050::ActionCalled(word) ? std::nullopt : base::Nearest(word, names);
+      const auto nearest = vda5050::ActionCalled(word) ? std::nullopt : vda5050::ActionMeant(word);
       if (!nearest) continue;
       output.Warn(fmt::format("no predefined action is called '{}': did you mean {}?",
                               base::Printable(word), *nearest));
