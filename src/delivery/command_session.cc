@@ -1,5 +1,7 @@
 #include "delivery/command_session.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <thread>
 #include <utility>
@@ -194,7 +196,12 @@ void CommandSession::SendAgain(const std::vector<PendingCommands::Key>& keys) {
   for (const PendingCommands::Key key : keys) {
     const auto command = again_.find(key);
     if (lost_ || command == again_.end()) continue;
-    static_cast<void>(pipeline.Send(*transport_, std::span(&command->second, 1), key));
+    message::Command sent = command->second;
+    if (auto other = std::exchange(command->second.other_way, std::nullopt)) {
+      sent.payload = std::move(other->payload);
+      if (hooks_.news) hooks_.news(fmt::format("{}: {}", sent.target, other->note));
+    }
+    static_cast<void>(pipeline.Send(*transport_, std::span(&sent, 1), key));
     pipeline.Await(*transport_, 0);
     if (broken_) Lose(Error(*broken_));
   }

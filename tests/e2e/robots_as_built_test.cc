@@ -176,6 +176,27 @@ TEST_F(RobotsAsBuilt, ThatAreOfflineAreSoHoweverTheyAreNamed) {
   }
 }
 
+TEST_F(RobotsAsBuilt, OfTheOtherKeyAreAskedUnderItButNotMovedByIt) {
+  const auto keys = [&](std::vector<std::string> arguments) {
+    const Subscriber subscriber(broker_, kBase + "instantActions");
+    for (const char* more : {"RIG/7", "--wait", "-W", "600ms", "--resend", "1", "--id", "p-1"}) {
+      arguments.emplace_back(more);
+    }
+    const auto run = Start(std::move(arguments));
+    std::string found;
+    for (const auto& message : subscriber.Await(2)) {
+      found += Json(message.payload).HasMember("actions") ? "actions " : "instantActions ";
+    }
+    Say("state", Listed("FINISHED"));
+    EXPECT_EQ(run->Wait(), 0) << run->Output() << run->Errors();
+    return found;
+  };
+  EXPECT_EQ(keys({"stateRequest", "--vda", "2.0"}), "actions instantActions ");
+  EXPECT_EQ(keys({"stateRequest", "--vda", "2.0", "--actions-key", "actions"}), "actions actions ");
+  EXPECT_EQ(keys({"stateRequest", "--vda", "2.1"}), "actions actions ");
+  EXPECT_EQ(keys({"pause", "--vda", "2.0"}), "actions actions ");
+}
+
 TEST_F(RobotsAsBuilt, ThatAreFoundTwiceAreNamedTwice) {
   Connect();
   ASSERT_EQ(testing::Run({.arguments = {"mosquitto_pub", "-p", std::to_string(broker_.port()), "-r",

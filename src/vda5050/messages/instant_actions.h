@@ -52,7 +52,7 @@ struct Dialect {
 
 /// Whether the robot may be one of those of 2.0 that expect the array under 1.1's name: nobody has
 /// said how it is called.
-[[nodiscard]] inline bool ExpectsOtherKey(const Dialect& dialect) {
+[[nodiscard]] inline bool MayExpectOtherKey(const Dialect& dialect) {
   return dialect.version == Version::k200 && dialect.actions_key.empty();
 }
 

@@ -366,7 +366,7 @@ Result<std::unique_ptr<message::ResponseTracker>> TrackInstantAction(const Robot
   Followed followed{.type = std::string(NameIn(dialect.version, action.type)),
                     .id = action.id,
                     .order_json = {},
-                    .hint = ExpectsOtherKey(dialect)
+                    .hint = MayExpectOtherKey(dialect)
                                 ? "some 2.0 robots expect --actions-key instantActions"
                                 : ""};
   for (const Parameter& parameter : action.parameters) {
