@@ -92,9 +92,11 @@ std::optional<Progress> OrderProgress::Look(const RobotState& state) {
   }
   is_taken_ = true;
   if (wait_for_ == WaitFor::kAccepted) {
-    return message::Ended(CommandStatus::kAccepted, had_it_before_
-                                                        ? "the robot had this order before"
-                                                        : "the robot has the order");
+    const bool is_done = !place_without_ && !is_one_place_ && IsAtLastNode(state);
+    return message::Ended(CommandStatus::kAccepted,
+                          had_it_before_ ? "the robot had this order before"
+                          : is_done ? "the robot shows the order as done: it may have had it before"
+                                    : "the robot has the order");
   }
   Note(state);
   return Conclude(state, true);

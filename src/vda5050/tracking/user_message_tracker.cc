@@ -114,7 +114,10 @@ class ItemTracker final : public message::ResponseTracker {
     const bool is_shown = shown && shown->seen;
     const bool is_refused = nearest == Attribution::kItem || nearest == Attribution::kHeaderId ||
                             (nearest == Attribution::kPart && !is_shown);
-    if (!progress_.seen && is_refused) return End(CommandStatus::kRejected, "");
+    if (!progress_.seen && is_refused) {
+      return End(CommandStatus::kRejected,
+                 is_shown ? "the robot shows it nevertheless, and may have had it before" : "");
+    }
     if (!shown && progress_.seen) {
       return End(CommandStatus::kVanished, fmt::format("the robot's state no longer shows {} {}",
                                                        item_.id_key, Shown(item_.id)));

@@ -214,6 +214,17 @@ TEST_F(OrderTracking, SaysThatTheRobotHadItBefore) {
   At("a", 0, kOneLeft);
   EXPECT_EQ(Ending(), "ACCEPTED");
   EXPECT_THAT(Told(), HasSubstr("before"));
+  Send(Order({"a", "b"}), WaitFor::kAccepted);
+  At("b", 2);
+  EXPECT_THAT(Told(), HasSubstr("may have had it before")) << "it is done in no time";
+  Send(Order({"a", "b"}), WaitFor::kAccepted);
+  At("a", 0, kOneLeft);
+  EXPECT_THAT(Told(), Not(HasSubstr("before")));
+  Send(Order({"a", "b"}), WaitFor::kAccepted);
+  At("a", 0, kOneLeft, R"(,"errors":[{"errorType":"SAME_ORDER_UPDATE_ID","errorReferences":[
+        {"referenceKey":"orderId","referenceValue":"o"}]}])");
+  EXPECT_EQ(Ending(), "REJECTED");
+  EXPECT_THAT(Told(), AllOf(HasSubstr("before"), HasSubstr("SAME_ORDER_UPDATE_ID")));
 }
 
 TEST_F(OrderTracking, TellsWhereARobotStandsThatForgetsItsOrder) {
