@@ -6,6 +6,8 @@
 #include <thread>
 #include <utility>
 
+#include "base/text.h"
+
 namespace fleetpub::delivery {
 namespace {
 
@@ -199,7 +201,8 @@ void CommandSession::SendAgain(const std::vector<PendingCommands::Key>& keys) {
     message::Command sent = command->second;
     if (auto other = std::exchange(command->second.other_way, std::nullopt)) {
       sent.payload = std::move(other->payload);
-      if (hooks_.news) hooks_.news(fmt::format("{}: {}", sent.target, other->note));
+      if (hooks_.news)
+        hooks_.news(fmt::format("{}: {}", base::Printable(sent.target), other->note));
     }
     static_cast<void>(pipeline.Send(*transport_, std::span(&sent, 1), key));
     pipeline.Await(*transport_, 0);

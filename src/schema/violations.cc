@@ -268,13 +268,19 @@ class Walk {
     Missing(*schema.required, object, where, "required but missing");
     if (findings_.size() == before || !IsCorrected(schema, "required")) return;
     std::vector<std::string> corrected;
+    bool are_all = true;
     for (const Value& name : schema.required->GetArray()) {
       const bool is_missing = FindMember(object, ViewOf(name)) == nullptr;
-      if (is_missing && IsCorrected(schema, ViewOf(name))) corrected.emplace_back(ViewOf(name));
+      if (!is_missing) continue;
+      if (IsCorrected(schema, ViewOf(name))) {
+        corrected.emplace_back(ViewOf(name));
+      } else {
+        are_all = false;
+      }
     }
     if (corrected.empty()) return;
     Append(fmt::format("; a correction of ours: the published schema does not ask for {}",
-                       base::Join(corrected, ", ")));
+                       are_all ? "that" : base::Join(corrected, ", ")));
   }
 
   void Missing(const Value& names, const Value& object, const Where& where, std::string_view how) {

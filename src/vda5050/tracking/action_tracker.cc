@@ -156,8 +156,12 @@ void ActionTracker::Receive(const message::Incoming& message) {
 
 void ActionTracker::PassOnNews() {
   using message::Kept;
-  const bool is_listed = listed_as_instant_ && IsTerminal(status_) && !ending_.clears_list;
-  progress_.kept = alerts_.list_full() ? Kept::kTooMuch : is_listed ? Kept::kEntry : Kept::kNothing;
+  const bool is_listed = listed_as_instant_ && IsTerminal(status_);
+  if (!ending_.clears_list) {
+    progress_.kept = alerts_.list_full() ? Kept::kTooMuch
+                     : is_listed         ? Kept::kEntry
+                                         : Kept::kNothing;
+  }
   for (std::string& line : alerts_.Take()) AddNews(std::move(line));
 }
 

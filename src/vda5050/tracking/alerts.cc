@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "base/text.h"
+
 namespace fleetpub::vda5050 {
 
 void Alerts::Published(std::uint32_t header_id) {
@@ -27,7 +29,9 @@ void Alerts::Look(const RobotState& state) {
 }
 
 void Alerts::Add(const std::vector<std::string>& texts) {
-  for (const std::string& text : texts) lines_.push_back(robot_ + ": " + text);
+  for (const std::string& text : texts) {
+    lines_.push_back(fmt::format("{}: {}", base::Printable(robot_), text));
+  }
 }
 
 // A ledger that has just begun to count the topic, and a robot that has heard of more: somebody else

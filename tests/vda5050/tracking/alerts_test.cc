@@ -43,7 +43,7 @@ TEST_F(ResponseTracker, TellsThatTheListIsFull) {
   EXPECT_EQ(Now().kept, Kept::kTooMuch);
   EXPECT_EQ(News(), "");
   FollowAndPublish("clearInstantActions");
-  HearActions(Entry(kId, "FINISHED"));
+  HearActions(Entry(kId, "FINISHED"), kFull);
   EXPECT_EQ(Now().kept, Kept::kNothing) << "it has cleared what there was";
 }
 
