@@ -19,13 +19,13 @@ void DeclareInstantSendingOptions(OptionSet& set, InstantSendingOptions& options
 }
 
 Result<ExitCode> SendToRobots(const app::CommandRequest& request, const app::SendSettings& settings,
-                              const Context& context) {
+                              const Context& context, bool no_order_is_fine) {
   using Show = SendingObserver::Show;
   SendingObserver observer(context.output,
                            settings.dry_run          ? Show::kPayloads
                            : request.targets.IsSet() ? Show::kResultsAndProgress
                                                      : Show::kResults,
-                           FormatSite(context));
+                           FormatSite(context), no_order_is_fine);
   auto sent = app::SendCommand(request, settings, MakeEnvironment(context), observer);
   if (!sent) return Fail(std::move(sent.error()));
   return observer.Conclude();
@@ -36,6 +36,9 @@ Result<ExitCode> SendInstantAction(const InstantSendingOptions& options, std::st
                                    const Context& context) {
   const auto waiting = ParseWaitingOptions(options.waiting);
   if (!waiting) return Fail(waiting.error());
+  if (options.if_any && !waiting->wait_for) {
+    return Fail(ErrorKind::kUsage, "--if-any belongs to waiting: add --wait");
+  }
   auto target_request = ParseTargetOptions(options.targets);
   if (!target_request) return Fail(std::move(target_request.error()));
   auto targets = app::ResolveTargets(*std::move(target_request), context.config, context.output);
@@ -49,14 +52,16 @@ Result<ExitCode> SendInstantAction(const InstantSendingOptions& options, std::st
   if (!header_id) return Fail(header_id.error());
   const auto settings = ParseSendingOptions(options.sending);
   if (!settings) return Fail(settings.error());
-  return SendToRobots({.targets = *std::move(targets),
-                       .resolver = *std::move(resolver),
-                       .title = std::string(type),
-                       .needs_consent = app::DecideConsent(type),
-                       .header_id = *header_id,
-                       .make_message = [&] { return app::MakeInstantMessage(*action, options.instant.id.has_value()); },
-                       .waiting = *waiting},
-                      *settings, context);
+  return SendToRobots(
+      {.targets = *std::move(targets),
+       .resolver = *std::move(resolver),
+       .title = std::string(type),
+       .needs_consent = app::DecideConsent(type),
+       .header_id = *header_id,
+       .make_message =
+           [&] { return app::MakeInstantMessage(*action, options.instant.id.has_value()); },
+       .waiting = *waiting},
+      *settings, context, options.if_any);
 }
 
 }  // namespace fleetpub::cli

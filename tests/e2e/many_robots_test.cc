@@ -69,9 +69,10 @@ TEST_F(ManyRobots, TheReportOnAThousandNamesExactlyThoseThatAreNotPaused) {
   EXPECT_THAT(names, SizeIs(4));
   const auto lines = Lines(run.output);
   ASSERT_THAT(lines, SizeIs(1'001));
-  EXPECT_THAT(lines.back(),
-              HasSubstr(R"("robots":1000,"finished":965,"sent":0,"failed":10,"unconfirmed":5,)"
-                        R"("offline":20,"refused":0,"errors":0)"));
+  EXPECT_THAT(
+      lines.back(),
+      HasSubstr(R"("robots":1000,"finished":965,"sent":0,"noOrder":0,"failed":10,"unconfirmed":5,)"
+                R"("offline":20,"refused":0,"errors":0)"));
 }
 
 TEST_F(ManyRobots, APersonReadsASummary) {

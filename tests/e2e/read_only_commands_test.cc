@@ -94,7 +94,8 @@ TEST_F(ReadOnlyCommands, TellsTheTopicFromTheMessage) {
   const std::pair<const char*, const char*> table[] = {
       {R"("version":"3.0.0","nodes":[])", "orderId, orderUpdateId, edges are required"},
       {R"("version":"2.1.0","agvPosition":{},"operatingMode":"MANUAL")", "lastNodeId"},
-      {R"("version":"2.0.0","velocity":{})", "serialNumber are required but missing\n"},
+      {R"("version":"2.0.0","velocity":{})",
+       "serialNumber are required but missing; a correction of ours"},
       {R"("version":"2.0.0","protocolLimits":{})", "agvGeometry"},
       {R"("version":"3.0.0","responses":[{}])", "requestId, grantType are required"},
       {R"("version":"3.0.0","zoneSet":{})", "/zoneSet: mapId, zoneSetId, zones are required"},

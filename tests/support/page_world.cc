@@ -9,7 +9,9 @@ shopt -s expand_aliases
 background() { local log; log=$(mktemp -p .); "$@" >"$log" 2>&1 & until grep -q online "$log"; do sleep .02; done; cat "$log"; }
 until_killed() { background "$@"; kill $!; wait $!; }
 online() { background fleetpub simulate --state-interval 50ms "$@" >/dev/null; }
-gone() { online "$@"; kill $!; wait $!; }
+gone() { place=vda5050/v3; version=3.0.0; if [ "${2:-}" = --vda ]; then place=uagv/v2; version=2.1.0; fi
+  publish -r -q 1 -t "$place/$1/connection" -m '{"headerId":1,"timestamp":"'"$(date -u +%FT%TZ)"'","version":"'$version'",
+  "manufacturer":"'"${1%/*}"'","serialNumber":"'"${1#*/}"'","connectionState":"OFFLINE"}'; }
 everybody_goes() { kill $(jobs -p); wait; }
 order() { echo '{"orderId":"o-1","orderUpdateId":0,"nodes":[{"nodeId":"n1","sequenceId":0,"released":true,"actions":[],
   "nodePosition":{"x":-5,"y":5,"mapId":"map-1"}},{"nodeId":"n2","sequenceId":2,"released":true,"actions":[],

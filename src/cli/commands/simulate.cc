@@ -40,6 +40,7 @@ struct Options {
   std::string mode;
   bool with_order = false;
   std::string order_time;
+  std::string list_limit = "0";
   std::string delay = "0";
   std::vector<std::string> fail;
   std::vector<std::string> reject;
@@ -180,6 +181,13 @@ Result<simulator::Settings> MakeSettings(const Options& o, const app::VdaOptions
   if (!settings.retriable.empty() && settings.version < Version::k300) {
     return Fail(ErrorKind::kUsage, "--retriable: RETRIABLE exists from version 3.0.0 on");
   }
+  const auto limit = NumberOf(o.list_limit, "--list-limit", 10'000);
+  if (!limit) return Fail(limit.error());
+  settings.list_limit = *limit;
+  if (*limit > 0 && settings.version < Version::k300) {
+    return Fail(ErrorKind::kUsage,
+                "--list-limit: ended actions stay until they are cleared from version 3.0.0 on");
+  }
   return settings;
 }
 
@@ -221,11 +229,12 @@ void Show(std::string_view robot, const simulator::Event& event, Output& output)
 // What only robots have, and was asked of platforms.
 Status RefuseRobotOptions(const Options& o) {
   const Options none;
-  const bool any =
-      o.interface_name != none.interface_name || o.topic_template != none.topic_template ||
-      o.actions_key != none.actions_key || o.count != none.count || o.mode != none.mode ||
-      o.with_order || o.order_time != none.order_time || !o.fail.empty() || !o.reject.empty() ||
-      !o.reject_style.empty() || o.force || !o.retriable.empty() || o.drop != none.drop;
+  const bool any = o.interface_name != none.interface_name ||
+                   o.topic_template != none.topic_template || o.actions_key != none.actions_key ||
+                   o.count != none.count || o.mode != none.mode || o.with_order ||
+                   o.order_time != none.order_time || o.list_limit != none.list_limit ||
+                   !o.fail.empty() || !o.reject.empty() || !o.reject_style.empty() || o.force ||
+                   !o.retriable.empty() || o.drop != none.drop;
   if (!any) return {};
   return Fail(ErrorKind::kUsage,
               "with --protocol soar there are --prefix, --delay, --stop-at, --silent, "
@@ -248,10 +257,9 @@ Result<ExitCode> RunPlatforms(const Options& o, const Context& context) {
 
 // A fault of an action that nobody will send shows nothing.
 void WarnOfMisspelt(const Options& o, Output& output) {
-  const auto names = vda5050::AllActionWords();
   for (const auto* words : {&o.fail, &o.reject, &o.retriable}) {
     for (const std::string& word : *words) {
-      const auto nearest = vda5050::ActionCalled(word) ? std::nullopt : base::Nearest(word, names);
+      const auto nearest = vda5050::ActionCalled(word) ? std::nullopt : vda5050::ActionMeant(word);
       if (!nearest) continue;
       output.Warn(fmt::format("no predefined action is called '{}': did you mean {}?",
                               base::Printable(word), *nearest));
@@ -312,6 +320,13 @@ Result<ExitCode> RunSimulate(const Options& o, const Context& context) {
   }
   run.stopped = [] { return g_stopped != 0; };
   run.on_lost = [&](const Error& error) { output.Lost(error); };
+  run.on_unheard = [&](std::string_view topic) {
+    output.Warn(
+        fmt::format("what was published on {} does not come back: the broker may have "
+                    "dropped it, or this login may not read it. try: -V 5, over which a "
+                    "broker can say no",
+                    base::Printable(topic)));
+  };
   run.on_ready = [&] {
     StopOnSignals();
     Print(stderr, fmt::format("fleetpub: {} robot{} online at {}, version {}\n", robots->size(),
@@ -371,6 +386,8 @@ void DeclareFaults(OptionSet& set, Options& o) {
   add("--reject-style", o.reject_style, "STYLE",
       "state: an action state FAILED and an error; error: an error only [state from 3.0]");
   add_types("--retriable", o.retriable, "Actions of this type become RETRIABLE; repeatable");
+  add("--list-limit", o.list_limit, "N",
+      "So many ended instant actions fit into the list (3.0) [20, then the oldest go]");
   set.AddFlag("--silent", o.silent, "Never report a state; a platform says nothing").Group(kFaults);
   add("--drop", o.drop, "PERCENT", "Ignore this share of the messages [0]");
   add("--seed", o.seed, "N", "Another choice of what is dropped [1]");

@@ -56,6 +56,12 @@ void DeclareCheckOptions(OptionSet& set, WaitingOptions& options) {
   set.AddFlag("--no-check", options.no_check,
               "Send unchecked; with a version stated, without asking the broker anything")
       .Group(kWaiting);
+  set.bindings().Bind("tidy",
+                      set.AddFlag("--tidy", options.tidy,
+                                  "With --wait: clear the robot's list of instant actions "
+                                  "afterwards (3.0) [when it is full]")
+                          .Group(kWaiting),
+                      &options.tidy);
   set.AddOption("--discover", options.discover,
                 "Silence in ms after which a retained message is not there [300]; five times as "
                 "long for the states of robots that are not online")
@@ -81,6 +87,7 @@ Result<app::Waiting> ParseWaitingOptions(const WaitingOptions& options) {
     return Fail(ErrorKind::kUsage, "--check and --no-check exclude each other");
   }
   waiting.check = !options.no_check;
+  waiting.tidy = options.tidy;
   const auto discover = ParseDiscover(options.discover);
   if (!discover) return Fail(discover.error());
   waiting.discover = *discover;
