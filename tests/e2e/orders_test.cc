@@ -160,14 +160,14 @@ TEST_F(Orders, StandInTheHistory) {
 }
 
 TEST_F(Orders, AreReadInOneWayByPublishValidateAndBatch) {
+  const auto robot = Robot({"KIT/0001", "--vda", "2.0"});
   const std::string order = Order("o", Header("2.0.0+rig"));
   const std::string file = File("order.json", order);
   std::string line = fmt::format(R"({{"target":"KIT/0001","topic":"order","payload":{}}})", order);
   std::replace(line.begin(), line.end(), '\n', ' ');
   for (const Finished& run :
-       {Fleetpub({"publish", "order", "KIT/0001", "-f", file, "--dry-run", "--offline"}),
-        Fleetpub(
-            {"publish", "order", "KIT/0001", "-f", file, "--dry-run", "--offline", "--restamp"}),
+       {Fleetpub({"publish", "order", "KIT/0001", "-f", file, "--dry-run"}),
+        Fleetpub({"publish", "order", "KIT/0001", "-f", file, "--dry-run", "--restamp"}),
         Fleetpub({"validate", file}), Fleetpub({"batch", File("lines", line + "\n")})}) {
     EXPECT_EQ(run.exit_code, 0) << run.output << run.errors;
     EXPECT_THAT(run.errors, AllOf(HasSubstr("2.0.0+rig"), HasSubstr("taken as 2.0.0")));
@@ -181,6 +181,7 @@ TEST_F(Orders, AreReadInOneWayByPublishValidateAndBatch) {
 }
 
 TEST_F(Orders, WithAMisspeltMemberAreWarnedOf) {
+  const auto robot = Robot({"KIT/0001"});
   std::string order = Order("o", Header("3.0.0"));
   const auto at = order.find("nodePosition");
   order.replace(at, 12, "node_position");
@@ -188,7 +189,7 @@ TEST_F(Orders, WithAMisspeltMemberAreWarnedOf) {
   std::string line = fmt::format(R"({{"target":"KIT/0001","topic":"order","payload":{}}})", order);
   std::replace(line.begin(), line.end(), '\n', ' ');
   for (const Finished& run :
-       {Fleetpub({"publish", "order", "KIT/0001", "-f", file, "--dry-run", "--offline"}),
+       {Fleetpub({"publish", "order", "KIT/0001", "-f", file, "--dry-run"}),
         Fleetpub({"validate", file}), Fleetpub({"batch", File("lines", line + "\n")})}) {
     EXPECT_EQ(run.exit_code, 0) << run.output << run.errors;
     EXPECT_THAT(run.errors, AllOf(HasSubstr("node_position"), HasSubstr("nodePosition")));
