@@ -99,8 +99,7 @@ TEST_F(Wait, RefusesWhatCannotBeObeyed) {
 TEST_F(Wait, SpeaksToEachRobotInItsOwnVersion) {
   const auto old = Robot({"KIT/0001", "--vda", "1.1.0"});
   const auto young = Robot({"KIT/0002", "--vda", "3.0.0"});
-  const Finished run =
-      Fleetpub({"pause", "KIT/0001", "KIT/0002", "--vda", "auto", "--wait", "-o", "json"});
+  const Finished run = Fleetpub({"pause", "KIT/0001", "KIT/0002", "--wait", "-o", "json"});
   EXPECT_EQ(run.exit_code, 0) << run.output << run.errors;
   std::map<std::string, std::string> versions;
   for (const std::string& line : Lines(run.output)) {
@@ -110,7 +109,7 @@ TEST_F(Wait, SpeaksToEachRobotInItsOwnVersion) {
   }
   EXPECT_EQ(versions,
             (std::map<std::string, std::string>{{"KIT/0001", "1.1.0"}, {"KIT/0002", "3.0.0"}}));
-  EXPECT_EQ(Fleetpub({"pause", "KIT/0003", "--vda", "auto"}).exit_code, 7);
+  EXPECT_EQ(Fleetpub({"resume", "KIT/0003", "--no-check", "--vda", "auto"}).exit_code, 7);
 }
 
 TEST_F(Wait, TellsThatARobotWasSwitchedOffHalfWay) {
