@@ -65,7 +65,7 @@ TEST_F(Refusals, NameWhatIsWrongAndSendNothing) {
       {{"initPosition", "KIT/0001", "--x", "1e999"}, 3, "x must be a finite number"},
       {{"initPosition", "KIT/0001", "--theta", "3.2"}, 3, "between -π and π"},
       {{"initPosition", "KIT/0001", "--x", "1"}, 3, "needs the parameters y, theta, mapId"},
-      {{"pause", "KIT/0001", "--blocking-type", "HARD"}, 3, "must be NONE"},
+      {{"pause", "KIT/0001", "--vda", "3", "--blocking-type", "HARD"}, 3, "must be NONE"},
       {{"pause", "KIT/0001", "--id", ""}, 3, "actionId must not be empty"},
       {{"action", "beep", "KIT/0001", "-P", "a:={"}, 3, "takes JSON"},
       {{"action", "beep", "KIT/0001", "-P", "a:=null"}, 3, "must be"},

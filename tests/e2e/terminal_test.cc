@@ -199,7 +199,9 @@ class Progress : public OnATerminal {
     robots->Signal();
     EXPECT_EQ(robots->Wait(), 0);
   }
-  [[nodiscard]] std::string PauseAll() const { return Line({"pause", "--all", "--rate", "3"}); }
+  [[nodiscard]] std::string PauseAll() const {
+    return Line({"pause", "--all", "--rate", "3", "--discover", "60"});
+  }
 };
 
 std::vector<std::string> WhatIsLeft(Terminal& terminal) {

@@ -81,7 +81,7 @@ TEST_F(Wait, ReadsBothStylesOfRejection) {
 
 TEST_F(Wait, RefusesWhatCannotBeObeyed) {
   const auto robot = Robot({"KIT/0001", "--mode", "MANUAL"});
-  const Finished typo = Fleetpub({"resume", "KIT/0010", "--wait"});
+  const Finished typo = Fleetpub({"resume", "KIT/0010", "--wait", "--discover", "60"});
   EXPECT_EQ(typo.exit_code, 7);
   EXPECT_THAT(typo.output,
               AllOf(HasSubstr("REFUSED"), HasSubstr("unknown"), HasSubstr("not sent")));
@@ -109,7 +109,7 @@ TEST_F(Wait, SpeaksToEachRobotInItsOwnVersion) {
   }
   EXPECT_EQ(versions,
             (std::map<std::string, std::string>{{"KIT/0001", "1.1.0"}, {"KIT/0002", "3.0.0"}}));
-  EXPECT_EQ(Fleetpub({"resume", "KIT/0003", "--no-check", "--vda", "auto"}).exit_code, 7);
+  EXPECT_EQ(Fleetpub({"resume", "KIT/0003", "--no-check", "--discover", "60"}).exit_code, 7);
 }
 
 TEST_F(Wait, TellsThatARobotWasSwitchedOffHalfWay) {
