@@ -145,7 +145,8 @@ TEST_F(BrokerFailures, OfAccessListsAreKnownToMqtt5AndWarnedOfBefore) {
   EXPECT_THAT(unknown.errors,
               AllOf(HasSubstr("access list"), HasSubstr("-V 5"), HasSubstr("--wait")));
   EXPECT_THAT(Pause(broker.Url(), {"-q", "1", "--quiet"}).errors, IsEmpty());
-  Command batch = operator_.Prepare({"batch", "--vda", "3.0", "-q", "1", "-b", broker.Url()});
+  Command batch =
+      operator_.Prepare({"batch", "--vda", "3.0", "-q", "1", "-b", broker.Url(), "--no-check"});
   batch.input = R"({"action":"startPause","target":"KIT/0001"})";
   EXPECT_THAT(testing::Run(batch).errors, HasSubstr("access list"));
   EXPECT_THAT(subscriber.SoFar(), IsEmpty());
@@ -258,7 +259,7 @@ TEST_F(BrokerFailures, OfTooLargeAMessageConcernOnlyItsOwnLineOfABatch) {
   const Mosquitto broker({"allow_anonymous true", "max_packet_size 2000"});
   const Subscriber subscriber(broker);
   Command batch = operator_.Prepare(
-      {"batch", "--vda", "3.0", "-V", "5", "-q", "1", "-b", broker.Url()});
+      {"batch", "--vda", "3.0", "--no-check", "-V", "5", "-q", "1", "-b", broker.Url()});
   batch.input = R"({"action":"startPause","target":"KIT/0001"})"
                 "\n"
                 R"({"action":"beep","target":"KIT/0002","parameters":{"text":")" +
