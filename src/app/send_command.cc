@@ -186,6 +186,11 @@ class CommandSender final : private delivery::CommandSource {
     auto discovered =
         DiscoverRobots(*link_->transport, request_.targets, options, directory_, observer_);
     if (discovered) return discovered;
+    // To stop is not held back by a login that may not read.
+    if (!request_.targets.AreFound() && request_.make_message()->IsOnlyStartPause()) {
+      observer_.Warn(discovered.error().message);
+      return {};
+    }
     return Fail(ReportNothingSent(CommandStatus::kError, std::move(discovered.error())));
   }
 

@@ -163,14 +163,23 @@ TEST_F(BrokerFailures, OfARefusedSubscriptionSendNothing) {
     EXPECT_EQ(run.exit_code, 4) << run.output;
     EXPECT_THAT(run.errors, AllOf(HasSubstr("nothing was sent"),
                                   HasSubstr("refuses the subscription to vda5050/v3/KIT/0001/")));
-    EXPECT_EQ(Call(broker.Url(), {"pause", "KIT/0001", "-V", version}).exit_code, 4);
+    EXPECT_EQ(Call(broker.Url(), {"resume", "KIT/0001", "-V", version}).exit_code, 4);
     EXPECT_EQ(
         Call(broker.Url(), {"await", "KIT/0001", "state", "paused=true", "-V", version}).exit_code,
         4);
     EXPECT_EQ(Call(broker.Url(), {"fleet", "-V", version}).exit_code, 4);
     EXPECT_EQ(broker.published(), 0);
+    EXPECT_THAT(History(), IsEmpty());
   }
-  EXPECT_THAT(History(), IsEmpty());
+}
+
+// A login that may send and not read can stop a robot.
+TEST_F(BrokerFailures, OfARefusedLookHoldBackNoPause) {
+  const ScriptedBroker broker({.suback = 0x80});
+  const Finished run = Call(broker.Url(), {"pause", "KIT/0001"});
+  EXPECT_EQ(run.exit_code, 0) << run.output << run.errors;
+  EXPECT_THAT(run.errors, AllOf(HasSubstr("refuses the subscription"), HasSubstr("(assumed)")));
+  EXPECT_EQ(broker.published(), 1);
 }
 
 TEST_F(BrokerFailures, OfAcknowledgementsThatComeLateAreNoFailures) {
