@@ -115,8 +115,7 @@ std::string ActionExamples(std::string_view name) {
     const bool number = parameter.type != vda5050::ParameterType::kString;
     parameters += fmt::format(" --{} {}", parameter.name, number ? "1.5" : "TEXT");
   }
-  return fmt::format("{0} KIT/0001{1} --wait\n{0} KIT/0001{1} --dry-run", name,
-                     parameters);
+  return fmt::format("{0} KIT/0001{1} --wait\n{0} KIT/0001{1} --dry-run", name, parameters);
 }
 
 std::string Indented(std::string_view examples) {
