@@ -42,7 +42,8 @@ TEST(FleetSummary, CountsEveryStatusUnderOneWord) {
   EXPECT_EQ(summary.Counts(),
             "2 finished, 3 sent, 1 no order, 2 failed, 3 unconfirmed, 1 offline, 2 refused, "
             "1 errors");
-  const auto json = base::ParseJson(summary.Json(milliseconds(7), ExitCode::kBroker, "mqtt://north"));
+  const auto json =
+      base::ParseJson(summary.Json(milliseconds(7), ExitCode::kBroker, "mqtt://north"));
   EXPECT_EQ((*json)["summary"]["noOrder"].GetInt(), 1);
 }
 
