@@ -54,8 +54,7 @@ void DeclareVdaOptions(OptionSet& set, app::VdaOptions& o) {
     return set.AddOption(names, value, help).Type(type).Group(kVda);
   };
   add("--vda", o.version, "V",
-      "Version to speak: 1.1.0, 2.0.0, 2.1.0, 3.0.0, or auto: the robot's own [3.0.0, assumed; "
-      "auto for robots found by a pattern]")
+      "Version to speak: 1.1.0, 2.0.0, 2.1.0, 3.0.0, or auto: the robot's own [auto]")
       .Variable("FLEETPUB_VDA");
   add("--interface", o.interface_name, "NAME",
       "First topic level [uagv up to 2.x, vda5050 from 3.0]")
