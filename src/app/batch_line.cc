@@ -402,6 +402,11 @@ Result<LineCommands> LineParser::ForEach(const Value& line, const Request& reque
         command->command ? command->command->target : command->robot.robot.ToString();
     if (targets.size() > 1 && !named.insert(name).second)
       return Wrong(fmt::format("target names {} twice", Printable(name)));
+    if (command->message != nullptr) {
+      const auto& [robot, dialect, automatic] = command->robot;
+      const bool waits = command->wait_for.has_value();
+      if (auto ok = owners_.Add(robot, dialect->topics, waits); !ok) return Fail(ok.error());
+    }
     const bool is_asked_first = !command->command && (defaults_.check || command->robot.automatic);
     if (!is_asked_first) {
       if (auto ok = Build(*command); !ok) return Fail(std::move(ok.error()));

@@ -70,6 +70,7 @@ class LineParser {
 
   LineDefaults defaults_;
   schema::Registry registry_;
+  TopicOwners owners_;
 };
 
 }  // namespace fleetpub::app

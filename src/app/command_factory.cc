@@ -39,6 +39,14 @@ std::string DescribeOffline(const ListedRobot& robot) {
 
 }  // namespace
 
+Result<std::vector<std::string>> CommandFactory::Try(const RobotMessage& message,
+                                                     const vda5050::RobotAddress& robot,
+                                                     const Dialect& dialect,
+                                                     std::optional<std::uint32_t> header_id) {
+  const auto command = message.Build(robot, dialect, header_id);
+  return command ? ValidateCommand(*command, registry_) : Fail(command.error());
+}
+
 Status CommandFactory::Validate(const CommandRequest& request,
                                 const std::vector<const ListedRobot*>& robots) {
   const auto message = request.make_message();
@@ -51,8 +59,7 @@ Status CommandFactory::Validate(const CommandRequest& request,
     const auto& dialect = robot->second.Spoken();
     if (is_alike && (dialect.get() == last || !validated.insert(dialect.get()).second)) continue;
     last = dialect.get();
-    const auto command = message->Build(robot->first, *dialect, request.header_id);
-    const auto warnings = command ? ValidateCommand(*command, registry_) : Fail(command.error());
+    const auto warnings = Try(*message, robot->first, *dialect, request.header_id);
     any_good = any_good || warnings;
     if (first && !warnings) first = Fail(warnings.error());
   }
@@ -69,8 +76,7 @@ Status CommandFactory::ValidateInAnyVersion(const CommandRequest& request,
          ++version) {
       if (!dialect.assumed && *version != dialect.version) continue;
       dialect.version = *version;
-      const auto command = message->Build(robot->first, dialect, request.header_id);
-      const auto warnings = command ? ValidateCommand(*command, registry_) : Fail(command.error());
+      const auto warnings = Try(*message, robot->first, dialect, request.header_id);
       if (warnings) return {};
       if (newest) newest = Fail(warnings.error());
     }
@@ -92,8 +98,7 @@ Status CommandFactory::Build(const ListedRobot& robot, const RobotRequest& reque
           robot, request, findings.unreachable ? CommandStatus::kOffline : CommandStatus::kRefused,
           ErrorKind::kPreflight, "not sent: " + findings.refusals.front()));
       // What is to be said of the message itself is said all the same.
-      const auto command = request.message.Build(robot.first, *entry.Spoken(), request.header_id);
-      const auto warnings = command ? ValidateCommand(*command, registry_) : Fail(command.error());
+      const auto warnings = Try(request.message, robot.first, *entry.Spoken(), request.header_id);
       if (!warnings) return {};
       built.warnings.insert(built.warnings.end(), warnings->begin(), warnings->end());
       return {};

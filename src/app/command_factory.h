@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "app/dialect_resolver.h"
+#include "app/environment.h"
 #include "app/robot_discovery.h"
 #include "app/robot_messages.h"
 #include "app/targets.h"
@@ -53,20 +54,17 @@ struct RobotRequest {
   RobotMessage& message;
   std::optional<std::uint32_t> header_id;
   std::optional<vda5050::WaitFor> wait_for;  ///< nothing: do not wait
-  bool is_set = false;  ///< one of several that a word stands for: others do not suffer from it
 };
 
 class CommandFactory {
  public:
   explicit CommandFactory(const std::string& schema_directory) : registry_(schema_directory) {}
 
-  /// How the broker was asked. Without, nothing is known of any robot and nothing is checked.
-  struct Look {
-    bool check = false;          ///< else only how each is spoken to is wanted
-    std::string site;            ///< where: `mqtts://north (profile north)`
-    bool keeps_nothing = false;  ///< it said that it keeps no retained messages
-  };
-  void SetLook(Look look) { look_ = std::move(look); }
+  /// This broker is asked of the robots; `check`: else only how each is spoken to is wanted. Without,
+  /// nothing is known of any robot and nothing is checked.
+  void SetLook(bool check, const mqtt::ServerInfo& server, const std::string& profile) {
+    look_ = {check, FormatSite(server.broker, profile), server.KeepsNothing()};
+  }
 
   /// Looks for robots that are ONLINE and may be meant by those of whom nothing is known: `did you
   /// mean KIT/0001?` Not for more than twenty.
@@ -98,6 +96,17 @@ class CommandFactory {
                                                 std::string message);
 
  private:
+  struct Look {
+    bool check = false;
+    std::string site;
+    bool keeps_nothing = false;
+  };
+
+  /// What is to be warned of in the message; nothing of it is kept. Errors: it is not valid.
+  [[nodiscard]] Result<std::vector<std::string>> Try(const RobotMessage& message,
+                                                     const vda5050::RobotAddress& robot,
+                                                     const vda5050::Dialect& dialect,
+                                                     std::optional<std::uint32_t> header_id);
   [[nodiscard]] vda5050::PreflightFindings FindingsOn(const ListedRobot& robot,
                                                       const RobotMessage& message) const;
   [[nodiscard]] vda5050::PreflightFindings FindingsOnUnknown(const ListedRobot& robot,

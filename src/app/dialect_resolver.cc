@@ -66,6 +66,26 @@ Result<vda5050::Dialect> ParseDialect(const VdaOptions& o) {
   return dialect;
 }
 
+Status TopicOwners::Add(const vda5050::RobotAddress& robot, const vda5050::TopicScheme& scheme,
+                        bool waits) {
+  if (waits && !scheme.Names("{topic}")) {
+    return Fail(
+        ErrorKind::kUsage,
+        fmt::format("topic template '{}' has no {{topic}}, so no state of {} can be "
+                    "waited for: leave out --wait",
+                    base::Printable(scheme.topic_template), base::Printable(robot.ToString())));
+  }
+  if (scheme.Names("{manufacturer}")) return {};
+  const auto [other, is_new] = by_serial_.emplace(robot.serial_number, robot);
+  if (is_new || other->second == robot) return {};
+  return Fail(
+      ErrorKind::kUsage,
+      fmt::format("topic template '{}' lacks {{manufacturer}}: {} and {} would get each "
+                  "other's messages",
+                  base::Printable(scheme.topic_template), base::Printable(other->second.ToString()),
+                  base::Printable(robot.ToString())));
+}
+
 VdaOptions Configured(VdaOptions given, const config::Config& config) {
   return Completed(std::move(given), [&](std::string_view key) { return config.Find(key); });
 }

@@ -1,6 +1,7 @@
 // How a robot is spoken to: version, topics and header, as flags and configuration say.
 #pragma once
 
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -40,6 +41,18 @@ struct AddressedRobot {
   /// That it is spoken to in at first; not null. Its version is assumed where nobody states one.
   std::shared_ptr<const vda5050::Dialect> dialect;
   bool automatic = false;  ///< then in its own
+};
+
+/// Robots whose topics may not tell them apart: a template may leave {manufacturer} or {topic} out.
+class TopicOwners {
+ public:
+  /// `waits`: something of the robot is to be heard. Errors: ErrorKind::kUsage: another robot has the
+  /// same topics, or nothing is heard of this one.
+  [[nodiscard]] Status Add(const vda5050::RobotAddress& robot, const vda5050::TopicScheme& scheme,
+                           bool waits);
+
+ private:
+  std::map<std::string, vda5050::RobotAddress> by_serial_;  // where {manufacturer} is left out
 };
 
 /// How each robot is spoken to at first, as flags and configuration say.

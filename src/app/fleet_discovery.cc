@@ -62,9 +62,8 @@ Status ReadFleet(mqtt::Transport& transport, const delivery::RetainedOptions& di
 
 Error NoRobot(const mqtt::ServerInfo& server, const std::string& profile,
               const std::vector<std::string>& words) {
-  const std::string_view why = server.retain_available.value_or(true)
-                                   ? "none has left a connection message"
-                                   : kNothingRetained;
+  const std::string_view why =
+      server.KeepsNothing() ? kNothingRetained : "none has left a connection message";
   return {ErrorKind::kPreflight,
           fmt::format("{} knows no robot{}: {}, and none sent a state",
                       FormatSite(server.broker, profile),

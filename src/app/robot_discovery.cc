@@ -94,7 +94,7 @@ class Discoverer {
   // search at once, and not one that is ONLINE at two places, of which it lives at one.
   static bool IsDecided(const RobotEntry& entry) {
     const bool hibernates = entry.connection && entry.connection->connection_state == "HIBERNATING";
-    return hibernates || (entry.IsAlive() && entry.Known().other_topic.empty());
+    return hibernates || (entry.IsAlive() && entry.Rival() == nullptr);
   }
   [[nodiscard]] bool AnyMissing() const {
     const auto& robots = directory_.robots();
@@ -207,15 +207,10 @@ class Discoverer {
                           base::FormatElapsed(targets_.state_wait), silent.size(),
                           silent.size() == 1 ? "" : "s"));
     const auto left = std::max(end - steady_clock::now(), steady_clock::duration(0));
-    const auto most = std::chrono::ceil<std::chrono::milliseconds>(left);
-    return delivery::ReadRetained(transport_, filters.Take(), {.quiet = most, .most = most},
-                                  [&](const mqtt::Message& message) {
-                                    const RobotEntry* entry = Take(message);
-                                    const bool is_heard = entry != nullptr &&
-                                                          (entry->state_heard || !entry->IsAlive());
-                                    if (is_heard) silent.erase(entry);
-                                    return silent.empty();
-                                  });
+    auto options = options_.discover;
+    options.quiet = options.most = std::chrono::ceil<std::chrono::milliseconds>(left);
+    return Read(filters.Take(), std::move(silent), options,
+                [](const RobotEntry& entry) { return entry.state_heard || !entry.IsAlive(); });
   }
 
   mqtt::Transport& transport_;
@@ -375,12 +370,11 @@ Error NobodyChosen(mqtt::Transport& transport, const Targets& targets,
                         meant == 1 ? " was" : "s were", FirstReason(directory))};
   }
   const auto all = ListRobots(transport, resolver.common().topics, discover, Robots::kAll);
-  const std::string heard = !all.empty()
-                                ? fmt::format("it knows {} robot{}: {}", all.size(),
-                                              all.size() == 1 ? "" : "s", FormatRobotList(all))
-                            : transport.server().retain_available.value_or(true)
-                                ? "it knows no robot: none has left a connection message"
-                                : std::string(kNothingRetained);
+  const std::string heard =
+      !all.empty() ? fmt::format("it knows {} robot{}: {}", all.size(), all.size() == 1 ? "" : "s",
+                                 FormatRobotList(all))
+      : transport.server().KeepsNothing() ? std::string(kNothingRetained)
+                                          : "it knows no robot: none has left a connection message";
   return {ErrorKind::kPreflight,
           fmt::format("{}: {}{}", nobody, heard,
                       targets.except.set.empty() && targets.except.robots.empty()

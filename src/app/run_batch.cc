@@ -75,7 +75,9 @@ class Batch {
                             session.trouble().error().message));
     }
     if (held_) {
-      NotSend(*std::exchange(held_, {}), {ErrorKind::kBroker, "nothing is sent any more"});
+      for (const LineCommand& line : held_->commands) {
+        ReportNotSent(line, {ErrorKind::kBroker, "nothing is sent any more"});
+      }
     }
     end_.all_read = input_.ended();
     end_.last_line = input_.number();
@@ -173,7 +175,7 @@ class Batch {
       if (const auto looked = Look(*held_); !looked) {
         session.Listen(steady_clock::now());
         if (session.lost()) return;  // they are looked up once it is connected again
-        return NotSend(*std::exchange(held_, {}), looked.error());
+        KeepWhatMayLeave(looked.error());
       }
     }
     const std::vector<Command> commands = Build(*std::exchange(held_, {}));
@@ -194,9 +196,7 @@ class Batch {
   // What the robots of these lines say of themselves now.
   Status Look(const LineGroup& group) {
     mqtt::Transport& transport = **transport_;
-    factory_.SetLook({.check = request_.defaults.check,
-                      .site = FormatSite(transport.server().broker, environment_.config.profile),
-                      .keeps_nothing = !transport.server().retain_available.value_or(true)});
+    factory_.SetLook(request_.defaults.check, transport.server(), environment_.config.profile);
     directory_ = vda5050::RobotDirectory({}, {});
     bool factsheets = false;
     bool stops_only = true;
@@ -266,18 +266,27 @@ class Batch {
     return {.message = *line.message, .header_id = line.header_id, .wait_for = line.wait_for};
   }
 
-  void NotSend(const LineGroup& group, const Error& error) {
-    for (const LineCommand& line : group.commands) {
-      message::Report report =
-          line.command ? message::ReportOn(*line.command)
-                       : CommandFactory::ReportOn(Find(line), RequestFor(line),
-                                                  message::CommandStatus::kError, error.kind, "");
-      report.status = message::CommandStatus::kError;
-      report.error = error.kind;
-      report.message = "not sent: " + error.message;
-      report.reference = line.reference;
-      Report(report);
-    }
+  // Of the lines that are held. A refused look does not concern those that need none, and to stop is
+  // not held back by it.
+  void KeepWhatMayLeave(const Error& refused) {
+    log_.Warn(refused.message);
+    std::erase_if(held_->commands, [&](const LineCommand& line) {
+      if (line.command || line.message->IsOnlyStartPause()) return false;
+      ReportNotSent(line, refused);
+      return true;
+    });
+  }
+
+  void ReportNotSent(const LineCommand& line, const Error& error) {
+    message::Report report =
+        line.command ? message::ReportOn(*line.command)
+                     : CommandFactory::ReportOn(Find(line), RequestFor(line),
+                                                message::CommandStatus::kError, error.kind, "");
+    report.status = message::CommandStatus::kError;
+    report.error = error.kind;
+    report.message = "not sent: " + error.message;
+    report.reference = line.reference;
+    Report(report);
   }
 
   // Whatever forbids to go on.

@@ -75,9 +75,9 @@ class CommandSender final : private delivery::CommandSource {
   Status SendToNamed() {
     ChooseRobots();
     if (auto ok = CheckTopics(); !ok) return ok;
-    // What is invalid anyway costs no connection.
-    if (auto ok = ValidateUnseen(); !ok) return ok;
     if (NeedsLook()) {
+      // What is invalid anyway costs no connection.
+      if (auto ok = ValidateUnseen(); !ok) return ok;
       if (auto ok = Discover(); !ok) return ok;
       ChooseRobots();
       SuggestNames();
@@ -135,26 +135,10 @@ class CommandSender final : private delivery::CommandSource {
 
   // A topic template may leave out what tells robots or topics apart.
   [[nodiscard]] Status CheckTopics() const {
-    std::map<std::string_view, const RobotAddress*> alike;  // by serial number
+    TopicOwners owners;
     for (const ListedRobot* robot : robots_) {
-      const vda5050::TopicScheme& scheme = robot->second.base->topics;
-      if (request_.waiting.wait_for && !scheme.Names("{topic}")) {
-        return Fail(ErrorKind::kUsage,
-                    fmt::format("topic template '{}' has no {{topic}}, so no state of {} can be "
-                                "waited for: leave out --wait",
-                                base::Printable(scheme.topic_template),
-                                base::Printable(robot->first.ToString())));
-      }
-      if (scheme.Names("{manufacturer}")) continue;
-      const auto [other, is_new] = alike.emplace(robot->first.serial_number, &robot->first);
-      if (is_new) continue;
-      return Fail(
-          ErrorKind::kUsage,
-          fmt::format("topic template '{}' lacks {{manufacturer}}: {} and {} would get each "
-                      "other's messages",
-                      base::Printable(scheme.topic_template),
-                      base::Printable(other->second->ToString()),
-                      base::Printable(robot->first.ToString())));
+      const bool waits = request_.waiting.wait_for.has_value();
+      if (auto ok = owners.Add(robot->first, robot->second.base->topics, waits); !ok) return ok;
     }
     return {};
   }
@@ -175,24 +159,27 @@ class CommandSender final : private delivery::CommandSource {
   Status Discover() {
     if (auto ok = Connect(); !ok) return ok;
     const bool check = request_.waiting.check;
-    factory_.SetLook(
-        {.check = check,
-         .site = Site(),
-         .keeps_nothing = !link_->transport->server().retain_available.value_or(true)});
-    DiscoveryOptions options{.all = check,
-                             .factsheets = check && request_.make_message()->NeedsFactsheet(),
-                             .discover = request_.waiting.discover};
-    options.discover.subscribe = link_->connection.timeout;
+    factory_.SetLook(check, link_->transport->server(), environment_.config.profile);
+    const auto message = request_.make_message();
+    const DiscoveryOptions options{.all = check,
+                                   .factsheets = check && message->NeedsFactsheet(),
+                                   .discover = DiscoverOptions()};
     auto discovered =
         DiscoverRobots(*link_->transport, request_.targets, options, directory_, observer_);
     if (discovered) return discovered;
     // To stop is not held back by a login that may not read.
-    const bool stops = !request_.targets.AreFound() && request_.make_message()->IsOnlyStartPause();
+    const bool stops = !request_.targets.AreFound() && message->IsOnlyStartPause();
     if (stops && link_->transport->AwaitReady(std::chrono::steady_clock::now())) {
       observer_.Warn(discovered.error().message);
       return {};
     }
     return Fail(ReportNothingSent(CommandStatus::kError, std::move(discovered.error())));
+  }
+
+  [[nodiscard]] delivery::RetainedOptions DiscoverOptions() const {
+    auto discover = request_.waiting.discover;
+    discover.subscribe = link_->connection.timeout;
+    return discover;
   }
 
   void ChooseRobots() {
@@ -203,10 +190,8 @@ class CommandSender final : private delivery::CommandSource {
 
   Status CheckAnyChosen() {
     if (!robots_.empty() || !unheard_.empty()) return {};
-    delivery::RetainedOptions discover = request_.waiting.discover;
-    discover.subscribe = link_->connection.timeout;
     return Fail(NobodyChosen(*link_->transport, request_.targets, request_.resolver, directory_,
-                             discover, Site()));
+                             DiscoverOptions(), Site()));
   }
 
   Status CheckExclusions() {
@@ -226,7 +211,7 @@ class CommandSender final : private delivery::CommandSource {
   void SuggestNames() {
     if (request_.make_message()->IsOnlyStartPause()) return;
     factory_.SuggestNames(robots_, *link_->transport, request_.resolver.common().topics,
-                          request_.waiting.discover);
+                          DiscoverOptions());
   }
 
   Status Connect() {
@@ -313,10 +298,8 @@ class CommandSender final : private delivery::CommandSource {
   }
 
   [[nodiscard]] RobotRequest RequestFor(RobotMessage& message) const {
-    return {.message = message,
-            .header_id = request_.header_id,
-            .wait_for = request_.waiting.wait_for,
-            .is_set = request_.targets.IsSet()};
+    return {
+        .message = message, .header_id = request_.header_id, .wait_for = request_.waiting.wait_for};
   }
 
   [[nodiscard]] Report ReportOn(const ListedRobot& robot, CommandStatus status, ErrorKind kind,

@@ -7,10 +7,9 @@
 #include <utility>
 #include <vector>
 
-#include "app/deliver.h"
+#include "app/command_factory.h"
 #include "base/text.h"
 #include "delivery/send_all.h"
-#include "vda5050/tracking/action_tracker.h"
 
 namespace fleetpub::app {
 namespace {
@@ -22,23 +21,19 @@ constexpr std::chrono::seconds kPatience{10};
 
 // Nothing when this robot has no such list.
 Result<std::optional<message::Command>> CommandFor(const ListedRobot& robot,
-                                                   schema::Registry& registry) {
-  const auto& [address, entry] = robot;
-  const vda5050::Dialect& dialect = *entry.Spoken();
-  if (dialect.version < vda5050::Version::k300) return std::nullopt;
+                                                   CommandFactory& factory) {
+  const vda5050::RobotEntry& entry = robot.second;
+  if (entry.Spoken()->version < vda5050::Version::k300) return std::nullopt;
   if (entry.factsheet && !entry.factsheet->actions.empty() &&
       vda5050::FindAction(*entry.factsheet, kClear) == nullptr) {
     return Fail(ErrorKind::kPreflight, fmt::format("its factsheet does not list {}", kClear));
   }
-  const vda5050::InstantAction action{
-      std::string(kClear), vda5050::MakeActionId(entry.factsheet.get()), "", "", {}};
-  auto command = vda5050::BuildInstantActions(address, dialect, {&action, 1});
-  if (!command) return Fail(std::move(command.error()));
-  if (auto valid = ValidateCommand(*command, registry); !valid) return Fail(valid.error());
-  auto tracker = vda5050::TrackInstantAction(address, dialect, action);
-  if (!tracker) return Fail(std::move(tracker.error()));
-  command->tracker = std::move(*tracker);
-  return *std::move(command);
+  const auto message = MakeInstantMessage({.type = std::string(kClear)}, false);
+  CommandFactory::Built built;
+  auto ok = factory.Build(robot, {*message, {}, vda5050::WaitFor::kFinished}, built);
+  if (!ok) return Fail(std::move(ok.error()));
+  if (!built.refused.empty()) return Fail(ErrorKind::kInvalid, built.refused.front().message);
+  return std::move(built.commands.front());
 }
 
 }  // namespace
@@ -57,12 +52,12 @@ void TidyUp::Run(std::span<const ListedRobot* const> robots, Link& link, ledger:
     observer.Warn(fmt::format("{}: its list of instant actions was not cleared: {}",
                               base::Printable(target), why));
   };
-  schema::Registry registry(schema_directory);
+  CommandFactory factory(schema_directory);
   std::vector<message::Command> commands;
   for (const ListedRobot* robot : robots) {
     const std::string target = robot->first.ToString();
     if (!targets_.contains(target)) continue;
-    auto command = CommandFor(*robot, registry);
+    auto command = CommandFor(*robot, factory);
     if (!command) {
       warn(target, command.error().message);
     } else if (*command) {

@@ -111,6 +111,9 @@ struct ServerInfo {
   std::optional<bool> wildcard_available;
   std::optional<std::uint32_t> maximum_packet_size;
   std::string assigned_client_id;
+
+  /// It has said that it keeps no retained messages.
+  [[nodiscard]] bool KeepsNothing() const { return retain_available == false; }
 };
 
 /// An open connection with a clean session. Closing: Disconnect(); the destructor drops the

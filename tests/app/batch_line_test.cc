@@ -1,5 +1,6 @@
 #include "app/batch_line.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 namespace fleetpub::app {
@@ -94,6 +95,29 @@ TEST(BatchLine, CallsActionsAsTheCommandLineDoes) {
   EXPECT_THAT(type("stratPause"), AllOf(HasSubstr("refused"), HasSubstr("did you mean")));
   EXPECT_EQ(type(R"(stratPause","exact":true,"id":"1)"), "stratPause");
   EXPECT_EQ(type(R"(pause","exact":true,"id":"1)"), "pause");
+}
+
+TEST(BatchLine, KeepsRobotsApartThatATemplateDoesNot) {
+  LineDefaults defaults{.check = false};
+  defaults.address = [](std::string_view word) -> Result<AddressedRobot> {
+    vda5050::Dialect dialect;
+    dialect.topics.topic_template =
+        word == "K/2" ? "x/{manufacturer}/{serial}/instantAction" : "amr/{serial}/{topic}";
+    return AddressedRobot{vda5050::ParseRobotAddress(word).value(),
+                          std::make_shared<const vda5050::Dialect>(dialect), false};
+  };
+  LineParser parser(defaults, "");
+  LineOrigin origin;
+  const auto parse = [&](std::string_view target, std::string_view more = "") {
+    return parser.Parse(fmt::format(R"({{"target":"{}","action":"pause"{}}})", target, more),
+                        origin);
+  };
+  EXPECT_TRUE(parse("K/1"));
+  EXPECT_TRUE(parse("K/1"));
+  EXPECT_TRUE(parse("K/2"));
+  EXPECT_THAT(parse("L/1").error().message, AllOf(HasSubstr("K/1"), HasSubstr("L/1")))
+      << "of another line";
+  EXPECT_THAT(parse("K/2", R"(,"wait":true)").error().message, HasSubstr("{topic}"));
 }
 
 TEST(BatchLine, WaitsAsTheLineSaysElseAsAllDo) {

@@ -193,6 +193,16 @@ TEST_F(LookingUpTheRobotsOfABatch, SendsNothingBehindALineThatIsRefused) {
   EXPECT_EQ(Published(), 0);
 }
 
+TEST_F(LookingUpTheRobotsOfABatch, HoldsBackNoPauseForARefusedLook) {
+  world_.on_connect = [](testing::FakeTransport& broker) {
+    broker.forbidden = "+/+/KIT/1/connection";
+  };
+  ASSERT_TRUE(Batch(Pause("1") + R"({"target":"KIT/2","action":"stopPause"})" + "\n"));
+  EXPECT_THAT(reader_.reports, ElementsAre(AllOf(Is(CommandStatus::kError), Says("refuses")),
+                                           Is(CommandStatus::kSent)));
+  EXPECT_EQ(Published(), 1);
+}
+
 TEST_F(LookingUpTheRobotsOfABatch, ShowsInADryRunWhatWouldBeSent) {
   request_.settings.dry_run = true;
   world_.names_broker = true;

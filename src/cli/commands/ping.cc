@@ -63,7 +63,7 @@ std::vector<std::string> ListLimits(const mqtt::ServerInfo& server) {
   if (server.maximum_qos && *server.maximum_qos != mqtt::Qos::kExactlyOnce) {
     limits.push_back(fmt::format("QoS above {}", static_cast<int>(*server.maximum_qos)));
   }
-  if (server.retain_available == false) limits.emplace_back("retained messages");
+  if (server.KeepsNothing()) limits.emplace_back("retained messages");
   if (server.wildcard_available == false) limits.emplace_back("wildcard subscriptions");
   if (server.maximum_packet_size) {
     limits.push_back(fmt::format("packets above {} bytes", *server.maximum_packet_size));

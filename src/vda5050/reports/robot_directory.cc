@@ -62,16 +62,21 @@ bool RobotEntry::IsAlive() const {
   return IsOnline() || (speaks && !hibernates);
 }
 
-KnownRobot RobotEntry::Known() const {
+const RobotPlace* RobotEntry::Rival() const {
   const auto rival = std::find_if(others.begin(), others.end(), [&](const RobotPlace& other) {
     return IsOnline() && other.standing.rank == standing.rank &&
            other.standing.is_live == standing.is_live;
   });
+  return rival == others.end() ? nullptr : &*rival;
+}
+
+KnownRobot RobotEntry::Known() const {
+  const RobotPlace* rival = Rival();
   return {.connection = connection,
           .topic = topic,
           .said_version = said_version,
           .speaks = speaks,
-          .other_topic = rival == others.end() ? "" : rival->topic,
+          .other_topic = rival == nullptr ? "" : rival->topic,
           .factsheet = factsheet,
           .factsheet_fault = factsheet_fault,
           .operating_mode = operating_mode};

@@ -59,6 +59,8 @@ struct RobotEntry : RobotPlace {
   [[nodiscard]] const std::shared_ptr<const Dialect>& Spoken() const {
     return automatic && own ? own : base;
   }
+  /// Another place at which it may as well live; null: none.
+  [[nodiscard]] const RobotPlace* Rival() const;
   [[nodiscard]] KnownRobot Known() const;
 };
 
