@@ -31,7 +31,7 @@ class Streaming : public ::testing::Test {
         SessionHooks{
             .report =
                 [this](const message::Report& report) {
-                  reports_.push_back(report.reference + " " + std::string(NameOf(report.status)) +
+                  reports_.push_back(report.reference + " " + std::string(GetName(report.status)) +
                                      " " + report.message);
                 },
             .sent = {},

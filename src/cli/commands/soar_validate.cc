@@ -10,15 +10,6 @@ namespace fleetpub::cli {
 
 using base::FindMember;
 
-Result<SoarValidator> SoarValidator::Make(const std::string& message_type,
-                                          soar::Strictness strictness) {
-  const auto type = soar::ParseMessageType(message_type);
-  if (type || message_type.empty()) return SoarValidator(type, strictness);
-  return Fail(ErrorKind::kUsage,
-              fmt::format("--message-type takes one of {}, not '{}'", soar::MessageTypeNames(),
-                          base::Printable(message_type)));
-}
-
 delivery::Findings SoarValidator::Check(const base::JsonValue& message,
                                         schema::Registry& registry) const {
   const bool whole = !type_ || FindMember(message, "payload") != nullptr;
@@ -38,13 +29,6 @@ delivery::Findings SoarValidator::Check(const base::JsonValue& message,
          fmt::format("is {}, not {}", base::Printable(found), GetName(*type_))});
   }
   return findings;
-}
-
-Result<bool> IsSoar(const std::string& protocol) {
-  if (base::EqualsIgnoringCase(protocol, "soar")) return true;
-  if (base::EqualsIgnoringCase(protocol, "vda5050")) return false;
-  return Fail(ErrorKind::kUsage,
-              fmt::format("--protocol takes vda5050 or soar, not '{}'", base::Printable(protocol)));
 }
 
 }  // namespace fleetpub::cli

@@ -1,9 +1,10 @@
 // `fleetpub validate --protocol soar`.
 #pragma once
 
+#include <array>
 #include <optional>
-#include <string>
 
+#include "base/choice.h"
 #include "base/rapidjson.h"
 #include "base/result.h"
 #include "delivery/validate.h"
@@ -16,23 +17,20 @@ namespace fleetpub::cli {
 /// Checks SoAR messages, one after the other.
 class SoarValidator {
  public:
-  /// `message_type` may be empty. Errors: ErrorKind::kUsage.
-  [[nodiscard]] static Result<SoarValidator> Make(const std::string& message_type,
-                                                  soar::Strictness strictness);
+  SoarValidator(std::optional<soar::MessageType> type, soar::Strictness strictness)
+      : type_(type), strictness_(strictness) {}
 
   /// A whole message; when a type was named, of that type, or a payload of it alone.
   [[nodiscard]] delivery::Findings Check(const base::JsonValue& message,
                                          schema::Registry& registry) const;
 
  private:
-  SoarValidator(std::optional<soar::MessageType> type, soar::Strictness strictness)
-      : type_(type), strictness_(strictness) {}
-
   std::optional<soar::MessageType> type_;
   soar::Strictness strictness_;
 };
 
-/// `vda5050` or `soar`. Errors: ErrorKind::kUsage.
-[[nodiscard]] Result<bool> IsSoar(const std::string& protocol);
+/// Of `--protocol`: whether it is SoAR.
+inline constexpr auto kProtocols =
+    std::to_array<base::Choice<bool>>({{"vda5050", false}, {"soar", true}});
 
 }  // namespace fleetpub::cli

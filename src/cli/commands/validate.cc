@@ -30,8 +30,8 @@ struct Options {
   std::string version;
   std::string topic;
   std::string schema_file;
-  std::string protocol = "vda5050";
-  std::string message_type;
+  bool is_soar = false;
+  std::optional<soar::MessageType> message_type;
   bool lines = false;
   bool strict = false;
   LiveOptions live;
@@ -82,7 +82,7 @@ class Validator {
     }
     if (version_ && !options_.topic.empty()) {
       const auto schema = registry_.Find(
-          fmt::format("vda5050/{}/{}", vda5050::FactsOf(*version_).name, options_.topic));
+          fmt::format("vda5050/{}/{}", vda5050::GetFacts(*version_).name, options_.topic));
       if (!schema) return Fail(schema.error());
     }
     return {};
@@ -110,18 +110,15 @@ class Validator {
 
  private:
   Status PrepareSoar() {
-    const auto is_soar = IsSoar(options_.protocol);
-    if (!is_soar) return Fail(is_soar.error());
-    if (!*is_soar && options_.message_type.empty()) return {};
-    if (!*is_soar) return Fail(ErrorKind::kUsage, "--message-type belongs to --protocol soar");
+    if (!options_.is_soar && !options_.message_type) return {};
+    if (!options_.is_soar) {
+      return Fail(ErrorKind::kUsage, "--message-type belongs to --protocol soar");
+    }
     if (!options_.topic.empty()) {
       return Fail(ErrorKind::kUsage, "--topic belongs to VDA 5050: name a --message-type");
     }
-    const auto validator =
-        SoarValidator::Make(options_.message_type,
-                            options_.strict ? soar::Strictness::kRefuse : soar::Strictness::kWarn);
-    if (!validator) return Fail(validator.error());
-    soar_ = *validator;
+    soar_.emplace(options_.message_type,
+                  options_.strict ? soar::Strictness::kRefuse : soar::Strictness::kWarn);
     return {};
   }
 
@@ -212,8 +209,7 @@ Result<ExitCode> CheckLines(Validator& validator, const std::string& file, const
 }
 
 Result<ExitCode> RunLive(const Options& options, const Context& context) {
-  if (options.lines || !options.schema_file.empty() || options.protocol != "vda5050" ||
-      !options.message_type.empty()) {
+  if (options.lines || !options.schema_file.empty() || options.is_soar || options.message_type) {
     return Fail(ErrorKind::kUsage,
                 "--live goes with none of --lines, --schema, --protocol and --message-type");
   }
@@ -227,7 +223,7 @@ Result<ExitCode> RunLive(const Options& options, const Context& context) {
 
 Result<ExitCode> RunValidate(const Options& options, const Context& context) {
   if (options.live.live) return RunLive(options, context);
-  if (!options.live.duration.empty() || options.live.count != 0) {
+  if (options.live.duration || options.live.count) {
     return Fail(ErrorKind::kUsage, "--for and --count belong to --live");
   }
   Validator validator(options, context);
@@ -245,16 +241,18 @@ Result<ExitCode> RunValidate(const Options& options, const Context& context) {
 
 Run DeclareValidate(OptionSet& set) {
   const auto options = std::make_shared<Options>();
-  const auto add = [&](const char* names, std::string& value, const char* type, const char* help) {
-    return set.AddOption(names, value, help).Type(type).Group("Checking");
+  const auto add = [&](const char* names, ValueKind kind, const char* type, const char* help) {
+    return set.AddOption(names, std::move(kind), help).Type(type).Group("Checking");
   };
   set.AddOption("file", options->file, "The message; - or nothing: standard input").Type("FILE");
-  add("--vda", options->version, "V", "Version [what the header says]").Variable("FLEETPUB_VDA");
-  add("--topic", options->topic, "TOPIC", "order, state, instantActions … [told from the message]");
-  add("--protocol", options->protocol, "NAME", "vda5050 or soar [vda5050]");
-  add("--message-type", options->message_type, "TYPE",
+  add("--vda", VdaVersion(options->version, Automatic::kNo), "V", "Version [what the header says]")
+      .Variable("FLEETPUB_VDA");
+  add("--topic", Text(options->topic), "TOPIC",
+      "order, state, instantActions … [told from the message]");
+  add("--protocol", OneOf(options->is_soar, kProtocols), "NAME", "{} [vda5050]");
+  add("--message-type", OneOf(options->message_type, soar::kMessageTypes), "TYPE",
       "With --protocol soar: the payload must be of this type, and may stand alone");
-  add("--schema", options->schema_file, "FILE", "A JSON Schema of your own (draft-07)");
+  add("--schema", Text(options->schema_file), "FILE", "A JSON Schema of your own (draft-07)");
   set.AddFlag("--lines", options->lines, "One message per line (JSON Lines)").Group("Checking");
   set.AddFlag("--strict", options->strict, "Rules of the specification's text are errors too")
       .Group("Checking");

@@ -30,9 +30,10 @@ struct SoarOptions {
 
 struct SoarWaitingOptions {
   bool wait = false;
-  std::string wait_for;  ///< a level; empty: as `wait` says
-  std::string timeout;   ///< in total; empty: 35 s to be seen, 10 min to be done
-  std::string acknowledgements;
+  std::optional<soar::Level> wait_for;  ///< nothing: as `wait` says
+  std::optional<std::chrono::milliseconds>
+      timeout;  ///< in total; 35 s to be seen, 10 min to be done
+  std::optional<std::size_t> acknowledgements;
   std::vector<std::string> topics;
 };
 

@@ -137,7 +137,7 @@ TEST_F(RobotDirectoryTest, BelievesThePlaceAtWhichARobotSpeaks) {
   EXPECT_EQ(entry->unmet[1], "version is \"3.0.0\"");
 }
 
-TEST_F(RosterTest, TakesARobotThatSendsStatesForAlive) {
+TEST_F(RobotDirectoryTest, TakesARobotThatSendsStatesForAlive) {
   RobotDirectory directory = Open();
   const auto* entry = directory.Deliver("uagv/v2/KIT/0001/state",
                                         Message("2.1.0", R"("paused":true)"), Origin::kLive);
@@ -153,7 +153,7 @@ TEST_F(RosterTest, TakesARobotThatSendsStatesForAlive) {
   EXPECT_FALSE(entry->IsAlive()) << "it has just left";
 }
 
-TEST_F(RosterTest, TakesNobodyForAliveByWhatIsRetained) {
+TEST_F(RobotDirectoryTest, TakesNobodyForAliveByWhatIsRetained) {
   RobotDirectory directory = Open();
   const auto* entry = directory.Deliver("uagv/v2/KIT/0001/state",
                                         Message("2.1.0", R"("paused":true)"), Origin::kRetained);
@@ -163,7 +163,7 @@ TEST_F(RosterTest, TakesNobodyForAliveByWhatIsRetained) {
   EXPECT_EQ(entry->Spoken()->version, Version::k210);
 }
 
-TEST_F(RosterTest, LetsAHibernatingRobotHibernate) {
+TEST_F(RobotDirectoryTest, LetsAHibernatingRobotHibernate) {
   RobotDirectory directory = Open();
   directory.Deliver("vda5050/v3/KIT/0001/connection", Connection("3.0.0", "HIBERNATING"),
                     Origin::kRetained);
