@@ -10,7 +10,6 @@
 namespace fleetpub::app {
 namespace {
 
-using message::Command;
 using message::CommandStatus;
 
 constexpr std::size_t kLongestLine = base::JsonLimits{}.bytes;
@@ -89,8 +88,10 @@ bool BatchInput::ReadLine(const Result<std::optional<std::string_view>>& line, L
   for (const std::string& warning : parsed->warnings) {
     group.warnings.push_back(fmt::format("line {}: {}", read_, warning));
   }
-  for (Command& command : parsed->commands) {
+  for (LineCommand& command : parsed->commands) {
+    if (command.command) command.command->reference = reference;
     command.reference = reference;
+    command.line = read_;
     group.commands.push_back(std::move(command));
   }
   return true;

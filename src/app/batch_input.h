@@ -19,7 +19,7 @@ enum class AfterBadLine { kGoOn, kPause };
 
 /// Lines that were there together.
 struct LineGroup {
-  std::vector<message::Command> commands;
+  std::vector<LineCommand> commands;
   std::vector<message::Report> bad;  ///< of lines that made no command
   std::vector<std::string> warnings;
   std::size_t last_line = 0;  ///< counted from 1

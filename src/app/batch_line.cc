@@ -12,8 +12,8 @@
 #include "base/text.h"
 #include "delivery/validate.h"
 #include "soar/acknowledgement_tracker.h"
+#include "vda5050/catalogue/catalogue.h"
 #include "vda5050/messages/user_message.h"
-#include "vda5050/rules/preflight.h"
 
 namespace fleetpub::app {
 namespace {
@@ -47,6 +47,7 @@ constexpr auto kMembers = std::to_array<Member>({
     {"actionId", Kind::kText, Use::kAction},
     {"descriptor", Kind::kText, Use::kAction},
     {"blockingType", Kind::kText, Use::kAction},
+    {"exact", Kind::kFlag, Use::kAction},
     {"topic", Kind::kText, Use::kMessage},
     {"restamp", Kind::kFlag, Use::kMessage},
     {"soar", Kind::kText, Use::kSoar},
@@ -192,29 +193,60 @@ Result<std::optional<WaitFor>> ReadWait(const Value& line, const LineDefaults& d
   return Wrong("wait must be true, false, \"accepted\" or \"finished\"");
 }
 
-Result<Dialect> ReadDialect(const Value& line, const AddressedRobot& robot) {
-  Dialect dialect = *robot.dialect;
-  if (const Value* text = FindMember(line, "vda"); text != nullptr && *text != "auto") {
+// As the line says, and as its message does. With `vda` `auto` the robot is asked whatever somebody
+// else states.
+Result<AddressedRobot> ReadDialect(const Value& line, AddressedRobot robot) {
+  const auto speak = [&](vda5050::Version version, bool is_asked) {
+    Dialect dialect = *robot.dialect;
+    dialect.version = version;
+    dialect.assumed = robot.automatic = is_asked;
+    robot.dialect = std::make_shared<const Dialect>(std::move(dialect));
+  };
+  const Value* text = FindMember(line, "vda");
+  if (text != nullptr && *text == "auto") {
+    speak(vda5050::kVersions.back(), true);
+  } else if (text != nullptr) {
     const auto version = vda5050::ParseVersion(base::ViewOf(*text));
     if (!version) return Fail(version.error());
-    dialect.version = *version;
-    dialect.assumed = false;
-    return dialect;
-  } else if (text != nullptr || robot.automatic) {
-    return Wrong("vda auto needs the robot to be asked first: name its version");
+    speak(*version, false);
+  } else if (const Value* payload = FindMember(line, "payload"); payload && robot.automatic) {
+    if (const auto said = vda5050::VersionSaidBy(*payload)) speak(said->version, false);
   }
-  const Value* payload = FindMember(line, "payload");
-  if (payload == nullptr || !dialect.assumed) return dialect;
-  if (const auto said = vda5050::VersionSaidBy(*payload)) {
-    dialect.version = said->version;
-    dialect.assumed = false;
-  }
-  return dialect;
+  return robot;
 }
 
 std::optional<std::uint32_t> ReadHeaderId(const Value& line) {
   const Value* id = FindMember(line, "headerId");
   return id == nullptr ? std::nullopt : std::optional(id->GetUint());
+}
+
+// As on the command line: predefined names in any letter case, and short names. What nearly is one
+// is refused; a manufacturer's own name that looks like one is said to be exact.
+Result<std::string> ReadActionType(const Value& line) {
+  const std::string_view type = StringMember(line, "action");
+  const Value* exact = FindMember(line, "exact");
+  if (exact != nullptr && exact->IsTrue()) return std::string(type);
+  if (const auto predefined = vda5050::ActionCalled(type)) return std::string(*predefined);
+  const auto near = base::Nearest(type, vda5050::AllActionWords());
+  if (!near) return std::string(type);
+  return Wrong(
+      fmt::format("'{}' is no predefined action: did you mean {}? A manufacturer's own "
+                  "action of this name needs \"exact\":true beside it",
+                  Printable(type), *near));
+}
+
+std::unique_ptr<RobotMessage> MakeAction(const Value& line, std::string type) {
+  vda5050::InstantAction action{.type = std::move(type),
+                                .id = std::string(StringMember(line, "actionId")),
+                                .descriptor = std::string(StringMember(line, "descriptor")),
+                                .blocking_type = std::string(StringMember(line, "blockingType")),
+                                .parameters = {}};
+  if (const Value* parameters = FindMember(line, "parameters")) {
+    for (const auto& [key, value] : parameters->GetObject()) {
+      action.parameters.push_back({std::string(base::ViewOf(key)), base::ToJson(value)});
+    }
+  }
+  return MakeInstantMessage(std::move(action), FindMember(line, "actionId") != nullptr);
 }
 
 // What one line asks for, for one robot after the other.
@@ -223,7 +255,7 @@ struct Request {
   const LineDefaults& defaults;
   std::optional<WaitFor> wait_for;
 
-  [[nodiscard]] Result<Command> For(std::string_view target) const {
+  [[nodiscard]] Result<LineCommand> For(std::string_view target) const {
     if (target.find_first_of("*?") != std::string_view::npos) {
       return Fail(
           ErrorKind::kUsage,
@@ -231,51 +263,35 @@ struct Request {
                       "lists them",
                       Printable(target)));
     }
-    const auto addressed = defaults.address(target);
-    if (!addressed) return Fail(addressed.error());
-    const auto dialect = ReadDialect(line, *addressed);
-    if (!dialect) return Fail(dialect.error());
-    return FindMember(line, "action") != nullptr ? ActionFor(addressed->robot, *dialect)
-                                                 : MessageFor(addressed->robot, *dialect);
+    auto named = defaults.address(target);
+    if (!named) return Fail(std::move(named.error()));
+    auto robot = ReadDialect(line, *std::move(named));
+    if (!robot) return Fail(std::move(robot.error()));
+    auto message = MakeMessage();
+    if (!message) return Fail(std::move(message.error()));
+    return LineCommand{.command = std::nullopt,
+                       .robot = *std::move(robot),
+                       .message = *std::move(message),
+                       .header_id = ReadHeaderId(line),
+                       .wait_for = wait_for,
+                       .reference = {}};
   }
 
-  [[nodiscard]] Result<Command> ActionFor(const RobotAddress& robot, const Dialect& dialect) const {
-    vda5050::InstantAction action{.type = std::string(StringMember(line, "action")),
-                                  .id = std::string(StringMember(line, "actionId")),
-                                  .descriptor = std::string(StringMember(line, "descriptor")),
-                                  .blocking_type = std::string(StringMember(line, "blockingType")),
-                                  .parameters = {}};
-    if (FindMember(line, "actionId") == nullptr) action.id = vda5050::MakeActionId(nullptr);
-    if (const Value* parameters = FindMember(line, "parameters")) {
-      for (const auto& [key, value] : parameters->GetObject()) {
-        action.parameters.push_back({std::string(base::ViewOf(key)), base::ToJson(value)});
-      }
+  [[nodiscard]] Result<std::unique_ptr<RobotMessage>> MakeMessage() const {
+    if (FindMember(line, "action") != nullptr) {
+      auto type = ReadActionType(line);
+      if (!type) return Fail(std::move(type.error()));
+      return MakeAction(line, *std::move(type));
     }
-    auto command =
-        vda5050::BuildInstantActions(robot, dialect, std::span(&action, 1), ReadHeaderId(line));
-    if (!command || !wait_for) return command;
-    const message::ActionRef& sent = command->actions.front();
-    auto tracker = vda5050::TrackInstantAction(robot, dialect, sent.type, sent.id, *wait_for);
-    if (!tracker) return Fail(std::move(tracker.error()));
-    command->tracker = std::move(*tracker);
-    return command;
-  }
-
-  [[nodiscard]] Result<Command> MessageFor(const RobotAddress& robot,
-                                           const Dialect& dialect) const {
     const auto topic = vda5050::PublishedTopic(StringMember(line, "topic"));
     if (!topic) return Fail(topic.error());
-    const Value& payload = *FindMember(line, "payload");
+    auto payload = std::make_shared<base::JsonDocument>();
+    payload->CopyFrom(*FindMember(line, "payload"), payload->GetAllocator());
     const Value* restamp = FindMember(line, "restamp");
-    const auto foreign = restamp != nullptr && restamp->IsTrue() ? vda5050::HeaderMismatch::kReplace
-                                                                 : vda5050::HeaderMismatch::kRefuse;
-    auto command =
-        vda5050::BuildUserMessage(robot, dialect, *topic, payload, foreign, ReadHeaderId(line));
-    if (!command || !wait_for) return command;
-    auto tracker = vda5050::TrackUserMessage(robot, dialect, *topic, payload, *wait_for);
-    if (!tracker) return Fail(std::move(tracker.error()));
-    command->tracker = std::move(*tracker);
-    return command;
+    return MakeUserMessage(*topic, std::move(payload),
+                           restamp != nullptr && restamp->IsTrue()
+                               ? vda5050::HeaderMismatch::kReplace
+                               : vda5050::HeaderMismatch::kRefuse);
   }
 };
 
@@ -319,14 +335,14 @@ struct SoarRequest {
     return {};
   }
 
-  [[nodiscard]] Result<Command> For(std::string_view target) const {
+  [[nodiscard]] Result<LineCommand> For(std::string_view target) const {
     const soar::Sender& sender = defaults.soar;
     const auto destination = target == "broadcast"
                                  ? Result<soar::Destination>(soar::Broadcast(sender.prefix))
                                  : soar::ParseDestination(target, sender.prefix, type);
     if (!destination) return Fail(destination.error());
     Command command = soar::BuildMessage(type, *destination, sender, payload);
-    if (!wait_for) return command;
+    if (!wait_for) return LineCommand{.command = std::move(command)};
     command.tracker = soar::TrackAcknowledgements(
         {.message_id = command.actions.front().id,
          .topics = soar::AcknowledgementTopics(*destination, sender.prefix, sender.source),
@@ -334,7 +350,7 @@ struct SoarRequest {
          .wait_for = *wait_for,
          .count = 1,
          .on_level = {}});
-    return command;
+    return LineCommand{.command = std::move(command)};
   }
 };
 
@@ -344,7 +360,7 @@ Result<AddressedRobot> AsWritten(std::string_view word) {
   static const auto dialect = std::make_shared<const Dialect>();
   auto robot = vda5050::ParseRobotAddress(word);
   if (!robot) return Fail(std::move(robot.error()));
-  return AddressedRobot{*std::move(robot), dialect};
+  return AddressedRobot{*std::move(robot), dialect, false};
 }
 
 LineParser::LineParser(LineDefaults defaults, const std::string& schema_directory)
@@ -382,12 +398,36 @@ Result<LineCommands> LineParser::ForEach(const Value& line, const Request& reque
   for (const std::string_view target : targets) {
     auto command = request.For(target);
     if (!command) return Fail(std::move(command.error()));
-    if (targets.size() > 1 && !named.insert(command->target).second)
-      return Wrong(fmt::format("target names {} twice", Printable(command->target)));
-    if (auto ok = Validate(*command, result.warnings); !ok) return Fail(std::move(ok.error()));
+    const std::string name =
+        command->command ? command->command->target : command->robot.robot.ToString();
+    if (targets.size() > 1 && !named.insert(name).second)
+      return Wrong(fmt::format("target names {} twice", Printable(name)));
+    const bool is_asked_first = !command->command && (defaults_.check || command->robot.automatic);
+    if (!is_asked_first) {
+      if (auto ok = Build(*command); !ok) return Fail(std::move(ok.error()));
+      if (auto ok = Validate(*command->command, result.warnings); !ok) {
+        return Fail(std::move(ok.error()));
+      }
+    }
     result.commands.push_back(std::move(*command));
   }
   return result;
+}
+
+// Of whom nothing is asked, the command can be made at once.
+Status LineParser::Build(LineCommand& line) {
+  if (line.command) return {};
+  const auto& [robot, dialect, automatic] = line.robot;
+  auto command = line.message->Build(robot, *dialect, line.header_id);
+  if (!command) return Fail(std::move(command.error()));
+  if (line.wait_for) {
+    auto tracker = line.message->Track(robot, *dialect, *command, *line.wait_for);
+    if (!tracker) return Fail(std::move(tracker.error()));
+    command->tracker = std::move(*tracker);
+  }
+  line.command = *std::move(command);
+  line.message.reset();
+  return {};
 }
 
 Status LineParser::Validate(const Command& command, std::vector<std::string>& warnings) {

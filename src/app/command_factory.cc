@@ -40,8 +40,9 @@ std::string DescribeOffline(const ListedRobot& robot) {
 
 }  // namespace
 
-Status CommandFactory::Validate(const std::vector<const ListedRobot*>& robots) {
-  const auto message = request_.make_message();
+Status CommandFactory::Validate(const CommandRequest& request,
+                                const std::vector<const ListedRobot*>& robots) {
+  const auto message = request.make_message();
   const bool is_alike = message->IsAlikeForAll();
   std::set<const Dialect*> validated;
   const Dialect* last = nullptr;  // mostly it is the one before
@@ -51,23 +52,24 @@ Status CommandFactory::Validate(const std::vector<const ListedRobot*>& robots) {
     const auto& dialect = robot->second.Spoken();
     if (is_alike && (dialect.get() == last || !validated.insert(dialect.get()).second)) continue;
     last = dialect.get();
-    const auto command = message->Build(robot->first, *dialect, request_.header_id);
+    const auto command = message->Build(robot->first, *dialect, request.header_id);
     const auto warnings = command ? ValidateCommand(*command, registry_) : Fail(command.error());
     any_good = any_good || warnings;
     if (first && !warnings) first = Fail(warnings.error());
   }
-  return request_.targets.IsSet() && any_good ? Status() : first;
+  return request.targets.IsSet() && any_good ? Status() : first;
 }
 
-Status CommandFactory::ValidateInAnyVersion(const std::vector<const ListedRobot*>& robots) {
-  const auto message = request_.make_message();
+Status CommandFactory::ValidateInAnyVersion(const CommandRequest& request,
+                                            const std::vector<const ListedRobot*>& robots) {
+  const auto message = request.make_message();
   Status newest;
   for (const ListedRobot* robot : robots) {
     Dialect dialect = *robot->second.base;
     for (const vda5050::Version version : std::views::reverse(vda5050::kVersions)) {
       if (!dialect.assumed && version != dialect.version) continue;
       dialect.version = version;
-      const auto command = message->Build(robot->first, dialect, request_.header_id);
+      const auto command = message->Build(robot->first, dialect, request.header_id);
       const auto warnings = command ? ValidateCommand(*command, registry_) : Fail(command.error());
       if (warnings) return {};
       if (newest) newest = Fail(warnings.error());
@@ -77,21 +79,25 @@ Status CommandFactory::ValidateInAnyVersion(const std::vector<const ListedRobot*
   return newest;
 }
 
-Status CommandFactory::Build(const ListedRobot& robot, Built& built) {
-  const auto message = request_.make_message();
+Status CommandFactory::Build(const ListedRobot& robot, const RobotRequest& request, Built& built) {
   const vda5050::RobotEntry& entry = robot.second;
-  if (entry.factsheet) message->ApplyLimits(*entry.factsheet);
-  const bool is_set = request_.targets.IsSet();
+  if (entry.factsheet) request.message.ApplyLimits(*entry.factsheet);
+  const bool is_set = request.is_set;
   bool is_offline =
       entry.connection && !entry.IsAlive() && entry.connection->connection_state != "HIBERNATING";
   if (look_ && (look_->check || entry.automatic)) {
-    PreflightFindings findings = FindingsOn(robot, *message);
+    PreflightFindings findings = FindingsOn(robot, request.message);
     is_offline = is_offline || findings.unreachable;
     if (!findings.refusals.empty()) {
       const bool offline = is_set && findings.unreachable;
       built.refused.push_back(
-          ReportOn(robot, offline ? CommandStatus::kOffline : CommandStatus::kRefused,
+          ReportOn(robot, request, offline ? CommandStatus::kOffline : CommandStatus::kRefused,
                    ErrorKind::kPreflight, "not sent: " + findings.refusals.front()));
+      // What is to be said of the message itself is said all the same.
+      const auto command = request.message.Build(robot.first, *entry.Spoken(), request.header_id);
+      const auto warnings = command ? ValidateCommand(*command, registry_) : Fail(command.error());
+      if (!warnings) return {};
+      built.warnings.insert(built.warnings.end(), warnings->begin(), warnings->end());
       return {};
     }
     // The result says it, then.
@@ -99,25 +105,25 @@ Status CommandFactory::Build(const ListedRobot& robot, Built& built) {
     if (is_told) findings.warnings.erase(findings.warnings.begin());
     for (std::string& warning : findings.warnings) built.warnings.push_back(std::move(warning));
   }
-  return AddCommand(robot, *message, is_set && is_offline, built);
+  return AddCommand(robot, request, is_set && is_offline, built);
 }
 
-Status CommandFactory::AddCommand(const ListedRobot& robot, const RobotMessage& message,
+Status CommandFactory::AddCommand(const ListedRobot& robot, const RobotRequest& request,
                                   bool is_offline, Built& built) {
   const auto& [address, entry] = robot;
   const auto& dialect = entry.Spoken();
-  auto command = message.Build(address, *dialect, request_.header_id);
+  auto command = request.message.Build(address, *dialect, request.header_id);
   auto warnings = command ? ValidateCommand(*command, registry_) : Fail(command.error());
   if (!warnings) {
-    built.refused.push_back(ReportOn(robot, CommandStatus::kInvalid, warnings.error().kind,
+    built.refused.push_back(ReportOn(robot, request, CommandStatus::kInvalid, warnings.error().kind,
                                      "not sent: " + warnings.error().message));
     return {};
   }
   for (std::string& warning : *warnings) built.warnings.push_back(std::move(warning));
   if (is_offline) {
     command->tracker = std::make_shared<NotAwaited>(DescribeOffline(robot));
-  } else if (request_.waiting.wait_for) {
-    auto tracker = message.Track(address, *dialect, *command, *request_.waiting.wait_for);
+  } else if (request.wait_for) {
+    auto tracker = request.message.Track(address, *dialect, *command, *request.wait_for);
     if (!tracker) return Fail(std::move(tracker.error()));
     command->tracker = std::move(*tracker);
   }
@@ -125,12 +131,35 @@ Status CommandFactory::AddCommand(const ListedRobot& robot, const RobotMessage& 
   return {};
 }
 
+void CommandFactory::SuggestNames(std::span<const ListedRobot* const> robots,
+                                  mqtt::Transport& transport, const vda5050::TopicScheme& scheme,
+                                  const delivery::RetainedOptions& discover) {
+  constexpr std::size_t kMost = 20;
+  if (!look_) return;
+  std::vector<const vda5050::RobotAddress*> unknown;
+  for (const ListedRobot* robot : robots) {
+    const bool is_looked_for = look_->check || robot->second.automatic;
+    if (is_looked_for && !robot->second.WasHeard()) unknown.push_back(&robot->first);
+  }
+  if (unknown.empty() || unknown.size() > kMost) return;
+  std::vector<std::string> online;  // only who is there may be meant
+  for (const auto& robot : ListRobots(transport, scheme, discover, Robots::kOnline)) {
+    online.push_back(robot.ToString());
+  }
+  const std::vector<std::string_view> candidates(online.begin(), online.end());
+  for (const vda5050::RobotAddress* robot : unknown) {
+    const auto nearest = base::Nearest(robot->ToString(), candidates);
+    if (!nearest) continue;
+    suggestions_[*robot] = fmt::format("did you mean {}?", base::Printable(*nearest));
+  }
+}
+
 PreflightFindings CommandFactory::FindingsOnUnknown(const ListedRobot& robot,
                                                     const RobotMessage& message) const {
   const auto& [address, entry] = robot;
   const std::string sentence =
       fmt::format("{} is unknown to {}{}", base::Printable(address.ToString()), look_->site,
-                  look_->why_nobody.empty() ? "" : ": " + look_->why_nobody);
+                  look_->keeps_nothing ? fmt::format(": {}", kNothingRetained) : "");
   PreflightFindings findings;
   if (message.IsOnlyStartPause()) {
     const vda5050::Dialect& dialect = *entry.Spoken();
@@ -164,10 +193,11 @@ PreflightFindings CommandFactory::FindingsOn(const ListedRobot& robot,
   return findings;
 }
 
-message::Report CommandFactory::ReportOn(const ListedRobot& robot, CommandStatus status,
-                                         ErrorKind kind, std::string message) const {
+message::Report CommandFactory::ReportOn(const ListedRobot& robot, const RobotRequest& request,
+                                         CommandStatus status, ErrorKind kind,
+                                         std::string message) {
   const auto& [address, entry] = robot;
-  const auto command = request_.make_message()->Build(address, *entry.Spoken(), request_.header_id);
+  const auto command = request.message.Build(address, *entry.Spoken(), request.header_id);
   message::Report report = command ? message::ReportOn(*command) : message::Report();
   report.target = address.ToString();
   report.status = status;

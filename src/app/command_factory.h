@@ -8,11 +8,13 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "app/dialect_resolver.h"
 #include "app/robot_discovery.h"
+#include "app/robot_messages.h"
 #include "app/targets.h"
 #include "base/result.h"
 #include "delivery/pending_commands.h"
@@ -25,34 +27,6 @@
 #include "vda5050/tracking/action_tracker.h"
 
 namespace fleetpub::app {
-
-/// What one robot is to be told.
-class RobotMessage {
- public:
-  RobotMessage() = default;
-  RobotMessage(const RobotMessage&) = delete;
-  RobotMessage& operator=(const RobotMessage&) = delete;
-  virtual ~RobotMessage() = default;
-
-  /// Again when the dialect turns out to be another.
-  [[nodiscard]] virtual Result<message::Command> Build(
-      const vda5050::RobotAddress& robot, const vda5050::Dialect& dialect,
-      std::optional<std::uint32_t> header_id) const = 0;
-  [[nodiscard]] virtual vda5050::PreflightFindings Check(
-      const vda5050::RobotAddress& robot, const vda5050::Dialect& dialect,
-      const vda5050::KnownRobot& known) const = 0;
-  [[nodiscard]] virtual Result<std::unique_ptr<message::ResponseTracker>> Track(
-      const vda5050::RobotAddress& robot, const vda5050::Dialect& dialect,
-      const message::Command& command, vda5050::WaitFor wait_for) const = 0;
-  /// Whether all it asks is to stop: that goes to a robot of which nothing is known, too.
-  [[nodiscard]] virtual bool IsOnlyStartPause() const { return false; }
-  /// Whether a factsheet tells anything of it.
-  [[nodiscard]] virtual bool NeedsFactsheet() const { return true; }
-  /// Whether, in one dialect, it is valid for every robot or for none.
-  [[nodiscard]] virtual bool IsAlikeForAll() const { return false; }
-  /// The robot's limits, before it is built for the last time.
-  virtual void ApplyLimits(const vda5050::Factsheet& /*factsheet*/) {}
-};
 
 /// Whether robots are checked before, and how long they are waited for afterwards.
 struct Waiting {
@@ -73,32 +47,40 @@ struct CommandRequest {
   Waiting waiting;
 };
 
+/// What one of them is to be told.
+struct RobotRequest {
+  RobotMessage& message;
+  std::optional<std::uint32_t> header_id;
+  std::optional<vda5050::WaitFor> wait_for;  ///< nothing: do not wait
+  bool is_set = false;  ///< one of several that a word stands for: others do not suffer from it
+};
+
 class CommandFactory {
  public:
-  /// `request` must outlive it.
-  CommandFactory(const CommandRequest& request, const std::string& schema_directory)
-      : request_(request), registry_(schema_directory) {}
+  explicit CommandFactory(const std::string& schema_directory) : registry_(schema_directory) {}
 
   /// How the broker was asked. Without, nothing is known of any robot and nothing is checked.
   struct Look {
-    bool check = false;      ///< else only how each is spoken to is wanted
-    std::string site;        ///< where: `mqtts://north (profile north)`
-    std::string why_nobody;  ///< why it may know nobody; empty: no reason is known
+    bool check = false;          ///< else only how each is spoken to is wanted
+    std::string site;            ///< where: `mqtts://north (profile north)`
+    bool keeps_nothing = false;  ///< it said that it keeps no retained messages
   };
   void SetLook(Look look) { look_ = std::move(look); }
 
-  /// What to say of a robot that nothing is known of: `did you mean KIT/0001?`
-  void Suggest(const vda5050::RobotAddress& robot, std::string suggestion) {
-    suggestions_[robot] = std::move(suggestion);
-  }
+  /// Looks for robots that are ONLINE and may be meant by those of whom nothing is known: `did you
+  /// mean KIT/0001?` Not for more than twenty.
+  void SuggestNames(std::span<const ListedRobot* const> robots, mqtt::Transport& transport,
+                    const vda5050::TopicScheme& scheme, const delivery::RetainedOptions& discover);
 
   /// Whether the message is valid in every dialect that these robots are spoken to in, before
   /// anything is sent. When a word stands for several, it is enough that it is valid in one: robots
   /// of the others are refused one by one. Errors: ErrorKind::kInvalid, kUsage.
-  [[nodiscard]] Status Validate(const std::vector<const ListedRobot*>& robots);
+  [[nodiscard]] Status Validate(const CommandRequest& request,
+                                const std::vector<const ListedRobot*>& robots);
   /// Whether it is valid in any version, where these robots' own are not known yet. Errors: the same,
   /// of the newest version.
-  [[nodiscard]] Status ValidateInAnyVersion(const std::vector<const ListedRobot*>& robots);
+  [[nodiscard]] Status ValidateInAnyVersion(const CommandRequest& request,
+                                            const std::vector<const ListedRobot*>& robots);
 
   struct Built {
     std::vector<message::Command> commands;
@@ -106,21 +88,22 @@ class CommandFactory {
     std::vector<std::string> warnings;
   };
   /// Adds to `built`. Errors: what an option's value makes impossible for all.
-  [[nodiscard]] Status Build(const ListedRobot& robot, Built& built);
+  [[nodiscard]] Status Build(const ListedRobot& robot, const RobotRequest& request, Built& built);
 
   /// A report on a robot that gets nothing.
-  [[nodiscard]] message::Report ReportOn(const ListedRobot& robot, message::CommandStatus status,
-                                         ErrorKind kind, std::string message) const;
+  [[nodiscard]] static message::Report ReportOn(const ListedRobot& robot,
+                                                const RobotRequest& request,
+                                                message::CommandStatus status, ErrorKind kind,
+                                                std::string message);
 
  private:
   [[nodiscard]] vda5050::PreflightFindings FindingsOn(const ListedRobot& robot,
                                                       const RobotMessage& message) const;
   [[nodiscard]] vda5050::PreflightFindings FindingsOnUnknown(const ListedRobot& robot,
                                                              const RobotMessage& message) const;
-  Status AddCommand(const ListedRobot& robot, const RobotMessage& message, bool is_offline,
+  Status AddCommand(const ListedRobot& robot, const RobotRequest& request, bool is_offline,
                     Built& built);
 
-  const CommandRequest& request_;
   schema::Registry registry_;
   std::optional<Look> look_;
   std::map<vda5050::RobotAddress, std::string> suggestions_;

@@ -47,17 +47,17 @@ Result<std::uint32_t> DryRun::NextId(const message::Command& command) {
 }
 
 Status ShowDryRun(delivery::CommandSource& source, const Environment& environment,
-                  Observer& observer) {
+                  Observer& observer, const std::function<void(std::size_t)>& explain) {
   auto dry_run = DryRun::Open(environment.ledger);
   if (!dry_run) return Fail(std::move(dry_run.error()));
   while (source.left() > 0) {
     const auto commands = source.Next(delivery::SendOptions{}.batch);
     if (!commands) return Fail(commands.error());
-    for (const message::Command& command : *commands) {
-      const auto report = dry_run->Report(command);
+    for (std::size_t i = 0; i < commands->size(); ++i) {
+      const auto report = dry_run->Report((*commands)[i]);
       if (!report) return Fail(report.error());
-      observer.Debug(fmt::format("would be published to {}", base::Printable(command.topic)));
       observer.Report(*report);
+      if (explain) explain(i);
     }
   }
   return {};

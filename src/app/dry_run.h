@@ -1,7 +1,9 @@
 // What would be sent, with the header ids that would be next.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <memory>
 #include <string>
@@ -31,8 +33,11 @@ class DryRun {
   std::map<std::string, std::uint32_t> next_ids_;  // by topic
 };
 
-/// Reports what would be sent of all that the source makes. Errors: as DryRun's, and the source's.
+/// Reports what would be sent of all that the source makes; `explain`, which may be empty, is called
+/// behind each with its place among those that the source made last. Errors: as DryRun's, and the
+/// source's.
 [[nodiscard]] Status ShowDryRun(delivery::CommandSource& source, const Environment& environment,
-                                Observer& observer);
+                                Observer& observer,
+                                const std::function<void(std::size_t)>& explain = {});
 
 }  // namespace fleetpub::app

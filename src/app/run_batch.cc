@@ -8,7 +8,9 @@
 #include <vector>
 
 #include "app/batch_input.h"
+#include "app/command_factory.h"
 #include "app/dry_run.h"
+#include "app/robot_discovery.h"
 #include "delivery/send_all.h"
 
 namespace fleetpub::app {
@@ -38,7 +40,8 @@ class Batch {
         log_(log),
         input_(std::move(lines), request_.defaults,
                request_.stop_on_error ? AfterBadLine::kPause : AfterBadLine::kGoOn,
-               environment.schema_directory) {}
+               environment.schema_directory),
+        factory_(environment.schema_directory) {}
 
   // Errors: nothing was sent.
   Result<BatchEnd> Run() {
@@ -48,11 +51,14 @@ class Batch {
     if (!link) return Fail(std::move(link.error()));
     observer_.Begin();
     send_.acknowledge_timeout = link->connection.timeout;
+    request_.discover.subscribe = link->connection.timeout;
+    transport_ = &link->transport;
     if (!request_.defaults.wait_for) {
       WarnOfSilentRefusals(link->connection.version, send_.qos, log_);
     }
     delivery::CommandSession session(link->transport, **ledger, send_, request_.wait,
                                      MakeHooks(link->connection));
+    request_.discover.also = [&](const mqtt::Message& message) { session.Deliver(message); };
     while (!IsDone(session)) {
       if (MayRead(session)) SendWhatIsThere(session);
       LookForTheEnd(session);
@@ -63,6 +69,9 @@ class Batch {
       log_.Warn(fmt::format("sent, but not every outcome is in the ledger: {}",
                             session.trouble().error().message));
     }
+    if (held_) {
+      NotSend(*std::exchange(held_, {}), {ErrorKind::kBroker, "nothing is sent any more"});
+    }
     end_.all_read = input_.ended();
     end_.last_line = input_.number();
     return end_;
@@ -72,11 +81,22 @@ class Batch {
   Result<BatchEnd> Show() {
     auto dry_run = DryRun::Open(environment_.ledger);
     if (!dry_run) return Fail(std::move(dry_run.error()));
+    std::optional<Link> link;
+    const bool looks = !request_.settings.offline && environment_.names_broker;
     while (!input_.ended() && !(request_.stop_on_error && has_error_)) {
       input_.Await();
-      const LineGroup group = input_.Take(send_.batch);
+      LineGroup group = input_.Take(send_.batch);
       Report(group);
-      for (const Command& command : group.commands) {
+      if (looks && NeedsLook(group)) {
+        if (!link) {
+          auto opened = Connect(environment_, log_);
+          if (!opened) return Fail(std::move(opened.error()));
+          link = *std::move(opened);
+          transport_ = &link->transport;
+        }
+        if (auto ok = Look(group); !ok) return Fail(std::move(ok.error()));
+      }
+      for (const Command& command : Build(std::move(group))) {
         const auto report = dry_run->Report(command);
         Report(report ? *report
                       : BadLineReport(command.reference, {.id = {}, .target = command.target},
@@ -84,6 +104,7 @@ class Batch {
       }
       if (auto flushed = observer_.Flush(); !flushed) return Fail(std::move(flushed.error()));
     }
+    if (link) link->transport->Disconnect();
     return end_;
   }
 
@@ -111,19 +132,23 @@ class Batch {
   [[nodiscard]] bool IsStopped() const { return end_.reason != BatchStop::kEndOfInput; }
 
   [[nodiscard]] bool IsDone(const delivery::CommandSession& session) const {
-    return (input_.ended() || IsStopped()) && session.waiting() == 0;
+    return ((input_.ended() && !held_) || IsStopped()) && session.waiting() == 0;
   }
 
   // What arrives behind a signal is not sent.
   [[nodiscard]] bool MayRead(const delivery::CommandSession& session) const {
-    return !input_.ended() && !IsStopped() && !observer_.IsStopped() && !session.lost() &&
+    const bool has_more = !input_.ended() || held_;
+    return has_more && !IsStopped() && !observer_.IsStopped() && !session.lost() &&
            session.waiting() < delivery::kMostWaiting;
   }
 
   // The lines that one batch takes now.
   LineGroup TakeLines() {
     const auto now = steady_clock::now();
-    const std::size_t most = std::min(request_.settings.rate.Available(now), send_.batch);
+    // What the check refuses is an error, too: then nothing behind it may leave.
+    const bool one_by_one = request_.stop_on_error && request_.defaults.check;
+    const std::size_t batch = one_by_one ? 1 : send_.batch;
+    const std::size_t most = std::min(request_.settings.rate.Available(now), batch);
     LineGroup group = input_.Take(most);
     // While the ledger waits for the disk and the broker for us, the next lines are made ready.
     const bool reads_ahead = !request_.stop_on_error && !request_.settings.rate.IsLimited();
@@ -133,14 +158,118 @@ class Batch {
   }
 
   void SendWhatIsThere(delivery::CommandSession& session) {
-    const LineGroup group = TakeLines();
-    Report(group);
+    if (!held_) {
+      held_ = TakeLines();
+      Report(*held_);
+    }
+    if (NeedsLook(*held_)) {
+      if (const auto looked = Look(*held_); !looked) {
+        session.Listen(steady_clock::now());
+        if (session.lost()) return;  // they are looked up once it is connected again
+        return NotSend(*std::exchange(held_, {}), looked.error());
+      }
+    }
+    const std::vector<Command> commands = Build(*std::exchange(held_, {}));
     // A line with many targets may make more than a batch holds.
-    std::span<const Command> left = group.commands;
+    std::span<const Command> left = commands;
     while (!left.empty()) {
       const auto some = left.first(std::min(left.size(), send_.batch));
       static_cast<void>(session.Send(some));  // the reports say it
       left = left.subspan(some.size());
+    }
+  }
+
+  [[nodiscard]] static bool NeedsLook(const LineGroup& group) {
+    return std::any_of(group.commands.begin(), group.commands.end(),
+                       [](const LineCommand& line) { return !line.command; });
+  }
+
+  // What the robots of these lines say of themselves now.
+  Status Look(const LineGroup& group) {
+    mqtt::Transport& transport = **transport_;
+    factory_.SetLook({.check = request_.defaults.check,
+                      .site = FormatSite(transport.server().broker, environment_.config.profile),
+                      .keeps_nothing = !transport.server().retain_available.value_or(true)});
+    directory_ = vda5050::RobotDirectory({}, {});
+    bool factsheets = false;
+    bool stops_only = true;
+    for (const LineCommand& line : group.commands) {
+      if (line.command) continue;
+      directory_.Add(line.robot.robot, line.robot.dialect, line.robot.automatic);
+      factsheets = factsheets || line.message->NeedsFactsheet();
+      stops_only = stops_only && line.message->IsOnlyStartPause();
+    }
+    const DiscoveryOptions options{.all = request_.defaults.check,
+                                   .factsheets = request_.defaults.check && factsheets,
+                                   .discover = request_.discover};
+    auto ok = DiscoverRobots(transport, {}, options, directory_, log_);
+    if (!ok || stops_only) return ok;
+    std::vector<const ListedRobot*> robots;
+    for (const ListedRobot& robot : directory_.robots()) robots.push_back(&robot);
+    factory_.SuggestNames(robots, transport, request_.topics, request_.discover);
+    return ok;
+  }
+
+  // In the order of the lines. What cannot be sent is reported at once.
+  std::vector<Command> Build(LineGroup group) {
+    std::vector<Command> commands;
+    commands.reserve(group.commands.size());
+    for (LineCommand& line : group.commands) {
+      if (line.command) {
+        commands.push_back(*std::move(line.command));
+      } else {
+        Build(line, commands);
+      }
+    }
+    return commands;
+  }
+
+  void Build(const LineCommand& line, std::vector<Command>& commands) {
+    const ListedRobot robot = Find(line);
+    CommandFactory::Built built;
+    const auto ok = factory_.Build(robot, RequestFor(line), built);
+    if (!ok) {
+      return Report(
+          BadLineReport(line.reference, {.id = {}, .target = robot.first.ToString()}, ok.error()));
+    }
+    for (const std::string& warning : built.warnings) {
+      log_.Warn(fmt::format("line {}: {}", line.line, warning));
+    }
+    for (message::Report& refused : built.refused) {
+      refused.reference = line.reference;
+      Report(refused);
+    }
+    for (Command& command : built.commands) {
+      command.reference = line.reference;
+      commands.push_back(std::move(command));
+    }
+  }
+
+  // Lines may state different versions for one robot.
+  [[nodiscard]] ListedRobot Find(const LineCommand& line) const {
+    const auto found = directory_.robots().find(line.robot.robot);
+    const bool is_known = found != directory_.robots().end();
+    vda5050::RobotEntry entry = is_known ? found->second : vda5050::RobotEntry();
+    entry.base = line.robot.dialect;
+    entry.automatic = line.robot.automatic;
+    return {line.robot.robot, std::move(entry)};
+  }
+
+  [[nodiscard]] static RobotRequest RequestFor(const LineCommand& line) {
+    return {.message = *line.message, .header_id = line.header_id, .wait_for = line.wait_for};
+  }
+
+  void NotSend(const LineGroup& group, const Error& error) {
+    for (const LineCommand& line : group.commands) {
+      message::Report report =
+          line.command ? message::ReportOn(*line.command)
+                       : CommandFactory::ReportOn(Find(line), RequestFor(line),
+                                                  message::CommandStatus::kError, error.kind, "");
+      report.status = message::CommandStatus::kError;
+      report.error = error.kind;
+      report.message = "not sent: " + error.message;
+      report.reference = line.reference;
+      Report(report);
     }
   }
 
@@ -188,6 +317,10 @@ class Batch {
   BatchObserver& observer_;
   Log& log_;
   BatchInput input_;
+  CommandFactory factory_;
+  std::unique_ptr<mqtt::Transport>* transport_ = nullptr;  // null inside while it is lost
+  vda5050::RobotDirectory directory_{{}, {}};              // of the lines that were looked up last
+  std::optional<LineGroup> held_;                          // they have yet to be looked up
   steady_clock::time_point lost_at_{};
   bool has_error_ = false;  // one of the reports is
   BatchEnd end_;

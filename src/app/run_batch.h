@@ -12,6 +12,7 @@
 #include "base/line_reader.h"
 #include "base/result.h"
 #include "delivery/pending_commands.h"
+#include "delivery/retained.h"
 
 namespace fleetpub::app {
 
@@ -19,6 +20,8 @@ struct BatchRequest {
   LineDefaults defaults;
   delivery::WaitOptions wait;
   SendSettings settings;
+  delivery::RetainedOptions discover;
+  vda5050::TopicScheme topics;                  ///< of robots without a table of their own
   std::chrono::milliseconds reconnect{60'000};  ///< how long to try to connect again
   bool stop_on_error = false;
 };

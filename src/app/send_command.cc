@@ -66,13 +66,14 @@ class CommandSender final : private delivery::CommandSource {
         observer_(observer),
         directory_(std::move(directory)),
         excluded_(excluded),
-        factory_(request, environment.schema_directory),
+        factory_(environment.schema_directory),
         warnings_(observer) {}
 
   // Robots that were named: the broker is asked only what each has said of itself, and that only
   // unless somebody states the version and wants no check.
   Status SendToNamed() {
     ChooseRobots();
+    if (auto ok = CheckTopics(); !ok) return ok;
     // What is invalid anyway costs no connection.
     if (auto ok = ValidateUnseen(); !ok) return ok;
     if (NeedsLook()) {
@@ -131,14 +132,40 @@ class CommandSender final : private delivery::CommandSource {
     return FormatSite(link_->transport->server().broker, environment_.config.profile);
   }
 
+  // A topic template may leave out what tells robots or topics apart.
+  [[nodiscard]] Status CheckTopics() const {
+    std::map<std::string_view, const RobotAddress*> alike;  // by serial number
+    for (const ListedRobot* robot : robots_) {
+      const vda5050::TopicScheme& scheme = robot->second.base->topics;
+      if (request_.waiting.wait_for && !scheme.Names("{topic}")) {
+        return Fail(ErrorKind::kUsage,
+                    fmt::format("topic template '{}' has no {{topic}}, so no state of {} can be "
+                                "waited for: leave out --wait",
+                                base::Printable(scheme.topic_template),
+                                base::Printable(robot->first.ToString())));
+      }
+      if (scheme.Names("{manufacturer}")) continue;
+      const auto [other, is_new] = alike.emplace(robot->first.serial_number, &robot->first);
+      if (is_new) continue;
+      return Fail(
+          ErrorKind::kUsage,
+          fmt::format("topic template '{}' lacks {{manufacturer}}: {} and {} would get each "
+                      "other's messages",
+                      base::Printable(scheme.topic_template),
+                      base::Printable(other->second->ToString()),
+                      base::Printable(robot->first.ToString())));
+    }
+    return {};
+  }
+
   Status ValidateUnseen() {
-    auto valid = factory_.ValidateInAnyVersion(robots_);
+    auto valid = factory_.ValidateInAnyVersion(request_, robots_);
     if (valid) return valid;
     return Fail(ReportNothingSent(CommandStatus::kInvalid, std::move(valid.error())));
   }
 
   Status Validate() {
-    auto valid = factory_.Validate(robots_);
+    auto valid = factory_.Validate(request_, robots_);
     if (valid) return valid;
     return Fail(ReportNothingSent(CommandStatus::kInvalid, std::move(valid.error())));
   }
@@ -147,12 +174,10 @@ class CommandSender final : private delivery::CommandSource {
   Status Discover() {
     if (auto ok = Connect(); !ok) return ok;
     const bool check = request_.waiting.check;
-    const auto& server = link_->transport->server();
-    factory_.SetLook({.check = check,
-                      .site = Site(),
-                      .why_nobody = server.retain_available.value_or(true)
-                                        ? ""
-                                        : std::string(kNothingRetained)});
+    factory_.SetLook(
+        {.check = check,
+         .site = Site(),
+         .keeps_nothing = !link_->transport->server().retain_available.value_or(true)});
     DiscoveryOptions options{.all = check,
                              .factsheets = check && request_.make_message()->NeedsFactsheet(),
                              .discover = request_.waiting.discover};
@@ -192,33 +217,9 @@ class CommandSender final : private delivery::CommandSource {
 
   // To those of whom nothing is known.
   void SuggestNames() {
-    constexpr std::size_t kMost = 20;
-    std::vector<const ListedRobot*> unknown;
-    for (const ListedRobot* robot : robots_) {
-      const bool is_looked_for = request_.waiting.check || robot->second.automatic;
-      if (is_looked_for && !robot->second.WasHeard()) unknown.push_back(robot);
-    }
-    if (unknown.empty() || unknown.size() > kMost || request_.make_message()->IsOnlyStartPause()) {
-      return;
-    }
-    const std::set<std::string> names = NamesOnline();
-    const std::vector<std::string_view> candidates(names.begin(), names.end());
-    for (const ListedRobot* robot : unknown) {
-      const auto nearest = base::Nearest(robot->first.ToString(), candidates);
-      if (!nearest) continue;
-      factory_.Suggest(robot->first, fmt::format("did you mean {}?", base::Printable(*nearest)));
-    }
-  }
-
-  // Only who is there may be meant.
-  std::set<std::string> NamesOnline() {
-    std::set<std::string> names;
-    for (const RobotAddress& robot :
-         ListRobots(*link_->transport, request_.resolver.common().topics, request_.waiting.discover,
-                    Robots::kOnline)) {
-      names.insert(robot.ToString());
-    }
-    return names;
+    if (request_.make_message()->IsOnlyStartPause()) return;
+    factory_.SuggestNames(robots_, *link_->transport, request_.resolver.common().topics,
+                          request_.waiting.discover);
   }
 
   Status Connect() {
@@ -236,11 +237,14 @@ class CommandSender final : private delivery::CommandSource {
     observer_.Chosen(names);
     for (const ListedRobot* robot : unheard_) {
       observer_.Report(
-          factory_.ReportOn(*robot, CommandStatus::kRefused, ErrorKind::kPreflight,
-                            fmt::format("not sent: {}, so --where cannot be decided",
-                                        WhyUnheard(robot->second, request_.targets.state_wait))));
+          ReportOn(*robot, CommandStatus::kRefused, ErrorKind::kPreflight,
+                   fmt::format("not sent: {}, so --where cannot be decided",
+                               WhyUnheard(robot->second, request_.targets.state_wait))));
     }
-    auto sent = settings_.dry_run ? ShowDryRun(*this, environment_, observer_) : Send();
+    auto sent = settings_.dry_run
+                    ? ShowDryRun(*this, environment_, observer_,
+                                 [this](std::size_t i) { observer_.Info(explanations_[i]); })
+                    : Send();
     if (sent) warnings_.TellRest();
     return sent;
   }
@@ -261,13 +265,17 @@ class CommandSender final : private delivery::CommandSource {
   // What cannot be sent is reported at once.
   Result<std::span<const message::Command>> Next(std::size_t most) override {
     built_ = {};
+    explanations_.clear();
     const std::size_t end = next_ + std::min(left(), most);
     built_.commands.reserve(end - next_);
     for (; next_ < end; ++next_) {
       const std::size_t before = built_.commands.size();
-      built_all_ = factory_.Build(*robots_[next_], built_);
+      const auto message = request_.make_message();
+      built_all_ = factory_.Build(*robots_[next_], RequestFor(*message), built_);
       if (!built_all_) return Fail(built_all_.error());
-      if (settings_.dry_run && built_.commands.size() > before) Explain(*robots_[next_]);
+      if (settings_.dry_run && built_.commands.size() > before) {
+        explanations_.push_back(ExplainDryRun(*robots_[next_]));
+      }
     }
     for (const std::string& warning : built_.warnings) warnings_.Tell(warning);
     for (const Report& refused : built_.refused) observer_.Report(refused);
@@ -275,28 +283,40 @@ class CommandSender final : private delivery::CommandSource {
   }
 
   // Where a dry run would go, and why there.
-  void Explain(const ListedRobot& robot) {
+  [[nodiscard]] std::string ExplainDryRun(const ListedRobot& robot) const {
     const message::Command& command = built_.commands.back();
     const auto& entry = robot.second;
     const std::string_view why = entry.automatic && entry.own ? "as the robot itself says"
                                  : !entry.base->assumed       ? "as stated"
                                  : link_                      ? "assumed"
                                                               : "assumed: no broker was asked";
-    observer_.Info(fmt::format("would be published to {} in {} ({})",
-                               base::Printable(command.topic), command.version, why));
+    return fmt::format("would be published to {} in {} ({})", base::Printable(command.topic),
+                       command.version, why);
   }
 
   void GiveUp(const Error& reason) override {
     for (; next_ < robots_.size(); ++next_) {
-      observer_.Report(factory_.ReportOn(*robots_[next_], CommandStatus::kError, reason.kind,
-                                         "not sent: " + reason.message));
+      observer_.Report(ReportOn(*robots_[next_], CommandStatus::kError, reason.kind,
+                                "not sent: " + reason.message));
     }
+  }
+
+  [[nodiscard]] RobotRequest RequestFor(RobotMessage& message) const {
+    return {.message = message,
+            .header_id = request_.header_id,
+            .wait_for = request_.waiting.wait_for,
+            .is_set = request_.targets.IsSet()};
+  }
+
+  [[nodiscard]] Report ReportOn(const ListedRobot& robot, CommandStatus status, ErrorKind kind,
+                                std::string text) const {
+    const auto message = request_.make_message();
+    return CommandFactory::ReportOn(robot, RequestFor(*message), status, kind, std::move(text));
   }
 
   Error ReportNothingSent(CommandStatus status, Error error) {
     for (const ListedRobot* robot : robots_) {
-      observer_.NothingSent(
-          factory_.ReportOn(*robot, status, error.kind, "not sent: " + error.message));
+      observer_.NothingSent(ReportOn(*robot, status, error.kind, "not sent: " + error.message));
     }
     error.message = "nothing was sent: " + error.message;
     return error;
@@ -315,7 +335,8 @@ class CommandSender final : private delivery::CommandSource {
   std::vector<const ListedRobot*> unheard_;  // whether --where is true is not known
   std::size_t next_ = 0;
   CommandFactory::Built built_;
-  Status built_all_;  // why a message could not be made
+  std::vector<std::string> explanations_;  // of these, in a dry run
+  Status built_all_;                       // why a message could not be made
 };
 
 }  // namespace

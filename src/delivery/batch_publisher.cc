@@ -97,7 +97,6 @@ void BatchPublisher::Publish(const SentHook& sent) {
 }
 
 void BatchPublisher::PublishEach(const SentHook& sent) {
-  const auto deadline = steady_clock::now() + options_.acknowledge_timeout;
   for (message::Report& report : reports_) {
     if (broken_) {
       SetError(report, *broken_, "not sent: ");
@@ -108,6 +107,8 @@ void BatchPublisher::PublishEach(const SentHook& sent) {
                "not sent: ");
       continue;
     }
+    // While the window is full, each acknowledgement makes room: the limit is of a single one.
+    const auto deadline = steady_clock::now() + options_.acknowledge_timeout;
     auto token = transport_.Publish({report.topic, report.payload, options_.qos}, deadline);
     if (!token) {
       broken_ = std::move(token.error());
@@ -137,6 +138,7 @@ bool BatchPublisher::Take(const mqtt::Acknowledgement& acknowledgement) {
     SetStatus(*found->second, message::CommandStatus::kPublished);
   }
   awaited_.erase(found);
+  deadline_ = steady_clock::now() + options_.acknowledge_timeout;
   return true;
 }
 

@@ -62,6 +62,9 @@ class CommandSession {
   /// descriptor of WakeOn() is readable, many messages have been read, the connection was lost.
   void Listen(mqtt::Deadline deadline);
 
+  /// Takes in a message that somebody else has read from the connection.
+  void Deliver(const mqtt::Message& message) { pending_.Deliver(message); }
+
   /// See mqtt::Transport::WakeOn.
   void WakeOn(std::vector<int> descriptors);
 

@@ -65,7 +65,11 @@ Status ReadInto(mqtt::Transport& transport, std::span<const std::string> filters
 
 Status ReadRetained(mqtt::Transport& transport, std::span<const std::string> filters,
                     const RetainedOptions& options, const MessageCallback& take) {
-  auto ok = ReadInto(transport, filters, options, take);
+  const auto take_all = [&](const mqtt::Message& message) {
+    if (options.also) options.also(message);
+    return take(message);
+  };
+  auto ok = ReadInto(transport, filters, options, take_all);
   if (!ok || filters.size() <= kFiltersAtOnce) return ok;
   return transport.Unsubscribe(filters, steady_clock::now() + options.subscribe);
 }

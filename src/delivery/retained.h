@@ -16,6 +16,8 @@ struct RetainedOptions {
   std::chrono::milliseconds quiet{300};  ///< so long a silence is an end
   std::chrono::milliseconds most{2'000};
   std::chrono::milliseconds subscribe{10'000};  ///< for the broker to acknowledge
+  /// Gets every message too: whoever waits for others on the same connection. May be empty.
+  std::function<void(const mqtt::Message&)> also;
 };
 
 /// Takes a message, retained or not; true when it was the last that is wanted.

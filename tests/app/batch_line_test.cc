@@ -5,12 +5,14 @@
 namespace fleetpub::app {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::IsNull;
 using ::testing::NotNull;
 using ::testing::SizeIs;
 
-Result<LineCommands> Parsed(std::string_view text, LineDefaults defaults = {}) {
+// Of robots that are not asked, unless somebody wants that.
+Result<LineCommands> Parsed(std::string_view text, LineDefaults defaults = {.check = false}) {
   LineOrigin origin;
   return LineParser(std::move(defaults), "").Parse(text, origin);
 }
@@ -21,14 +23,14 @@ TEST(BatchLine, MakesAnActionForEachTarget) {
                            R"("lastNodeId":"n"}})");
   ASSERT_TRUE(line) << line.error().message;
   ASSERT_THAT(line->commands, SizeIs(2));
-  EXPECT_EQ(line->commands[1].topic, "uagv/v2/K/2/instantActions");
-  EXPECT_THAT(line->commands[1].payload.rest, HasSubstr(R"({"key":"y","value":-2})"));
-  EXPECT_NE(line->commands[0].actions[0].id, line->commands[1].actions[0].id);
-  EXPECT_THAT(line->commands[0].tracker, IsNull());
+  EXPECT_EQ(line->commands[1].command->topic, "uagv/v2/K/2/instantActions");
+  EXPECT_THAT(line->commands[1].command->payload.rest, HasSubstr(R"({"key":"y","value":-2})"));
+  EXPECT_NE(line->commands[0].command->actions[0].id, line->commands[1].command->actions[0].id);
+  EXPECT_THAT(line->commands[0].command->tracker, IsNull());
 }
 
 TEST(BatchLine, SpeaksToEachRobotInItsOwnWay) {
-  LineDefaults defaults;
+  LineDefaults defaults{.check = false};
   defaults.address = [](std::string_view word) -> Result<AddressedRobot> {
     vda5050::Dialect dialect;
     dialect.version = vda5050::Version::k210;
@@ -38,12 +40,15 @@ TEST(BatchLine, SpeaksToEachRobotInItsOwnWay) {
   };
   const auto line = Parsed(R"({"target":"agv1","action":"startPause"})", defaults);
   ASSERT_TRUE(line) << line.error().message;
-  EXPECT_EQ(line->commands[0].topic, "uagv/v2/K/1/instantActions");
+  EXPECT_EQ(line->commands[0].command->topic, "uagv/v2/K/1/instantActions");
   const auto asks = R"({"target":"asks","action":"startPause")" + std::string();
-  EXPECT_THAT(Parsed(asks + "}", defaults).error().message, HasSubstr("name its version"));
+  const auto asked = Parsed(asks + "}", defaults);
+  ASSERT_TRUE(asked) << asked.error().message;
+  EXPECT_FALSE(asked->commands[0].command) << "its version is not known yet";
+  EXPECT_TRUE(asked->commands[0].robot.automatic);
   const auto named = Parsed(asks + R"(,"vda":"3.0.0"})", defaults);
   ASSERT_TRUE(named) << named.error().message;
-  EXPECT_EQ(named->commands[0].topic, "vda5050/v3/K/1/instantActions");
+  EXPECT_EQ(named->commands[0].command->topic, "vda5050/v3/K/1/instantActions");
   EXPECT_THAT(
       Parsed(R"({"target":["agv1","K/1"],"action":"startPause"})", defaults).error().message,
       HasSubstr("names K/1 twice"));
@@ -53,25 +58,54 @@ TEST(BatchLine, TakesPreparedMessagesAndSoar) {
   const auto message = Parsed(R"({"target":"K/1","topic":"responses","payload":)"
                               R"({"responses":[{"requestId":"r","grantType":"GRANTED"}]}})");
   ASSERT_TRUE(message) << message.error().message;
-  EXPECT_EQ(message->commands[0].topic, "vda5050/v3/K/1/responses");
+  EXPECT_EQ(message->commands[0].command->topic, "vda5050/v3/K/1/responses");
   const auto soar = Parsed(R"({"target":"soar.noc.autosub.ah1","soar":"acknowledgement",)"
                            R"("payload":{"acknowledged_message_ID":)"
                            R"("0f4cbbc5-57d4-4a1f-9b6c-6c8b6a9a1b11","status":"executed",)"
                            R"("approved":true}})");
   ASSERT_TRUE(soar) << soar.error().message;
-  EXPECT_EQ(soar->commands[0].topic, "soar/noc/autosub/ah1/from_platform/acknowledgement");
+  EXPECT_EQ(soar->commands[0].command->topic, "soar/noc/autosub/ah1/from_platform/acknowledgement");
+}
+
+TEST(BatchLine, LeavesWhatIsCheckedUntilTheRobotWasAsked) {
+  const std::string line = R"({"target":["K/1","K/2"],"action":"cancelOrder","headerId":7)";
+  const auto checked = Parsed(line + "}", {});
+  ASSERT_TRUE(checked) << checked.error().message;
+  ASSERT_THAT(checked->commands, SizeIs(2));
+  EXPECT_FALSE(checked->commands[1].command);
+  ASSERT_THAT(checked->commands[1].message, NotNull());
+  EXPECT_EQ(checked->commands[1].robot.robot.serial_number, "2");
+  EXPECT_EQ(checked->commands[1].header_id, 7U);
+  const auto asked = Parsed(line + R"(,"vda":"auto"})");
+  ASSERT_TRUE(asked) << asked.error().message;
+  EXPECT_FALSE(asked->commands[0].command) << "without a check, its version is wanted all the same";
+  EXPECT_TRUE(asked->commands[0].robot.automatic);
+}
+
+TEST(BatchLine, CallsActionsAsTheCommandLineDoes) {
+  const auto type = [](std::string_view action) {
+    const auto line =
+        Parsed(R"({"target":"K/1","action":")" + std::string(action) + R"(","vda":"2.1"})");
+    return line ? line->commands[0].command->actions[0].type : "refused: " + line.error().message;
+  };
+  EXPECT_EQ(type("pause"), "startPause");
+  EXPECT_EQ(type("cancelorder"), "cancelOrder");
+  EXPECT_EQ(type("beepLoudly"), "beepLoudly") << "a manufacturer's own";
+  EXPECT_THAT(type("stratPause"), AllOf(HasSubstr("refused"), HasSubstr("did you mean")));
+  EXPECT_EQ(type(R"(stratPause","exact":true,"id":"1)"), "stratPause");
+  EXPECT_EQ(type(R"(pause","exact":true,"id":"1)"), "pause");
 }
 
 TEST(BatchLine, WaitsAsTheLineSaysElseAsAllDo) {
-  LineDefaults waits;
+  LineDefaults waits{.check = false};
   waits.wait_for = vda5050::WaitFor::kFinished;
   const auto with = [](std::string_view wait) {
     return R"({"target":"K/1","action":"startPause")" + std::string(wait) + "}";
   };
-  EXPECT_THAT(Parsed(with(""))->commands[0].tracker, IsNull());
-  EXPECT_THAT(Parsed(with(R"(,"wait":"accepted")"))->commands[0].tracker, NotNull());
-  EXPECT_THAT(Parsed(with(""), waits)->commands[0].tracker, NotNull());
-  EXPECT_THAT(Parsed(with(R"(,"wait":false)"), waits)->commands[0].tracker, IsNull());
+  EXPECT_THAT(Parsed(with(""))->commands[0].command->tracker, IsNull());
+  EXPECT_THAT(Parsed(with(R"(,"wait":"accepted")"))->commands[0].command->tracker, NotNull());
+  EXPECT_THAT(Parsed(with(""), waits)->commands[0].command->tracker, NotNull());
+  EXPECT_THAT(Parsed(with(R"(,"wait":false)"), waits)->commands[0].command->tracker, IsNull());
 }
 
 TEST(BatchLine, SaysWhatIsWrong) {
@@ -93,7 +127,6 @@ TEST(BatchLine, SaysWhatIsWrong) {
       {R"({"target":"K/1","action":"x","id":true})", "id must be a text or a number"},
       {R"({"target":"K/1","action":"x","headerId":-1})", "headerId must be a whole number"},
       {R"({"target":"K/1","action":"x","wait":"often"})", "wait must be"},
-      {R"({"target":"K/1","action":"x","vda":"auto"})", "name its version"},
       {R"({"target":"K/1","action":"pick"})", "never an instant action"},
       {R"({"target":"K/1","topic":"state","payload":{}})", "no topic that fleet control"},
       {R"({"target":"a.b.c","soar":"plan","payload":{}})", "mission_plan"},

@@ -145,5 +145,65 @@ TEST_F(RunningBatches, ShowsWhatWouldBeSentInADryRun) {
   EXPECT_EQ(world_.connections, 0);
 }
 
+class LookingUpTheRobotsOfABatch : public RunningBatches {
+ protected:
+  LookingUpTheRobotsOfABatch() {
+    const config::Config& config = world_.config;
+    const auto resolver = DialectResolver::For({}, config).value();
+    request_.defaults.address = [resolver](std::string_view word) {
+      return resolver.Resolve(vda5050::ParseRobotAddress(word).value());
+    };
+    request_.defaults.check = true;
+    request_.discover.quiet = std::chrono::milliseconds(1);
+    world_.on_connect = [](testing::FakeTransport& broker) {
+      broker.retained["uagv/v2/KIT/1/connection"] =
+          R"({"headerId":1,"timestamp":"2026-01-02T03:04:05.678Z","version":"2.1.0",)"
+          R"("manufacturer":"KIT","serialNumber":"1","connectionState":"ONLINE"})";
+    };
+  }
+};
+
+TEST_F(LookingUpTheRobotsOfABatch, SpeaksToEachInItsOwnVersion) {
+  ASSERT_TRUE(Batch(Pause("1") + Pause("1", R"(,"vda":"3.0.0")")));
+  EXPECT_THAT(reader_.reports,
+              ElementsAre(AllOf(Is(CommandStatus::kRefused), Says("speaks 2.1.0")),
+                          AllOf(Is(CommandStatus::kSent),
+                                Field(&message::Report::topic, "uagv/v2/KIT/1/instantActions"))))
+      << "what is refused is told before anything leaves";
+}
+
+TEST_F(LookingUpTheRobotsOfABatch, RefusesWhomNobodyKnowsUnlessItIsToStop) {
+  ASSERT_TRUE(Batch(R"({"target":"KIT/2","action":"stopPause","id":"a"})"
+                    "\n" +
+                    Pause("2")));
+  ASSERT_THAT(reader_.reports, SizeIs(2));
+  EXPECT_THAT(reader_.reports[0], AllOf(Is(CommandStatus::kRefused), Says("mqtt://broker")));
+  EXPECT_EQ(reader_.reports[0].reference, R"("line":1,"id":"a")");
+  EXPECT_THAT(reader_.reports[1], Is(CommandStatus::kSent));
+  EXPECT_EQ(Published(), 1);
+}
+
+TEST_F(LookingUpTheRobotsOfABatch, SendsNothingBehindALineThatIsRefused) {
+  request_.stop_on_error = true;
+  const auto end = Batch(R"({"target":"KIT/2","action":"stopPause"})"
+                         "\n" +
+                         Pause("1"));
+  ASSERT_TRUE(end);
+  EXPECT_EQ(end->reason, BatchStop::kFirstError);
+  EXPECT_EQ(Published(), 0);
+}
+
+TEST_F(LookingUpTheRobotsOfABatch, ShowsInADryRunWhatWouldBeSent) {
+  request_.settings.dry_run = true;
+  world_.names_broker = true;
+  ASSERT_TRUE(Batch(Pause("1")));
+  ASSERT_THAT(reader_.reports, ElementsAre(Is(CommandStatus::kDryRun)));
+  EXPECT_EQ(reader_.reports[0].version, "2.1.0");
+  request_.settings.offline = true;
+  ASSERT_TRUE(Batch(Pause("1")));
+  EXPECT_EQ(reader_.reports[1].version, "3.0.0");
+  EXPECT_EQ(world_.connections, 1);
+}
+
 }  // namespace
 }  // namespace fleetpub::app

@@ -87,7 +87,9 @@ class SendingCommands : public ::testing::Test {
     if (!targets) return Fail(targets.error());
     const CommandRequest request{
         .targets = *std::move(targets),
-        .resolver = DialectResolver::For({.version = version_}, world_.config).value(),
+        .resolver =
+            DialectResolver::For({.version = version_, .topic_template = template_}, world_.config)
+                .value(),
         .needs_consent = needs_consent_,
         .header_id = {},
         .make_message = [this] { return std::make_unique<Action>(type_, blocking_type_); },
@@ -107,6 +109,7 @@ class SendingCommands : public ::testing::Test {
   testing::FakeObserver observer_;
   std::map<std::string, std::string> retained_;
   std::string version_;
+  std::string template_;
   std::string type_ = "startPause";
   std::string blocking_type_;
   NeedsConsent needs_consent_ = NeedsConsent::kYes;
@@ -147,6 +150,25 @@ TEST_F(SendingToNamedRobots, RefusesWhomTheCheckDoesNotFind) {
   EXPECT_THAT(observer_.reports,
               Contains(AllOf(Is(CommandStatus::kRefused),
                              Field(&message::Report::target, "KIT/0003"), Says("did you mean"))));
+}
+
+TEST_F(SendingToNamedRobots, KeepsRobotsApartThatATemplateDoesNot) {
+  template_ = "amr/{major}/{serial}/{topic}";
+  const Status both = Send({"KIT/0001", "ACME/0001"});
+  ASSERT_FALSE(both);
+  EXPECT_THAT(both.error().message, AllOf(HasSubstr("KIT/0001"), HasSubstr("ACME/0001")));
+  EXPECT_TRUE(Send({"KIT/0001", "ACME/0002"}));
+  EXPECT_THAT(Published(), ElementsAre("amr/v3/0001/instantActions", "amr/v3/0002/instantActions"));
+}
+
+TEST_F(SendingToNamedRobots, WaitsForNothingWhereOnlyTheTopicOfCommandsIsKnown) {
+  template_ = "fts/{manufacturer}/{serial}/instantAction";
+  EXPECT_TRUE(Send({"KIT/0001"}));
+  EXPECT_THAT(Published(), ElementsAre("fts/KIT/0001/instantAction"));
+  waiting_.wait_for = vda5050::WaitFor::kFinished;
+  const Status sent = Send({"KIT/0001"});
+  ASSERT_FALSE(sent);
+  EXPECT_EQ(sent.error().kind, ErrorKind::kUsage);
 }
 
 TEST_F(SendingToNamedRobots, ConnectsForNothingThatIsInvalid) {

@@ -80,13 +80,9 @@ std::string DescribeStop(app::BatchStop reason, std::chrono::milliseconds reconn
 
 Status ParseDefaults(const Options& options, const config::Config& config,
                      app::BatchRequest& request) {
-  if (options.vda.version == "auto") {
-    return Fail(ErrorKind::kUsage,
-                "batch does not ask robots for their version: name it with --vda, or with vda in "
-                "each line");
-  }
   auto resolver = app::DialectResolver::For(options.vda, config);
   if (!resolver) return Fail(std::move(resolver.error()));
+  request.topics = resolver->common().topics;
   request.defaults.address = [&config, resolver = *std::move(resolver)](
                                  std::string_view word) -> Result<app::AddressedRobot> {
     auto robot = app::ResolveRobot(std::string(word), config);
@@ -98,6 +94,8 @@ Status ParseDefaults(const Options& options, const config::Config& config,
   const auto waiting = ParseWaitingOptions(waiting_options);
   if (!waiting) return Fail(waiting.error());
   request.defaults.wait_for = waiting->wait_for;
+  request.defaults.check = waiting->check;
+  request.discover = waiting->discover;
   request.defaults.names_end = options.waiting.wait_for.has_value();
   SoarOptions soar;
   soar.prefix = options.prefix;
@@ -155,7 +153,9 @@ Run DeclareBatch(OptionSet& set) {
                 "How long to try to connect again when the connection is lost [60s]")
       .Group("Sending");
   DeclareSendingOptions(set, options->sending);
+  DeclareOffline(set, options->sending);
   DeclareWaitOptions(set, options->waiting);
+  DeclareCheckOptions(set, options->waiting);
   DeclareVdaOptions(set, options->vda);
   DeclarePrefix(set, options->prefix);
   DeclareSource(set, options->source);

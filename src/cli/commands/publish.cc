@@ -47,45 +47,6 @@ struct RespondOptions : UserMessageOptions {
   std::optional<base::WallTime> lease_expiry;
 };
 
-class UserMessage final : public app::RobotMessage {
- public:
-  UserMessage(std::string_view topic, std::shared_ptr<const base::JsonDocument> message,
-              vda5050::HeaderMismatch foreign)
-      : topic_(topic), message_(std::move(message)), foreign_(foreign) {}
-
-  [[nodiscard]] Result<message::Command> Build(
-      const RobotAddress& robot, const Dialect& dialect,
-      std::optional<std::uint32_t> header_id) const override {
-    return vda5050::BuildUserMessage(robot, dialect, topic_, *message_, foreign_, header_id);
-  }
-
-  [[nodiscard]] vda5050::PreflightFindings Check(const RobotAddress& robot, const Dialect& dialect,
-                                                 const vda5050::KnownRobot& known) const override {
-    const auto command = Build(robot, dialect, std::nullopt);
-    const std::size_t bytes =
-        command ? command->payload.Render(0, base::WallTime::clock::now()).size() : 0;
-    const auto actions = topic_ == "instantActions" ? vda5050::ActionsIn(*message_, dialect)
-                                                    : std::vector<vda5050::InstantAction>();
-    return vda5050::CheckRobot(robot, dialect, actions, known, bytes);
-  }
-
-  [[nodiscard]] Result<std::unique_ptr<message::ResponseTracker>> Track(
-      const RobotAddress& robot, const Dialect& dialect, const message::Command& /*command*/,
-      vda5050::WaitFor wait_for) const override {
-    return vda5050::TrackUserMessage(robot, dialect, topic_, *message_, wait_for);
-  }
-
-  [[nodiscard]] bool IsOnlyStartPause() const override {
-    return topic_ == "instantActions" &&
-           vda5050::IsOnlyStartPause(vda5050::ActionsIn(*message_, Dialect()));
-  }
-
- private:
-  std::string_view topic_;
-  std::shared_ptr<const base::JsonDocument> message_;
-  vda5050::HeaderMismatch foreign_;
-};
-
 void DeclareUserMessage(OptionSet& set, UserMessageOptions& options) {
   set.AddOption("--header-id", WholeNumber(options.header_id),
                 "The headerId, above the topic's last [the next]")
@@ -125,15 +86,14 @@ Result<ExitCode> Send(std::string_view topic, const TargetOptions& target_option
     if (!possible) return Fail(possible.error());
   }
   const auto shared = std::make_shared<const base::JsonDocument>(std::move(message));
-  return SendToRobots(
-      {.targets = *std::move(targets),
-       .resolver = *std::move(resolver),
-       .title = std::string(topic),
-       .needs_consent = app::NeedsConsent::kYes,
-       .header_id = options.header_id,
-       .make_message = [=] { return std::make_unique<UserMessage>(topic, shared, foreign); },
-       .waiting = *waiting},
-      *settings, context);
+  return SendToRobots({.targets = *std::move(targets),
+                       .resolver = *std::move(resolver),
+                       .title = std::string(topic),
+                       .needs_consent = app::NeedsConsent::kYes,
+                       .header_id = options.header_id,
+                       .make_message = [=] { return app::MakeUserMessage(topic, shared, foreign); },
+                       .waiting = *waiting},
+                      *settings, context);
 }
 
 Result<base::JsonDocument> ReadMessage(const std::string& file) {

@@ -12,10 +12,14 @@ void DeclareSendingOptions(OptionSet& set, SendingOptions& options) {
   DeclareQos(set, options.qos);
 }
 
-void DeclareManyOptions(OptionSet& set, SendingOptions& options) {
+void DeclareOffline(OptionSet& set, SendingOptions& options) {
   set.AddFlag("--offline", options.offline,
               "With --dry-run: do not ask the broker how the robot is spoken to")
       .Group("Sending");
+}
+
+void DeclareManyOptions(OptionSet& set, SendingOptions& options) {
+  DeclareOffline(set, options);
   set.AddFlag("--yes", options.yes, "Send to many robots without asking").Group("Sending");
   DeclareRate(set, options);
 }

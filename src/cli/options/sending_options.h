@@ -20,6 +20,7 @@ struct SendingOptions {
 
 void DeclareSendingOptions(OptionSet& set, SendingOptions& options);
 /// `--yes` and `--rate`, where there may be many targets.
+void DeclareOffline(OptionSet& set, SendingOptions& options);
 void DeclareManyOptions(OptionSet& set, SendingOptions& options);
 void DeclareRate(OptionSet& set, SendingOptions& options);
 /// `--qos` alone.

@@ -31,8 +31,8 @@ struct SoarOptions {
 struct SoarWaitingOptions {
   bool wait = false;
   std::optional<soar::Level> wait_for;  ///< nothing: as `wait` says
-  std::optional<std::chrono::milliseconds>
-      timeout;  ///< in total; 35 s to be seen, 10 min to be done
+  /// In total; nothing: 35 s to be seen, 10 min to be done.
+  std::optional<std::chrono::milliseconds> timeout;
   std::optional<std::size_t> acknowledgements;
   std::vector<std::string> topics;
 };

@@ -35,6 +35,10 @@ void DeclareWaitingOptions(OptionSet& set, WaitingOptions& options) {
   set.AddOption("--resend", WholeNumber(options.resend, 0, 100),
                 "Send again up to N times what no robot has seen, with the same actionId [0]")
       .Group(kWaiting);
+  DeclareCheckOptions(set, options);
+}
+
+void DeclareCheckOptions(OptionSet& set, WaitingOptions& options) {
   set.AddFlag("--check", options.check,
               "Look first whether the robot is online and supports the action [the default]")
       .Group(kWaiting);

@@ -14,8 +14,8 @@ class OptionSet;
 struct WaitingOptions {
   bool wait = false;
   std::optional<vda5050::WaitFor> wait_for;  ///< nothing: as `wait` says
-  std::optional<std::chrono::milliseconds>
-      timeout;  ///< in total; 35 s to be seen, 10 min to be done
+  /// In total; nothing: 35 s to be seen, 10 min to be done.
+  std::optional<std::chrono::milliseconds> timeout;
   int resend = 0;
   bool check = false;  ///< the default, said outright
   bool no_check = false;
@@ -24,6 +24,8 @@ struct WaitingOptions {
 
 /// `--wait`, `--wait-for` and `--timeout` alone.
 void DeclareWaitOptions(OptionSet& set, WaitingOptions& options);
+/// `--check`, `--no-check` and `--discover` alone.
+void DeclareCheckOptions(OptionSet& set, WaitingOptions& options);
 void DeclareWaitingOptions(OptionSet& set, WaitingOptions& options);
 
 /// Errors: ErrorKind::kUsage.

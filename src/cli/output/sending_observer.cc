@@ -25,7 +25,8 @@ void SendingObserver::Sent() {
 
 void SendingObserver::Report(const message::Report& report) {
   if (report.status == message::CommandStatus::kDryRun) {
-    return output_.JsonLine(output_.json() ? ReportJson(report) : report.payload);
+    output_.JsonLine(output_.json() ? ReportJson(report) : report.payload);
+    return Output::FlushNow();
   }
   if (show_ == Show::kPayloads && !output_.json()) return reporter_.Explain(report);
   summary_.Add(report);

@@ -18,6 +18,10 @@ constexpr std::size_t kMaximumPacket = 268'435'455;
 constexpr std::size_t kPublishOverhead = 16;
 // Brokers limit how many filters one SUBSCRIBE may have.
 constexpr std::size_t kFiltersPerPacket = 100;
+// AWS IoT Core takes eight filters in a SUBSCRIBE, and fifty subscriptions of a connection: packets
+// need to be that small only while there are no more.
+constexpr std::size_t kCloudFilters = 8;
+constexpr std::size_t kCloudSubscriptions = 50;
 // mosquitto 2.0.11 acknowledges more than its max_inflight_messages (20) of QoS 2 at once to the
 // end and delivers 20 of them. MQTT 5 tells the number, 3.1.1 does not.
 constexpr int kWindowOfQos2 = 20;
@@ -42,9 +46,20 @@ class PahoTransport final : public RobotTransport {
                     fmt::format("\"{}\" is no topic filter", base::Printable(filter)));
       }
     }
+    subscriptions_ += filters.size();
+    const bool is_beyond_clouds = subscriptions_ > kCloudSubscriptions;
+    const std::size_t most = is_beyond_clouds ? kFiltersPerPacket : kCloudFilters;
     while (!filters.empty()) {
-      const auto some = filters.first(std::min(filters.size(), kFiltersPerPacket));
-      if (auto status = session_.Subscribe(some, qos, deadline); !status) return status;
+      const auto some = filters.first(std::min(filters.size(), most));
+      if (auto status = session_.Subscribe(some, qos, deadline); !status) {
+        if (is_beyond_clouds) {
+          status.error().message += fmt::format(
+              " (these would be {} subscriptions of one connection: some brokers take fewer, AWS "
+              "IoT Core {})",
+              subscriptions_, kCloudSubscriptions);
+        }
+        return status;
+      }
       filters = filters.subspan(some.size());
     }
     return {};
@@ -52,6 +67,7 @@ class PahoTransport final : public RobotTransport {
 
   [[nodiscard]] Status Unsubscribe(std::span<const std::string> filters,
                                    Deadline deadline) override {
+    subscriptions_ -= std::min(subscriptions_, filters.size());
     while (!filters.empty()) {
       const auto some = filters.first(std::min(filters.size(), kFiltersPerPacket));
       if (auto status = session_.Unsubscribe(some, deadline); !status) return status;
@@ -163,6 +179,7 @@ class PahoTransport final : public RobotTransport {
   std::unique_ptr<TraceObserver> trace_;
   PahoSession session_;
   int window_;
+  std::size_t subscriptions_ = 0;
   std::vector<int> wake_;
 };
 

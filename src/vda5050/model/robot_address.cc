@@ -85,14 +85,10 @@ Result<std::string> Fill(std::string_view topic_template, auto value_of) {
 }
 
 Status CheckTemplate(std::string_view topic_template) {
-  for (const std::string_view needed : {"{manufacturer}", "{serial}", "{topic}"}) {
-    if (topic_template.find(needed) == std::string_view::npos) {
-      return Fail(ErrorKind::kUsage,
-                  fmt::format("topic template '{}' lacks {}: every robot would get the message",
-                              base::Printable(topic_template), needed));
-    }
-  }
-  return {};
+  if (topic_template.find("{serial}") != std::string_view::npos) return {};
+  return Fail(ErrorKind::kUsage,
+              fmt::format("topic template '{}' lacks {{serial}}: every robot would get the message",
+                          base::Printable(topic_template)));
 }
 
 Status CheckTopic(const std::string& topic) {

@@ -50,16 +50,21 @@ struct RobotAddress {
 /// The serial number's characters that the specification allows: A-Z a-z 0-9 _ . : -
 [[nodiscard]] bool HasRecommendedCharacters(std::string_view text);
 
-/// How topics are formed. Placeholders: {interface} {major} {manufacturer} {serial} {topic}.
+/// How topics are formed. Placeholders: {interface} {major} {manufacturer} {serial} {topic}. A template
+/// without {manufacturer} is for robots that are named; one without {topic} fixes the topic of
+/// commands, and no other is known then.
 struct TopicScheme {
   std::string interface_name;  ///< empty: the version's own
   std::string topic_template = "{interface}/{major}/{manufacturer}/{serial}/{topic}";
 
+  [[nodiscard]] bool Names(std::string_view placeholder) const {
+    return topic_template.find(placeholder) != std::string::npos;
+  }
   bool operator==(const TopicScheme&) const = default;
 };
 
 /// The full topic: `vda5050/v3/KIT/0001/instantActions`. A template with an unknown placeholder,
-/// without {topic} or without one of {manufacturer} and {serial}, and a topic with a wildcard, an
+/// without {serial}, and a topic with a wildcard, an
 /// empty level or more than 65,535 bytes are refused: ErrorKind::kUsage.
 [[nodiscard]] Result<std::string> TopicFor(const TopicScheme& scheme, Version version,
                                            const RobotAddress& robot, std::string_view topic);

@@ -158,7 +158,9 @@ Result<std::vector<std::string>> TopicsAnywhere(const TopicScheme& scheme,
   return topics;
 }
 
-std::optional<TopicLevels> ReadTopic(const TopicScheme& scheme, std::string_view topic) {
+std::optional<TopicLevels> ReadTopic(const TopicScheme& scheme, std::string_view topic,
+                                     std::string_view manufacturer) {
+  if (!scheme.Names("{topic}")) return std::nullopt;  // what comes there is our own
   const auto patterns = base::Split(TemplateOf(scheme), '/');
   const auto levels = base::Split(topic, '/');
   if (patterns.size() != levels.size()) return std::nullopt;
@@ -168,6 +170,7 @@ std::optional<TopicLevels> ReadTopic(const TopicScheme& scheme, std::string_view
   }
   // Only what could be addressed is a robot.
   RobotAddress robot{Take(values, "manufacturer"), Take(values, "serial")};
+  if (!scheme.Names("{manufacturer}")) robot.manufacturer = manufacturer;
   if (!IsAddressable(robot)) return std::nullopt;
   return TopicLevels{.robot = std::move(robot),
                      .interface_name = Take(values, "interface"),
@@ -183,7 +186,7 @@ std::optional<Discovered> DialectFrom(const Dialect& base, std::string_view topi
 
 std::optional<Discovered> DialectFrom(const Dialect& base, std::string_view topic,
                                       ConnectionMessage message) {
-  const auto levels = ReadTopic(base.topics, topic);
+  const auto levels = ReadTopic(base.topics, topic, message.header.manufacturer);
   if (!levels) return std::nullopt;
   Discovered found{.robot = levels->robot,
                    .topic = std::string(topic),

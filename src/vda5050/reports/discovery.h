@@ -55,9 +55,11 @@ struct TopicLevels {
   [[nodiscard]] std::string Place() const { return interface_name + "/" + major; }
 };
 
-/// Reads a topic back. Nothing when the template cannot have made it.
+/// Reads a topic back. `manufacturer` is the one that a template without {manufacturer} leaves out.
+/// Nothing when the template cannot have made it.
 [[nodiscard]] std::optional<TopicLevels> ReadTopic(const TopicScheme& scheme,
-                                                   std::string_view topic);
+                                                   std::string_view topic,
+                                                   std::string_view manufacturer = {});
 
 /// Another topic of the same robot at the same place. Errors: ErrorKind::kUsage.
 [[nodiscard]] Result<std::string> TopicBeside(const TopicScheme& scheme, const TopicLevels& levels,

@@ -104,10 +104,21 @@ RobotEntry* RobotDirectory::Find(const RobotAddress& robot, const TopicScheme& s
   return found->second.base->topics == scheme ? &found->second : nullptr;
 }
 
+std::optional<TopicLevels> RobotDirectory::Read(const TopicScheme& scheme,
+                                                std::string_view topic) const {
+  if (scheme.Names("{manufacturer}")) return ReadTopic(scheme, topic);
+  for (const auto& [robot, entry] : robots_) {
+    if (entry.base->topics != scheme) continue;
+    auto levels = ReadTopic(scheme, topic, robot.manufacturer);
+    if (levels && levels->robot == robot) return levels;
+  }
+  return std::nullopt;
+}
+
 const RobotEntry* RobotDirectory::Deliver(std::string_view topic, std::string_view payload,
                                           Origin origin) {
   for (const TopicScheme& scheme : schemes_) {
-    const auto levels = ReadTopic(scheme, topic);
+    const auto levels = Read(scheme, topic);
     if (!levels) continue;
     RobotEntry* entry = Find(levels->robot, scheme);
     if (entry == nullptr) continue;

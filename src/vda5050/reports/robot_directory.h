@@ -85,6 +85,9 @@ class RobotDirectory {
   [[nodiscard]] std::span<const TopicScheme> schemes() const { return schemes_; }
 
  private:
+  // Who a topic is of; where it tells no manufacturer, of the robots that are known.
+  [[nodiscard]] std::optional<TopicLevels> Read(const TopicScheme& scheme,
+                                                std::string_view topic) const;
   RobotEntry* Find(const RobotAddress& robot, const TopicScheme& scheme);
   bool Take(RobotEntry& entry, const TopicLevels& levels, std::string_view topic,
             std::string_view payload, Origin origin);

@@ -183,5 +183,28 @@ TEST_F(RobotDirectoryTest, SaysWhyAFactsheetCannotBeRead) {
   EXPECT_NE(entry->Known().factsheet_fault, "");
 }
 
+TEST_F(RobotDirectoryTest, KnowsANamedRobotWhoseTopicsTellNoManufacturer) {
+  Dialect dialect;
+  dialect.topics.topic_template = "amr/{major}/{serial}/{topic}";
+  RobotDirectory directory({}, {});
+  directory.Add({"seer", "A-1"}, std::make_shared<const Dialect>(dialect), true);
+  const std::string online = R"({"version":"2.1.0","manufacturer":"seer","serialNumber":"A-1",)"
+                             R"("connectionState":"ONLINE"})";
+  const auto* entry = directory.Deliver("amr/v2/A-1/connection", online, Origin::kRetained);
+  ASSERT_NE(entry, nullptr);
+  EXPECT_TRUE(entry->IsOnline());
+  EXPECT_EQ(entry->Spoken()->version, Version::k210);
+  EXPECT_EQ(directory.Deliver("amr/v2/A-2/connection", online, Origin::kRetained), nullptr);
+}
+
+TEST_F(RobotDirectoryTest, TakesNothingFromATopicThatIsOnlyForCommands) {
+  Dialect dialect;
+  dialect.topics.topic_template = "fts/{manufacturer}/{serial}/instantAction";
+  RobotDirectory directory({}, {});
+  directory.Add({"ff", "a7"}, std::make_shared<const Dialect>(dialect), true);
+  EXPECT_EQ(directory.Deliver("fts/ff/a7/instantAction", R"({"version":"2.1.0"})", Origin::kLive),
+            nullptr);
+}
+
 }  // namespace
 }  // namespace fleetpub::vda5050

@@ -1,0 +1,58 @@
+// What one robot is to be told: an instant action, or a message of the user's own. Built once it is
+// known how the robot is spoken to.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string_view>
+
+#include "base/json.h"
+#include "base/result.h"
+#include "message/command.h"
+#include "message/response_tracker.h"
+#include "vda5050/messages/instant_actions.h"
+#include "vda5050/messages/user_message.h"
+#include "vda5050/rules/preflight.h"
+#include "vda5050/tracking/action_tracker.h"
+
+namespace fleetpub::app {
+
+/// What one robot is to be told.
+class RobotMessage {
+ public:
+  RobotMessage() = default;
+  RobotMessage(const RobotMessage&) = delete;
+  RobotMessage& operator=(const RobotMessage&) = delete;
+  virtual ~RobotMessage() = default;
+
+  /// Again when the dialect turns out to be another.
+  [[nodiscard]] virtual Result<message::Command> Build(
+      const vda5050::RobotAddress& robot, const vda5050::Dialect& dialect,
+      std::optional<std::uint32_t> header_id) const = 0;
+  [[nodiscard]] virtual vda5050::PreflightFindings Check(
+      const vda5050::RobotAddress& robot, const vda5050::Dialect& dialect,
+      const vda5050::KnownRobot& known) const = 0;
+  [[nodiscard]] virtual Result<std::unique_ptr<message::ResponseTracker>> Track(
+      const vda5050::RobotAddress& robot, const vda5050::Dialect& dialect,
+      const message::Command& command, vda5050::WaitFor wait_for) const = 0;
+  /// Whether all it asks is to stop: that goes to a robot of which nothing is known, too.
+  [[nodiscard]] virtual bool IsOnlyStartPause() const { return false; }
+  /// Whether a factsheet tells anything of it.
+  [[nodiscard]] virtual bool NeedsFactsheet() const { return true; }
+  /// Whether, in one dialect, it is valid for every robot or for none.
+  [[nodiscard]] virtual bool IsAlikeForAll() const { return false; }
+  /// The robot's limits, before it is built for the last time.
+  virtual void ApplyLimits(const vda5050::Factsheet& /*factsheet*/) {}
+};
+
+/// One instant action. Unless its actionId was given it gets one that suits the robot's factsheet.
+[[nodiscard]] std::unique_ptr<RobotMessage> MakeInstantMessage(vda5050::InstantAction action,
+                                                               bool has_given_id);
+
+/// A message of this topic (vda5050::PublishedTopic), as somebody has written it.
+[[nodiscard]] std::unique_ptr<RobotMessage> MakeUserMessage(
+    std::string_view topic, std::shared_ptr<const base::JsonDocument> message,
+    vda5050::HeaderMismatch mismatch);
+
+}  // namespace fleetpub::app
