@@ -349,7 +349,7 @@ struct SoarRequest {
          .prefix = sender.prefix,
          .wait_for = *wait_for,
          .count = 1,
-         .on_level = {}});
+         .target = destination->name});
     return LineCommand{.command = std::move(command)};
   }
 };
@@ -421,7 +421,7 @@ Status LineParser::Build(LineCommand& line) {
   auto command = line.message->Build(robot, *dialect, line.header_id);
   if (!command) return Fail(std::move(command.error()));
   if (line.wait_for) {
-    auto tracker = line.message->Track(robot, *dialect, *command, *line.wait_for);
+    auto tracker = line.message->Track(robot, *dialect, *line.wait_for);
     if (!tracker) return Fail(std::move(tracker.error()));
     command->tracker = std::move(*tracker);
   }

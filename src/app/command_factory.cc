@@ -82,17 +82,15 @@ Status CommandFactory::ValidateInAnyVersion(const CommandRequest& request,
 Status CommandFactory::Build(const ListedRobot& robot, const RobotRequest& request, Built& built) {
   const vda5050::RobotEntry& entry = robot.second;
   if (entry.factsheet) request.message.ApplyLimits(*entry.factsheet);
-  const bool is_set = request.is_set;
   bool is_offline =
       entry.connection && !entry.IsAlive() && entry.connection->connection_state != "HIBERNATING";
   if (look_ && (look_->check || entry.automatic)) {
     PreflightFindings findings = FindingsOn(robot, request.message);
     is_offline = is_offline || findings.unreachable;
     if (!findings.refusals.empty()) {
-      const bool offline = is_set && findings.unreachable;
-      built.refused.push_back(
-          ReportOn(robot, request, offline ? CommandStatus::kOffline : CommandStatus::kRefused,
-                   ErrorKind::kPreflight, "not sent: " + findings.refusals.front()));
+      built.refused.push_back(ReportOn(
+          robot, request, findings.unreachable ? CommandStatus::kOffline : CommandStatus::kRefused,
+          ErrorKind::kPreflight, "not sent: " + findings.refusals.front()));
       // What is to be said of the message itself is said all the same.
       const auto command = request.message.Build(robot.first, *entry.Spoken(), request.header_id);
       const auto warnings = command ? ValidateCommand(*command, registry_) : Fail(command.error());
@@ -101,11 +99,10 @@ Status CommandFactory::Build(const ListedRobot& robot, const RobotRequest& reque
       return {};
     }
     // The result says it, then.
-    const bool is_told = is_set && is_offline && findings.unreachable;
-    if (is_told) findings.warnings.erase(findings.warnings.begin());
+    if (is_offline && findings.unreachable) findings.warnings.erase(findings.warnings.begin());
     for (std::string& warning : findings.warnings) built.warnings.push_back(std::move(warning));
   }
-  return AddCommand(robot, request, is_set && is_offline, built);
+  return AddCommand(robot, request, is_offline, built);
 }
 
 Status CommandFactory::AddCommand(const ListedRobot& robot, const RobotRequest& request,
@@ -123,7 +120,7 @@ Status CommandFactory::AddCommand(const ListedRobot& robot, const RobotRequest& 
   if (is_offline) {
     command->tracker = std::make_shared<NotAwaited>(DescribeOffline(robot));
   } else if (request.wait_for) {
-    auto tracker = request.message.Track(address, *dialect, *command, *request.wait_for);
+    auto tracker = request.message.Track(address, *dialect, *request.wait_for);
     if (!tracker) return Fail(std::move(tracker.error()));
     command->tracker = std::move(*tracker);
   }

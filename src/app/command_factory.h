@@ -33,6 +33,7 @@ struct Waiting {
   std::optional<vda5050::WaitFor> wait_for;  ///< nothing: do not wait
   delivery::WaitOptions wait;
   bool check = true;
+  bool tidy = false;  ///< see TidyUp
   delivery::RetainedOptions discover;
 };
 

@@ -55,19 +55,23 @@ Result<std::vector<std::string>> ValidateCommand(const Command& command,
 
 Status Deliver(delivery::CommandSource& source, Link& link, ledger::Ledger& ledger,
                const SendSettings& settings, const std::optional<delivery::WaitOptions>& wait,
-               Observer& observer) {
+               Observer& observer, const delivery::ReportSink& ended) {
   const delivery::SendOptions send{.qos = settings.qos,
                                    .acknowledge_timeout = link.connection.timeout};
   if (!wait) WarnOfSilentRefusals(link.connection.version, settings.qos, observer);
   observer.WillSend(source.left());
-  delivery::CommandSession session(
-      link.transport, ledger, send, wait.value_or(delivery::WaitOptions()),
-      {.report = [&](const message::Report& report) { observer.Report(report); },
-       .sent = [&] { observer.Sent(); },
-       .reconnect = MakeReconnectHooks(link.connection, observer)});
+  delivery::CommandSession session(link.transport, ledger, send,
+                                   wait.value_or(delivery::WaitOptions()),
+                                   {.report =
+                                        [&](const message::Report& report) {
+                                          observer.Report(report);
+                                          if (ended) ended(report);
+                                        },
+                                    .sent = [&] { observer.Sent(); },
+                                    .reconnect = MakeReconnectHooks(link.connection, observer),
+                                    .news = [&](std::string_view line) { observer.Info(line); }});
   auto sent = delivery::SendAll(
       source, session, {.batch = send.batch, .rate = settings.rate, .tick = observer.tick()});
-  if (link.transport != nullptr) link.transport->Disconnect();
   if (sent && !session.trouble()) {
     observer.Warn(fmt::format("sent, but the outcome is not in the ledger: {}",
                               session.trouble().error().message));
@@ -87,7 +91,9 @@ Status DeliverPrepared(const std::vector<Command>& commands, const SendSettings&
   if (!link) return Fail(std::move(link.error()));
   delivery::CommandList list(commands,
                              [&](const message::Report& report) { observer.Report(report); });
-  return Deliver(list, *link, **ledger, settings, wait, observer);
+  auto sent = Deliver(list, *link, **ledger, settings, wait, observer);
+  if (link->transport != nullptr) link->transport->Disconnect();
+  return sent;
 }
 
 }  // namespace

@@ -36,11 +36,12 @@ void WarnOfSilentRefusals(mqtt::ProtocolVersion version, mqtt::Qos qos, Log& log
 [[nodiscard]] Result<std::vector<std::string>> ValidateCommand(const message::Command& command,
                                                                schema::Registry& registry);
 
-/// Sends what the source makes over the link, waits for the ends when `wait` is there, and
-/// disconnects. Errors: as delivery::SendAll's.
+/// Sends what the source makes over the link, and waits for the ends when `wait` is there. `ended`
+/// gets each report too; it may be empty. Errors: as delivery::SendAll's.
 [[nodiscard]] Status Deliver(delivery::CommandSource& source, Link& link, ledger::Ledger& ledger,
                              const SendSettings& settings,
-                             const std::optional<delivery::WaitOptions>& wait, Observer& observer);
+                             const std::optional<delivery::WaitOptions>& wait, Observer& observer,
+                             const delivery::ReportSink& ended = {});
 
 /// Sends all of these commands, or none when one is invalid.
 [[nodiscard]] Status SendMessages(const std::vector<message::Command>& commands,

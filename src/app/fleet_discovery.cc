@@ -6,6 +6,7 @@
 #include <chrono>
 #include <set>
 
+#include "app/robot_discovery.h"
 #include "app/targets.h"
 #include "base/text.h"
 #include "base/time.h"
@@ -59,11 +60,13 @@ Status ReadFleet(mqtt::Transport& transport, const delivery::RetainedOptions& di
   return ok;
 }
 
-Error NoRobot(const std::string& broker, const std::vector<std::string>& words) {
+Error NoRobot(const mqtt::ServerInfo& server, const std::vector<std::string>& words) {
+  const std::string_view why = server.retain_available.value_or(true)
+                                   ? "none has left a connection message"
+                                   : kNothingRetained;
   return {ErrorKind::kPreflight,
-          fmt::format("{} knows no robot{}: none has left a connection message, and none sent a "
-                      "state",
-                      broker, words.empty() ? "" : " " + FormatFleetName(words))};
+          fmt::format("{} knows no robot{}: {}, and none sent a state", server.broker.ToString(),
+                      words.empty() ? "" : " " + FormatFleetName(words), why)};
 }
 
 // An empty view of the robots that are meant. Errors: ErrorKind::kUsage.
@@ -104,9 +107,8 @@ Result<FleetView> DiscoverFleet(const FleetRequest& request, const Environment& 
   if (auto ok = ReadFleet(*link->transport, discover, request.state_wait, *view); !ok) {
     return Fail(std::move(ok.error()));
   }
-  const std::string broker = link->transport->server().broker.ToString();
   link->transport->Disconnect();
-  if (view->size() == 0) return Fail(NoRobot(broker, request.words));
+  if (view->size() == 0) return Fail(NoRobot(link->transport->server(), request.words));
   std::vector<RobotAddress> found;
   for (const RobotView* robot : view->robots()) found.push_back(robot->robot);
   WarnOfEscapedNames(found, log);

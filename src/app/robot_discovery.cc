@@ -91,10 +91,10 @@ class Discoverer {
     return !NeedsFactsheets() || entry.factsheet || !entry.factsheet_fault.empty();
   }
   // A robot may have left messages under another version long ago: only one that is there ends the
-  // search at once.
+  // search at once, and not one that is ONLINE at two places, of which it lives at one.
   static bool IsDecided(const RobotEntry& entry) {
     const bool hibernates = entry.connection && entry.connection->connection_state == "HIBERNATING";
-    return entry.IsAlive() || hibernates;
+    return hibernates || (entry.IsAlive() && entry.Known().other_topic.empty());
   }
   [[nodiscard]] bool AnyMissing() const {
     const auto& robots = directory_.robots();

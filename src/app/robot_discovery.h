@@ -43,7 +43,7 @@ struct DiscoveryOptions {
 
 /// Why a broker knows nothing.
 inline constexpr std::string_view kNothingRetained =
-    "it keeps no retained messages (so it says on connecting), so it knows no robot";
+    "it keeps no retained messages, as it says on connecting";
 
 /// Gathers what is retained of the directory's robots and of those that the patterns find; of those
 /// that are not ONLINE whether they send states; and, where a condition needs them, the states of all

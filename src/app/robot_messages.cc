@@ -37,10 +37,8 @@ class InstantMessage final : public RobotMessage {
   }
 
   [[nodiscard]] Result<std::unique_ptr<message::ResponseTracker>> Track(
-      const RobotAddress& robot, const Dialect& dialect, const message::Command& command,
-      vda5050::WaitFor wait_for) const override {
-    const message::ActionRef& action = command.actions.front();
-    return vda5050::TrackInstantAction(robot, dialect, action.type, action.id, wait_for);
+      const RobotAddress& robot, const Dialect& dialect, vda5050::WaitFor wait_for) const override {
+    return vda5050::TrackInstantAction(robot, dialect, action_, wait_for);
   }
 
   [[nodiscard]] bool IsOnlyStartPause() const override {
@@ -83,8 +81,7 @@ class UserMessage final : public RobotMessage {
   }
 
   [[nodiscard]] Result<std::unique_ptr<message::ResponseTracker>> Track(
-      const RobotAddress& robot, const Dialect& dialect, const message::Command& /*command*/,
-      vda5050::WaitFor wait_for) const override {
+      const RobotAddress& robot, const Dialect& dialect, vda5050::WaitFor wait_for) const override {
     return vda5050::TrackUserMessage(robot, dialect, topic_, *message_, wait_for);
   }
 

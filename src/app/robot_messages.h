@@ -35,7 +35,7 @@ class RobotMessage {
       const vda5050::KnownRobot& known) const = 0;
   [[nodiscard]] virtual Result<std::unique_ptr<message::ResponseTracker>> Track(
       const vda5050::RobotAddress& robot, const vda5050::Dialect& dialect,
-      const message::Command& command, vda5050::WaitFor wait_for) const = 0;
+      vda5050::WaitFor wait_for) const = 0;
   /// Whether all it asks is to stop: that goes to a robot of which nothing is known, too.
   [[nodiscard]] virtual bool IsOnlyStartPause() const { return false; }
   /// Whether a factsheet tells anything of it.

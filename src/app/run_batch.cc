@@ -126,7 +126,8 @@ class Batch {
                   ++end_.sent;
                   observer_.Sent();
                 },
-            .reconnect = MakeReconnectHooks(connection, log_)};
+            .reconnect = MakeReconnectHooks(connection, log_),
+            .news = [this](std::string_view line) { log_.Info(line); }};
   }
 
   [[nodiscard]] bool IsStopped() const { return end_.reason != BatchStop::kEndOfInput; }

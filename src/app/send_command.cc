@@ -10,6 +10,7 @@
 
 #include "app/dry_run.h"
 #include "app/robot_discovery.h"
+#include "app/tidy_up.h"
 #include "base/text.h"
 #include "base/time.h"
 #include "delivery/send_all.h"
@@ -255,7 +256,11 @@ class CommandSender final : private delivery::CommandSource {
     if (auto ok = Connect(); !ok) return ok;
     std::optional<delivery::WaitOptions> wait;
     if (request_.waiting.wait_for) wait = request_.waiting.wait;
-    auto sent = Deliver(*this, *link_, **ledger, settings_, wait, observer_);
+    TidyUp tidy_up(request_.waiting.tidy);
+    auto sent = Deliver(*this, *link_, **ledger, settings_, wait, observer_,
+                        [&](const Report& report) { tidy_up.Note(report); });
+    tidy_up.Run(robots_, *link_, **ledger, settings_.qos, environment_.schema_directory, observer_);
+    if (link_->transport != nullptr) link_->transport->Disconnect();
     if (sent || !built_all_) return sent;
     return Fail(ReportNothingSent(CommandStatus::kError, std::move(sent.error())));
   }

@@ -4,7 +4,9 @@
 #include <utf8proc.h>
 
 #include <algorithm>
+#include <array>
 #include <limits>
+#include <utility>
 
 namespace fleetpub::base {
 namespace {
@@ -83,24 +85,76 @@ int EditDistance(std::string_view a, std::string_view b) {
   return previous[b.size()];
 }
 
+namespace {
+
+struct Stem {
+  bool is_negative;
+  std::string rest;
+};
+
+// The word as it stands, and without a beginning that says yes or no.
+std::vector<Stem> StemsOf(std::string_view word) {
+  constexpr std::array<std::pair<std::string_view, bool>, 11> kBeginnings = {{{"start", false},
+                                                                              {"en", false},
+                                                                              {"stop", true},
+                                                                              {"un", true},
+                                                                              {"dis", true},
+                                                                              {"de", true},
+                                                                              {"no-", true},
+                                                                              {"no", true},
+                                                                              {"non", true},
+                                                                              {"not", true},
+                                                                              {"skip", true}}};
+  const std::string lower =
+      ToLower(word.substr(std::min(word.find_first_not_of('-'), word.size())));
+  std::vector<Stem> stems = {{false, lower}};
+  for (const auto& [beginning, is_negative] : kBeginnings) {
+    if (lower.starts_with(beginning) && lower.size() > beginning.size() + 2) {
+      stems.push_back({is_negative, lower.substr(beginning.size())});
+    }
+  }
+  return stems;
+}
+
+}  // namespace
+
+bool AreOpposites(std::string_view a, std::string_view b) {
+  const int likeness = std::min(2, EditDistance(a, b));
+  const auto stems = StemsOf(a);
+  for (const Stem& other : StemsOf(b)) {
+    for (const Stem& one : stems) {
+      if (one.is_negative != other.is_negative && EditDistance(one.rest, other.rest) < likeness) {
+        return true;
+      }
+    }
+  }
+  return false;
+}
+
 std::optional<std::string> Nearest(std::string_view word,
                                    std::span<const std::string_view> candidates) {
   // A third of the letters may be wrong: `puase` means pause, `fly` means nothing that we have.
   constexpr std::size_t kLongestTypo = 64;
   if (word.size() > kLongestTypo) return std::nullopt;
   std::optional<std::string> nearest;
+  bool is_in_doubt = false;
   int least = std::numeric_limits<int>::max();
   for (const std::string_view candidate : candidates) {
     const int distance = EditDistance(word, candidate);
     const auto allowed = static_cast<int>(std::max<std::size_t>(1, word.size() / 3));
     // Not a single letter in common, as in `z` for `x`: another word, not a typo.
     const bool is_other = distance >= static_cast<int>(std::max(word.size(), candidate.size()));
-    if (distance <= allowed && distance < least && !is_other) {
+    if (distance > allowed || distance > least || is_other) continue;
+    if (distance > 0 && AreOpposites(word, candidate)) continue;
+    if (distance < least) {
       least = distance;
       nearest = std::string(candidate);
+      is_in_doubt = false;
+    } else {
+      is_in_doubt = is_in_doubt || AreOpposites(*nearest, candidate);
     }
   }
-  return nearest;
+  return is_in_doubt ? std::nullopt : nearest;
 }
 
 CodePoint DecodeFront(std::string_view text) {

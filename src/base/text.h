@@ -37,7 +37,12 @@ namespace fleetpub::base {
 /// case.
 [[nodiscard]] int EditDistance(std::string_view a, std::string_view b);
 
-/// The candidate that the word most probably means, when one is near enough to say so.
+/// Whether two words say the contrary of each other by how they begin, and are alike but for one
+/// letter without that: `unpause` and `pause`, `disableMap` and `enableMap`, `stopp` and `start`, `--no-x`.
+[[nodiscard]] bool AreOpposites(std::string_view a, std::string_view b);
+
+/// The candidate that the word most probably means, when one is near enough to say so. Never its
+/// opposite, and none of two opposites that are equally near.
 [[nodiscard]] std::optional<std::string> Nearest(std::string_view word,
                                                  std::span<const std::string_view> candidates);
 

@@ -19,13 +19,13 @@ void DeclareInstantSendingOptions(OptionSet& set, InstantSendingOptions& options
 }
 
 Result<ExitCode> SendToRobots(const app::CommandRequest& request, const app::SendSettings& settings,
-                              const Context& context) {
+                              const Context& context, bool no_order_is_fine) {
   using Show = SendingObserver::Show;
   SendingObserver observer(context.output,
                            settings.dry_run          ? Show::kPayloads
                            : request.targets.IsSet() ? Show::kResultsAndProgress
                                                      : Show::kResults,
-                           FormatSite(context));
+                           FormatSite(context), no_order_is_fine);
   auto sent = app::SendCommand(request, settings, MakeEnvironment(context), observer);
   if (!sent) return Fail(std::move(sent.error()));
   return observer.Conclude();
@@ -36,6 +36,9 @@ Result<ExitCode> SendInstantAction(const InstantSendingOptions& options, std::st
                                    const Context& context) {
   const auto waiting = ParseWaitingOptions(options.waiting);
   if (!waiting) return Fail(waiting.error());
+  if (options.if_any && !waiting->wait_for) {
+    return Fail(ErrorKind::kUsage, "--if-any belongs to waiting: add --wait");
+  }
   auto target_request = ParseTargetOptions(options.targets);
   if (!target_request) return Fail(std::move(target_request.error()));
   auto targets = app::ResolveTargets(*std::move(target_request), context.config, context.output);
@@ -56,7 +59,7 @@ Result<ExitCode> SendInstantAction(const InstantSendingOptions& options, std::st
        .make_message =
            [&] { return app::MakeInstantMessage(*action, options.instant.id.has_value()); },
        .waiting = *waiting},
-      *settings, context);
+      *settings, context, options.if_any);
 }
 
 }  // namespace fleetpub::cli

@@ -25,6 +25,7 @@ struct InstantSendingOptions {
   InstantOptions instant;
   SendingOptions sending;
   WaitingOptions waiting;
+  bool if_any = false;  ///< of cancelOrder: nothing to cancel is no trouble
 };
 
 void DeclareInstantSendingOptions(OptionSet& set, InstantSendingOptions& options);
@@ -32,7 +33,7 @@ void DeclareInstantSendingOptions(OptionSet& set, InstantSendingOptions& options
 /// Prints a result for each robot as it becomes known, and a summary when a word stands for several.
 [[nodiscard]] Result<ExitCode> SendToRobots(const app::CommandRequest& request,
                                             const app::SendSettings& settings,
-                                            const Context& context);
+                                            const Context& context, bool no_order_is_fine = false);
 
 [[nodiscard]] Result<ExitCode> SendInstantAction(const InstantSendingOptions& options,
                                                  std::string_view type,

@@ -1,35 +1,11 @@
 #include "cli/soar_sending.h"
 
-#include <fmt/format.h>
-
-#include <chrono>
-
-#include "base/text.h"
-#include "base/time.h"
 #include "cli/environment.h"
 #include "cli/output/sending_observer.h"
 #include "cli/parser/option_set.h"
 #include "soar/acknowledgement_tracker.h"
 
 namespace fleetpub::cli {
-namespace {
-
-// Shows each level that somebody reaches while the command waits for its end.
-class LevelTeller {
- public:
-  LevelTeller(std::string target, Output& output) : target_(std::move(target)), output_(output) {}
-
-  void operator()(const soar::Acknowledgement& said, std::chrono::nanoseconds after) const {
-    output_.Info(fmt::format("{}: {}  {}", base::Printable(said.from.empty() ? target_ : said.from),
-                             soar::GetName(said.level), base::FormatElapsed(after)));
-  }
-
- private:
-  std::string target_;
-  Output& output_;
-};
-
-}  // namespace
 
 void DeclareSoarSendingOnly(OptionSet& set, SoarSendingOptions& options) {
   DeclareSendingOptions(set, options.sending);
@@ -65,7 +41,7 @@ Result<ExitCode> SendSoarMessage(const SoarSendingOptions& options, soar::Messag
          .prefix = sender->prefix,
          .wait_for = *waiting->wait_for,
          .count = waiting->count,
-         .on_level = LevelTeller(destination->name, context.output)});
+         .target = destination->name});
   }
   SendingObserver observer(
       context.output,

@@ -85,6 +85,7 @@ constexpr auto kSettings = std::to_array<Setting>({
     {"header_id_start", kText, "zero", CheckOneOf<kHeaderIdStarts>},
     {"schema_dir", kPath, ""},
     {"qos", kWhole, "0", CheckOneOf<kQos>},
+    {"tidy", kFlag, "false"},
     {"vda", kText, "3.0.0, assumed", CheckVda},
     {"interface", kText, "uagv up to 2.x, vda5050 from 3.0"},
     {"topic_template", kText, "{interface}/{major}/{manufacturer}/{serial}/{topic}"},

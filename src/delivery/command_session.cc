@@ -1,7 +1,11 @@
 #include "delivery/command_session.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <utility>
+
+#include "base/text.h"
 
 namespace fleetpub::delivery {
 namespace {
@@ -40,15 +44,18 @@ CommandSession::CommandSession(std::unique_ptr<mqtt::Transport>& transport, ledg
       report_(std::move(hooks.report)),
       sent_(std::move(hooks.sent)),
       reconnector_(std::move(hooks.reconnect)),
-      pending_(wait,
-               [this](PendingCommands::Key key, message::Report ended) {
-                 again_.erase(key);
-                 if (lost() && ended.status == message::CommandStatus::kTimeout) {
-                   ended.message += "; the broker was out of reach at the end";
-                   if (!reconnector_.is_told()) ended.message += ": " + lost()->message;
-                 }
-                 ended_.push_back(std::move(ended));
-               }),
+      pending_(
+          wait,
+          [this](PendingCommands::Key key, message::Report ended) {
+            again_.erase(key);
+            if (lost() && ended.status == message::CommandStatus::kTimeout) {
+              ended.message += "; the broker was out of reach at the end";
+              if (!reconnector_.is_told()) ended.message += ": " + lost()->message;
+            }
+            ended_.push_back(std::move(ended));
+          },
+          hooks.news),
+      news_(std::move(hooks.news)),
       pipeline_(ledger, send, sent_, [this](PublishPipeline::Key first_key, BatchResult result) {
         Done(first_key, std::move(result));
       }) {}
@@ -185,7 +192,12 @@ void CommandSession::SendAgain(const std::vector<PendingCommands::Key>& keys) {
   for (const PendingCommands::Key key : keys) {
     const auto command = again_.find(key);
     if (lost() || command == again_.end()) continue;
-    static_cast<void>(pipeline.Send(*transport_, std::span(&command->second, 1), key));
+    message::Command sent = command->second;
+    if (auto other = std::exchange(command->second.other_way, std::nullopt)) {
+      sent.payload = std::move(other->payload);
+      if (news_) news_(fmt::format("{}: {}", base::Printable(sent.target), other->note));
+    }
+    static_cast<void>(pipeline.Send(*transport_, std::span(&sent, 1), key));
     pipeline.Await(*transport_, 0);
     if (broken_) Lose(Error(*broken_));
   }

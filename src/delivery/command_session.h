@@ -33,6 +33,8 @@ struct SessionHooks {
   ReportSink report;
   SentHook sent;  ///< may be empty
   ReconnectHooks reconnect;
+  /// See PendingCommands::NewsHook.
+  PendingCommands::NewsHook news;
 };
 
 /// Sends and follows over one connection, which is opened again whenever it is lost. No command is
@@ -101,6 +103,7 @@ class CommandSession {
   SentHook sent_;
   Reconnector reconnector_;
   PendingCommands pending_;
+  PendingCommands::NewsHook news_;
   PublishPipeline pipeline_;
   std::optional<Error> broken_;         // a batch tells that the connection is
   std::vector<message::Report> ended_;  // not told yet

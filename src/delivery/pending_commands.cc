@@ -6,8 +6,8 @@
 
 namespace fleetpub::delivery {
 
-PendingCommands::PendingCommands(const WaitOptions& options, EndHook ended)
-    : options_(options), ended_(std::move(ended)) {}
+PendingCommands::PendingCommands(const WaitOptions& options, EndHook ended, NewsHook news)
+    : options_(options), ended_(std::move(ended)), news_(std::move(news)) {}
 
 PendingCommands::KeysByTopic& PendingCommands::MapFor(const std::string& topic) {
   return HasWildcard(topic) ? by_filter_ : by_topic_;
@@ -58,6 +58,7 @@ void PendingCommands::Published(Key key, message::Report report) {
   SetLimit(*found, now + PatienceToBeSeen());
   watched.tracker->Published(report.header_id.value_or(0));
   watched.report = std::move(report);
+  TellNews(*watched.tracker);                             // of what the target said before
   if (watched.tracker->progress().ended) Update(*found);  // of whom no answer is expected
 }
 
@@ -85,6 +86,7 @@ void PendingCommands::Deliver(const mqtt::Message& message) {
 
 void PendingCommands::Update(Entry& entry) {
   Tracked& watched = entry.second;
+  TellNews(*watched.tracker);
   const message::Progress& progress = watched.tracker->progress();
   if (progress.ended) {
     return End(entry, progress.status, message::ToErrorKind(progress.status), progress.message);
@@ -96,12 +98,19 @@ void PendingCommands::Update(Entry& entry) {
   }
 }
 
+void PendingCommands::TellNews(message::ResponseTracker& tracker) const {
+  for (const std::string& line : tracker.TakeNews()) {
+    if (news_) news_(line);
+  }
+}
+
 void PendingCommands::End(Entry& entry, message::CommandStatus status,
                           std::optional<ErrorKind> error, std::string message) {
   message::Report report = std::move(entry.second.report);
   report.status = status;
   report.error = error;
   report.message = std::move(message);
+  report.kept = entry.second.tracker->progress().kept;
   if (error && report.unacknowledged) report.message += "; the broker did not acknowledge it";
   report.elapsed = Clock::now() - entry.second.published;
   const Key key = entry.first;

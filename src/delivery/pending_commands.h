@@ -9,6 +9,7 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <string_view>
 #include <unordered_map>
 #include <utility>
 #include <vector>
@@ -40,8 +41,10 @@ class PendingCommands {
   using Key = std::uint64_t;
   /// Told once for each command when its end is known; the report is complete.
   using EndHook = std::function<void(Key key, message::Report report)>;
+  /// What a target said before its end (ResponseTracker::TakeNews). May be empty.
+  using NewsHook = std::function<void(std::string_view line)>;
 
-  PendingCommands(const WaitOptions& options, EndHook ended);
+  PendingCommands(const WaitOptions& options, EndHook ended, NewsHook news = {});
 
   /// Registers a command under the caller's key before it is published.
   void Track(Key key, std::shared_ptr<message::ResponseTracker> tracker);
@@ -92,6 +95,7 @@ class PendingCommands {
   using KeysByTopic = std::unordered_map<std::string, std::set<Key>>;
   KeysByTopic& MapFor(const std::string& topic);
   void Update(Entry& entry);
+  void TellNews(message::ResponseTracker& tracker) const;
   void SetLimit(Entry& entry, Clock::time_point limit);
   void End(Entry& entry, message::CommandStatus status, std::optional<ErrorKind> error,
            std::string message);
@@ -99,6 +103,7 @@ class PendingCommands {
 
   WaitOptions options_;
   EndHook ended_;
+  NewsHook news_;
   std::unordered_map<Key, Tracked> tracked_;
   KeysByTopic by_topic_;
   KeysByTopic by_filter_;                               // with wildcards

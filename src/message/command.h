@@ -37,6 +37,12 @@ struct ActionRef {
   friend bool operator==(const ActionRef&, const ActionRef&) = default;
 };
 
+/// A payload that a target may understand which does not understand the first one.
+struct OtherWay {
+  PayloadTemplate payload;
+  std::string note;  ///< what is different, for people
+};
+
 struct Command {
   std::string reference;  ///< the caller's own word for it, handed back with its report
   std::string target;     ///< as people name it: `KIT/0001`
@@ -50,6 +56,8 @@ struct Command {
   std::pair<std::string, std::string> renamed_member;
   std::vector<ActionRef> actions;
   PayloadTemplate payload;
+  /// How it is sent the first time that it is sent again. Never for what moves anything.
+  std::optional<OtherWay> other_way = {};
   std::optional<std::uint32_t> header_id;    ///< asked for outright
   std::vector<std::string> warnings;         ///< what the builder noticed
   std::shared_ptr<ResponseTracker> tracker;  ///< how its end is recognised; null: nobody waits

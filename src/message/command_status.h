@@ -1,5 +1,4 @@
-// The closed list of what can become of a command. The names stand in JSON, in the ledger and in
-// the manual.
+// The closed list of what can become of a command, and what each is called and counts as.
 #pragma once
 
 #include <array>
@@ -17,6 +16,7 @@ enum class CommandStatus {
   kPublished,  ///< acknowledged by the broker
   kAccepted,   ///< the target lists it and has not refused it
   kFinished,   ///< the target says that it is done
+  kNoOrder,    ///< the target says that it has no order, or not this one, to cancel
   kFailed,     ///< the target says that it failed
   kRejected,   ///< the target refused it
   kRetriable,  ///< neither done nor failed: it waits for retry, skipRetry or a person
@@ -28,29 +28,69 @@ enum class CommandStatus {
   kError,      ///< broker, ledger or file trouble; the message says whether anything was sent
 };
 
-/// In the order of the enumeration.
-inline constexpr std::array<std::string_view, 14> kCommandStatusNames = {
-    "DRY_RUN",   "SENT",     "PUBLISHED", "ACCEPTED", "FINISHED", "FAILED",  "REJECTED",
-    "RETRIABLE", "VANISHED", "OFFLINE",   "TIMEOUT",  "REFUSED",  "INVALID", "ERROR",
+/// Under which word a summary counts it.
+enum class StatusGroup {
+  kFinished,
+  kSent,
+  kNoOrder,
+  kFailed,
+  kUnconfirmed,
+  kOffline,
+  kRefused,
+  kErrors,
 };
-static_assert(kCommandStatusNames.size() == static_cast<std::size_t>(CommandStatus::kError) + 1);
+
+/// What a status is called and means, wherever the command came from: the one table that words,
+/// summaries and exit codes are made of.
+struct StatusFacts {
+  std::string_view name;  ///< in JSON, in the ledger and in the manual
+  StatusGroup group;
+  /// The kind of trouble that a target's word means; nothing when it is none. (kInvalid, kRefused
+  /// and kError are ours: they carry the kind of their cause. So does a kOffline that was known
+  /// before sending.)
+  std::optional<ErrorKind> trouble = std::nullopt;
+};
+
+/// In the order of the enumeration.
+inline constexpr std::array<StatusFacts, 15> kCommandStatuses = {{
+    {"DRY_RUN", StatusGroup::kSent},
+    {"SENT", StatusGroup::kSent},
+    {"PUBLISHED", StatusGroup::kSent},
+    {"ACCEPTED", StatusGroup::kFinished},
+    {"FINISHED", StatusGroup::kFinished},
+    {"NO_ORDER", StatusGroup::kNoOrder, ErrorKind::kRejected},
+    {"FAILED", StatusGroup::kFailed, ErrorKind::kRejected},
+    {"REJECTED", StatusGroup::kFailed, ErrorKind::kRejected},
+    {"RETRIABLE", StatusGroup::kUnconfirmed, ErrorKind::kUnconfirmed},
+    {"VANISHED", StatusGroup::kUnconfirmed, ErrorKind::kUnconfirmed},
+    {"OFFLINE", StatusGroup::kOffline, ErrorKind::kUnconfirmed},
+    {"TIMEOUT", StatusGroup::kUnconfirmed, ErrorKind::kUnconfirmed},
+    {"REFUSED", StatusGroup::kRefused},
+    {"INVALID", StatusGroup::kRefused},
+    {"ERROR", StatusGroup::kErrors},
+}};
+static_assert(kCommandStatuses.size() == static_cast<std::size_t>(CommandStatus::kError) + 1);
+
+[[nodiscard]] constexpr const StatusFacts& GetFacts(CommandStatus status) {
+  return kCommandStatuses[static_cast<std::size_t>(status)];
+}
 
 /// `SENT`
 [[nodiscard]] constexpr std::string_view GetName(CommandStatus status) {
-  return kCommandStatusNames[static_cast<std::size_t>(status)];
+  return GetFacts(status).name;
+}
+
+[[nodiscard]] constexpr std::optional<ErrorKind> ToErrorKind(CommandStatus status) {
+  return GetFacts(status).trouble;
 }
 
 /// What the ledger may say of a message; RECORDED while no outcome is known.
 inline constexpr auto kRecordedStatuses = std::to_array<std::string_view>(
     {"RECORDED", GetName(CommandStatus::kSent), GetName(CommandStatus::kPublished),
      GetName(CommandStatus::kAccepted), GetName(CommandStatus::kFinished),
-     GetName(CommandStatus::kFailed), GetName(CommandStatus::kRejected),
-     GetName(CommandStatus::kRetriable), GetName(CommandStatus::kVanished),
-     GetName(CommandStatus::kOffline), GetName(CommandStatus::kTimeout),
-     GetName(CommandStatus::kError)});
-
-/// The kind of trouble that a target's word means; nothing when it is none. (kInvalid, kRefused and
-/// kError are ours: they carry the kind of their cause.)
-[[nodiscard]] std::optional<ErrorKind> ToErrorKind(CommandStatus status);
+     GetName(CommandStatus::kNoOrder), GetName(CommandStatus::kFailed),
+     GetName(CommandStatus::kRejected), GetName(CommandStatus::kRetriable),
+     GetName(CommandStatus::kVanished), GetName(CommandStatus::kOffline),
+     GetName(CommandStatus::kTimeout), GetName(CommandStatus::kError)});
 
 }  // namespace fleetpub::message

@@ -10,6 +10,7 @@
 #include "base/result.h"
 #include "message/command.h"
 #include "message/command_status.h"
+#include "message/response_tracker.h"
 
 namespace fleetpub::message {
 
@@ -26,6 +27,7 @@ struct Report {
   std::string message;  ///< why, when it is not a success; one line
   /// It left, or may have, but the broker did not say that it has it.
   bool unacknowledged = false;
+  Kept kept = Kept::kNothing;
   /// Which kind of trouble, when there was some.
   std::optional<ErrorKind> error;
   std::string payload;          ///< as sent, or as it would be

@@ -22,12 +22,20 @@ struct Incoming {
   bool retained = false;
 };
 
+/// What a target keeps of commands that have ended, until it is told to clear it.
+enum class Kept : std::uint8_t {
+  kNothing,
+  kEntry,    ///< of this one
+  kTooMuch,  ///< it says that there is no room left
+};
+
 /// How far a command has come.
 struct Progress {
   bool seen = false;   ///< the target has shown that it knows the command
   bool ended = false;  ///< `status` is final
   /// Something came since that does not count, as it cannot be read: it may be the answer.
   bool unreadable = false;
+  Kept kept = Kept::kNothing;
   CommandStatus status = CommandStatus::kTimeout;
   /// In a person's words: the target's result, description, hint; what it last said when it did not
   /// end. One line.
@@ -63,6 +71,15 @@ class ResponseTracker {
   /// After each Receive. Without an end the caller decides when time is up; `message` then is what
   /// to tell.
   [[nodiscard]] virtual const Progress& progress() const = 0;
+
+  /// What a person wants to know before the end, since the last call: whole lines.
+  [[nodiscard]] std::vector<std::string> TakeNews() { return std::exchange(news_, {}); }
+
+ protected:
+  void AddNews(std::string line) { news_.push_back(std::move(line)); }
+
+ private:
+  std::vector<std::string> news_;
 };
 
 }  // namespace fleetpub::message

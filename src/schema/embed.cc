@@ -17,6 +17,7 @@
 #include "base/json.h"
 #include "schema/bundle.h"
 #include "schema/openapi.h"
+#include "schema/schema.h"
 
 namespace fleetpub::schema {
 namespace {
@@ -69,13 +70,16 @@ Result<Documents> ReadAll(const fs::path& folder) {
   return documents;
 }
 
-// Drops texts that only describe; a member of that name under `properties` is a schema, no text.
+// Drops texts that only describe, but for what a correction of ours is (schema/violations.cc tells of it); a member of that name under `properties` is a schema, no text.
 void DropDescriptions(base::JsonValue& value) {
   if (value.IsArray()) {
     for (base::JsonValue& each : value.GetArray()) DropDescriptions(each);
   }
   if (!value.IsObject()) return;
+  const bool is_corrected =
+      base::StringMember(value, "$comment").find(kCorrected) != std::string_view::npos;
   for (const char* name : {"title", "description", "$comment"}) {
+    if (is_corrected && std::string_view(name) == "$comment") continue;
     if (!base::StringMember(value, name).empty()) value.EraseMember(name);
   }
   const auto end = value.MemberEnd();

@@ -60,6 +60,10 @@ class Schema {
   std::unique_ptr<const CheckedSchema> checked_;
 };
 
+/// With this a `$comment` names the keywords (and, of `required`, the members) in which ours says
+/// more than the published schema: a finding of these says so.
+inline constexpr std::string_view kCorrected = "Corrected: ";
+
 /// A built-in schema as it was embedded (schema/embed.cc).
 struct Embedded {
   std::string_view name;  ///< `vda5050/3.0.0/instantActions`

@@ -125,6 +125,16 @@ class Walk {
     return value.IsNumber() && (schema.types & Node::kIntegerBit) != 0 && IsInteger(value);
   }
 
+  // Of the schema's own corrections, as its `$comment` names them.
+  static bool IsCorrected(const Node& schema, std::string_view what) {
+    const std::string_view comment = base::StringMember(*schema.source, "$comment");
+    const std::size_t start = comment.find(kCorrected);
+    return start != std::string_view::npos &&
+           comment.find(what, start + kCorrected.size()) != std::string_view::npos;
+  }
+
+  void Append(std::string_view text) { findings_.back().violation.message += text; }
+
   void AddType(const Node& schema, const Value& value, const Where& where) {
     const Value* choice = schema.choice;
     MustBe(
@@ -166,6 +176,9 @@ class Walk {
       const Value* type = FindMember(*schema.source, "type");
       const bool typed = type != nullptr && type->IsString();
       MustBe(where, typed ? TypePhrase(*schema.source) : RangePhrase(*schema.source), Shown(value));
+      if (IsCorrected(schema, below(schema.minimum) ? "minimum" : "maximum")) {
+        Append("; a correction of ours: the published schema has no such limit");
+      }
     }
     const Value* divisor = schema.multiple_of;
     if (divisor != nullptr && !IsMultipleOf(value, *divisor) && Violated()) {
@@ -234,8 +247,7 @@ class Walk {
   }
 
   void Object(const Node& schema, const Value& object, const Where& where) {
-    if (schema.required != nullptr)
-      Missing(*schema.required, object, where, "required but missing");
+    if (schema.required != nullptr) Required(schema, object, where);
     Size(schema.min_properties, schema.max_properties, object.MemberCount(), "member", where);
     Dependencies(schema, object, where);
     std::size_t index = 0;
@@ -249,6 +261,26 @@ class Walk {
       if (wrong.empty()) continue;  // given up
       Add(below, fmt::format("has a name that {}", wrong[0].violation.message));
     }
+  }
+
+  void Required(const Node& schema, const Value& object, const Where& where) {
+    const std::size_t before = findings_.size();
+    Missing(*schema.required, object, where, "required but missing");
+    if (findings_.size() == before || !IsCorrected(schema, "required")) return;
+    std::vector<std::string> corrected;
+    bool are_all = true;
+    for (const Value& name : schema.required->GetArray()) {
+      const bool is_missing = FindMember(object, ViewOf(name)) == nullptr;
+      if (!is_missing) continue;
+      if (IsCorrected(schema, ViewOf(name))) {
+        corrected.emplace_back(ViewOf(name));
+      } else {
+        are_all = false;
+      }
+    }
+    if (corrected.empty()) return;
+    Append(fmt::format("; a correction of ours: the published schema does not ask for {}",
+                       are_all ? "that" : base::Join(corrected, ", ")));
   }
 
   void Missing(const Value& names, const Value& object, const Where& where, std::string_view how) {

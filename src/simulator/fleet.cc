@@ -71,6 +71,15 @@ std::vector<std::string> Fleet::Subscriptions() const {
   return topics;
 }
 
+std::vector<std::string> Fleet::RetainedTopics() const {
+  std::vector<std::string> topics;
+  for (const std::string_view topic : {"connection", "factsheet"}) {
+    if (topic == "factsheet" && factsheet_.empty()) continue;
+    for (const Member& member : members_) topics.push_back(MakeTopic(member, topic));
+  }
+  return topics;
+}
+
 mqtt::Will Fleet::MakeWill(std::size_t index, const Moment& now) {
   Member& member = members_[index];
   Utterance will = member.robot.Will(now);

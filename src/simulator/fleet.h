@@ -48,6 +48,8 @@ class Fleet {
 
   /// The exact topics that the robots listen to.
   [[nodiscard]] std::vector<std::string> Subscriptions() const;
+  /// The exact topics on which they leave retained messages: `connection` of each, then `factsheet`.
+  [[nodiscard]] std::vector<std::string> RetainedTopics() const;
   [[nodiscard]] mqtt::Will MakeWill(std::size_t index, const Moment& now);
 
   void Start(const Moment& now, std::vector<Outgoing>& out);

@@ -14,6 +14,7 @@ namespace {
 // are too many of them.
 constexpr std::size_t kMostEndedActions = 20;
 constexpr std::size_t kMostKnownIds = 200;
+constexpr std::string_view kClear = "clearInstantActions";
 
 // In which modes fleet control may send instant actions (1.1–2.1 §6.10.6, 3.0 §6.6.7).
 bool Takes(std::string_view mode, std::string_view action) {
@@ -85,6 +86,9 @@ std::string VirtualRobot::ReasonToReject(const ReceivedAction& action) const {
   if (shared_.settings.reject.contains(action.call.type)) {
     return fmt::format("{} is rejected, as asked for", action.call.type);
   }
+  if (IsListFull() && action.call.type != kClear) {
+    return fmt::format("the list of instant actions is full: {} is needed first", kClear);
+  }
   if (!Takes(state_.operating_mode, action.call.type)) {
     return fmt::format("{} is not possible in operating mode {}", action.call.type,
                        state_.operating_mode);
@@ -94,11 +98,12 @@ std::string VirtualRobot::ReasonToReject(const ReceivedAction& action) const {
 
 void VirtualRobot::Reject(const ReceivedAction& action, const std::string& reason) {
   const ActionCall& call = action.call;
-  if (shared_.settings.Style() == RejectStyle::kState) {
+  if (shared_.settings.Style() == RejectStyle::kState && !IsListFull()) {
     Remember(call.id);
     state_.instant_actions.push_back(
         {call.id, call.type, action.descriptor, ActionStatus::kFailed, reason});
     ForgetOldActions();
+    TellWhetherListIsFull();
   }
   AddError({std::string(shared_.terms.invalid_action),
             reason,
@@ -138,6 +143,7 @@ void VirtualRobot::Complete(const Running& running, const Moment& now) {
     action->result = result.result;
   }
   if (result.error) AddError(*result.error);
+  TellWhetherListIsFull();
   if (!state_.order.Active()) order_end_.reset();
   ApplySideEffect(result, now);
 }
@@ -190,7 +196,25 @@ void VirtualRobot::Retry(const std::string& id, const Moment& now) {
   }
 }
 
+bool VirtualRobot::IsListFull() const {
+  const auto ended = std::count_if(state_.instant_actions.begin(), state_.instant_actions.end(),
+                                   [](const ActionState& a) { return IsEnded(a.status); });
+  const std::size_t limit = shared_.settings.list_limit;
+  return limit > 0 && static_cast<std::size_t>(ended) >= limit;
+}
+
+void VirtualRobot::TellWhetherListIsFull() {
+  ForgetErrors(Until::kCleared);
+  if (!IsListFull()) return;
+  AddError({"INSTANT_ACTION_STATES_FULL",
+            fmt::format("send {}", kClear),
+            {},
+            Until::kCleared,
+            "URGENT"});
+}
+
 void VirtualRobot::ForgetOldActions() {
+  if (shared_.settings.list_limit > 0) return;
   auto& actions = state_.instant_actions;
   const auto ended = [](const ActionState& action) { return IsEnded(action.status); };
   while (std::count_if(actions.begin(), actions.end(), ended) >

@@ -72,7 +72,7 @@ struct Position {
 };
 
 /// How long an error stays in the state (3.0 §6.6.5; the older texts leave it open).
-enum class Until { kNextInstantAction, kNextOrder };
+enum class Until { kNextInstantAction, kNextOrder, kCleared };
 
 struct RobotError {
   std::string type;

@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <deque>
+#include <map>
 #include <memory>
+#include <set>
 #include <thread>
 #include <utility>
 
@@ -24,15 +26,18 @@ constexpr milliseconds kBetweenLooks{1000};  // at the connections that only hol
 // come is read before much of it is answered.
 constexpr std::size_t kMostUnanswered = 100'000;
 constexpr std::size_t kAnsweredAtOnce = 50;
+// In which what we publish comes back to us.
+constexpr milliseconds kEchoPatience{1000};
 
 class Runner final : public Inhabitant {
  public:
   Runner(Fleet& fleet, const RunOptions& options) : fleet_(fleet), options_(options) {}
 
   Status Connect() override {
-    auto ok = std::exchange(has_looked_, true) ? Status() : CheckPlaces();
+    const bool is_first = !std::exchange(has_looked_, true);
+    auto ok = is_first ? LookAround() : Status();
     if (ok) ok = Open();
-    if (ok) ok = Greet();
+    if (ok) ok = Greet(is_first);
     return ok;
   }
 
@@ -52,6 +57,7 @@ class Runner final : public Inhabitant {
 
   void Drop() override {
     out_.clear();
+    topics_.clear();
     unanswered_.clear();
     wills_.clear();
     transport_.reset();
@@ -62,6 +68,7 @@ class Runner final : public Inhabitant {
     fleet_.End(Now(), out_);
     auto sent = Send();
     if (sent) sent = AwaitAll();
+    if (sent) sent = PutBack();
     if (!sent) {
       options_.on_lost(sent.error());
       return {};
@@ -101,39 +108,76 @@ class Runner final : public Inhabitant {
     return {};
   }
 
-  // A robot that is ONLINE would be heard in our voice, and be OFFLINE with us. What is retained
-  // comes before the answer to the second request.
-  Status CheckPlaces() {
-    if (options_.places.empty()) return {};
+  // What is retained where the robots will speak, and who is ONLINE where they would be: such a robot
+  // would be heard in our voice, and be OFFLINE with us. What is retained comes before the answer to
+  // the second request.
+  Status LookAround() {
+    std::vector<std::string> filters;
+    if (fleet_.size() <= kMostPutBack) filters = fleet_.RetainedTopics();
+    own_.insert(filters.begin(), filters.end());
+    for (const std::string& place : options_.places) {
+      if (!own_.contains(place)) filters.push_back(place);  // a broker may not take one twice
+    }
+    if (filters.empty()) return {};
     // One without a will, which would be told of the robot that is there.
     const auto transport = mqtt::ConnectPaho(options_.connect);
     if (!transport) return Fail(transport.error());
-    auto asked = (*transport)->Subscribe(options_.places, mqtt::Qos::kAtMostOnce, Patience());
-    if (asked) asked = (*transport)->Unsubscribe(options_.places, Patience());
+    auto asked = (*transport)->Subscribe(filters, mqtt::Qos::kAtMostOnce, Patience());
+    if (asked) asked = (*transport)->Unsubscribe(filters, Patience());
     while (asked) {
-      const auto message = (*transport)->Receive(steady_clock::now());
+      auto message = (*transport)->Receive(steady_clock::now());
       if (!message) return Fail(message.error());
       if (!*message) break;
-      const auto connection = vda5050::ReadConnection((*message)->payload);
-      if (!connection || connection->connection_state != "ONLINE") continue;
-      asked =
-          Fail(ErrorKind::kPreflight,
-               fmt::format(
-                   "nothing was started: a robot is ONLINE at {} of {}, and a virtual one would "
-                   "take its place. try: another name, or --force",
-                   base::Printable((*message)->topic), (*transport)->server().broker.ToString()));
+      if (!options_.places.empty()) asked = CheckPlace(**message, **transport);
+      if (!(*message)->retained || !own_.contains((*message)->topic)) continue;
+      std::string topic = (*message)->topic;
+      before_.insert_or_assign(std::move(topic), std::move(**message));
     }
     (*transport)->Disconnect();
     return asked;
   }
 
-  Status Greet() {
-    const auto subscribed =
-        transport_->Subscribe(fleet_.Subscriptions(), mqtt::Qos::kAtMostOnce, Patience());
+  static Status CheckPlace(const mqtt::Message& message, const mqtt::Transport& transport) {
+    const auto connection = vda5050::ReadConnection(message.payload);
+    if (!connection || connection->connection_state != "ONLINE") return {};
+    return Fail(ErrorKind::kPreflight,
+                fmt::format("nothing was started: a robot is ONLINE at {} of {}, and a virtual one "
+                            "would take its place. try: another name, or --force",
+                            base::Printable(message.topic), transport.server().broker.ToString()));
+  }
+
+  Status Greet(bool is_first) {
+    std::vector<std::string> topics = fleet_.Subscriptions();
+    const bool may_drop = transport_->server().version == mqtt::ProtocolVersion::k311;
+    std::vector<std::string> heard;
+    if (is_first && may_drop) {
+      heard = fleet_.RetainedTopics();
+      heard.resize(std::min({heard.size(), fleet_.size(), kMostWills}));
+      topics.insert(topics.end(), heard.begin(), heard.end());
+    }
+    const auto subscribed = transport_->Subscribe(topics, mqtt::Qos::kAtMostOnce, Patience());
     if (!subscribed) return Fail(subscribed.error());
     fleet_.Start(Now(), out_);
     if (auto sent = Send(); !sent) return sent;
-    return AwaitAll();
+    if (auto taken = AwaitAll(); !taken) return taken;
+    return heard.empty() ? Status() : HearOneself(std::move(heard));
+  }
+
+  // Over MQTT 3.1.1 a broker has no word for no.
+  Status HearOneself(std::vector<std::string> topics) {
+    std::set<std::string> missing(topics.begin(), topics.end());
+    const auto limit = steady_clock::now() + kEchoPatience;
+    while (!missing.empty()) {
+      auto message = transport_->Receive(limit);
+      if (!message) return Fail(std::move(message.error()));
+      if (!*message) break;
+      if ((*message)->retained) continue;  // of before
+      if (missing.erase((*message)->topic) == 0 && !own_.contains((*message)->topic)) {
+        unanswered_.push_back(std::move(**message));
+      }
+    }
+    if (!missing.empty()) options_.on_unheard(*missing.begin());
+    return transport_->Unsubscribe(topics, Patience());
   }
 
   // Everything that has come; waits for the first message.
@@ -156,15 +200,31 @@ class Runner final : public Inhabitant {
         out_.clear();
         return Fail(sent.error());
       }
+      if (*sent != 0) topics_[*sent] = outgoing.message.topic;
     }
     out_.clear();
     return {};
   }
 
+  // Errors: kBroker, also when the broker refuses something.
   Status AwaitAll() {
     const auto acknowledged = transport_->AwaitAcknowledgements(Patience(), 0);
     if (!acknowledged) return Fail(acknowledged.error());
-    return {};
+    const auto topics = std::exchange(topics_, {});
+    const auto name = [&](int token) {
+      const auto topic = topics.find(token);
+      return topic == topics.end() ? "a message" : base::Printable(topic->second);
+    };
+    for (const mqtt::Acknowledgement& one : *acknowledged) {
+      if (!one.Refused()) continue;
+      return Fail(ErrorKind::kBroker,
+                  fmt::format("{} refuses {}: {}. look at its access list",
+                              transport_->server().broker.ToString(), name(one.token), one.reason));
+    }
+    if (transport_->in_flight() == 0) return {};
+    return Fail(ErrorKind::kBroker, fmt::format("{} did not acknowledge what the robots say: look "
+                                                "at its access list",
+                                                transport_->server().broker.ToString()));
   }
 
   // Their pings; and a robot that has shut down leaves no will.
@@ -184,6 +244,18 @@ class Runner final : public Inhabitant {
     return {};
   }
 
+  // What was retained before, or nothing.
+  Status PutBack() {
+    for (const std::string& topic : own_) {
+      const auto before = before_.find(topic);
+      mqtt::Message message{.topic = topic, .payload = "", .qos = mqtt::Qos::kAtLeastOnce};
+      if (before != before_.end()) message.payload = before->second.payload;
+      out_.push_back({std::move(message), true});
+    }
+    auto sent = Send();
+    return sent ? AwaitAll() : sent;
+  }
+
   Fleet& fleet_;
   const RunOptions& options_;
   bool has_looked_ = false;  // whether its places are free
@@ -192,6 +264,9 @@ class Runner final : public Inhabitant {
   steady_clock::time_point next_look_;
   std::deque<mqtt::Message> unanswered_;
   std::vector<Outgoing> out_;
+  std::map<int, std::string> topics_;            // by token, of what is not acknowledged
+  std::set<std::string> own_;                    // on which the robots leave retained messages
+  std::map<std::string, mqtt::Message> before_;  // what was retained there
 };
 
 }  // namespace

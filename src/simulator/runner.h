@@ -5,6 +5,7 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "base/result.h"
@@ -17,6 +18,9 @@ namespace fleetpub::simulator {
 /// one will per connection. More of them have none.
 constexpr std::size_t kMostWills = 32;
 
+/// More robots leave OFFLINE behind, whatever was there before.
+constexpr std::size_t kMostPutBack = 1'000;
+
 struct RunOptions {
   mqtt::ConnectOptions connect;
   std::optional<std::chrono::milliseconds> duration;  ///< none: until `stopped`
@@ -26,6 +30,8 @@ struct RunOptions {
   std::vector<std::string> places;
   /// The connection broke and is opened again; told once, however many attempts fail.
   std::function<void(const Error&)> on_lost;
+  /// Over MQTT 3.1.1: this message was sent and did not come back, so the broker may have dropped it.
+  std::function<void(std::string_view topic)> on_unheard;
 };
 
 /// What lives at a broker.
@@ -50,8 +56,9 @@ class Inhabitant {
 [[nodiscard]] Status KeepAtBroker(Inhabitant& inhabitant, const RunOptions& options);
 
 /// Runs the robots until the time is over, `stopped` says so, or all of them have shut down; then
-/// says OFFLINE for them. A connection that is lost is made again. Errors: the first connection
-/// cannot be made; kPreflight: a robot of such a name is ONLINE already, as far as the broker hands
+/// says OFFLINE for them, and leaves retained messages as it found them. A connection that is lost
+/// is made again. Errors: the first connection cannot be made, or the broker refuses what they say
+/// (kBroker); kPreflight: a robot of such a name is ONLINE already, as far as the broker hands
 /// out its retained messages before it acknowledges the next request.
 [[nodiscard]] Status Run(Fleet& fleet, const RunOptions& options);
 

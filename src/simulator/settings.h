@@ -2,6 +2,7 @@
 #pragma once
 
 #include <chrono>
+#include <cstddef>
 #include <set>
 #include <string>
 
@@ -24,6 +25,9 @@ struct Settings {
   std::chrono::milliseconds state_interval{30'000};
   std::string operating_mode = "AUTOMATIC";
   bool with_order = false;
+  /// So many ended instant actions fit (3.0); more are refused until clearInstantActions. 0: the
+  /// oldest ones go.
+  std::size_t list_limit = 0;
   /// After how long an order is done; zero: when it is cancelled.
   std::chrono::milliseconds order_time{0};
 

@@ -113,6 +113,8 @@ class VirtualRobot {
   void AddError(RobotError error);
   void ForgetErrors(Until until);
   void ForgetOldActions();
+  [[nodiscard]] bool IsListFull() const;
+  void TellWhetherListIsFull();
   [[nodiscard]] ActionState* Find(std::string_view id);
   void Remember(const std::string& id);
 

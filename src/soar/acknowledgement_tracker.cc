@@ -3,11 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <chrono>
 #include <map>
 #include <optional>
 
 #include "base/json.h"
 #include "base/text.h"
+#include "base/time.h"
 
 namespace fleetpub::soar {
 namespace {
@@ -38,7 +40,9 @@ class MessageTracker : public message::ResponseTracker {
     if (!is_new && said->level <= known->second) return;
     known->second = said->level;
     Update();
-    if (options_.on_level) options_.on_level(*said, steady_clock::now() - *published_);
+    AddNews(
+        fmt::format("{}: {}  {}", base::Printable(base::NonEmptyOr(said->from, options_.target)),
+                    GetName(said->level), base::FormatElapsed(steady_clock::now() - *published_)));
   }
 
   [[nodiscard]] const message::Progress& progress() const override { return progress_; }

@@ -5,9 +5,7 @@
 // refuse a message in this protocol: the end is a level, or silence.
 #pragma once
 
-#include <chrono>
 #include <cstddef>
-#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -40,12 +38,10 @@ struct TrackerOptions {
   Prefix prefix;
   Level wait_for = Level::kExecuted;
   std::size_t count = 1;  ///< so many must say so, each counted once
-  /// Told of each level that somebody has newly reached, and how long after the message was
-  /// published. May be empty.
-  std::function<void(const Acknowledgement&, std::chrono::nanoseconds)> on_level;
+  std::string target;     ///< who has reached a level when the acknowledgement does not say it
 };
 
-/// Ends with kFinished when the message is executed, with kAccepted when a lower level was waited
+/// Tells of each level that somebody has newly reached as news. Ends with kFinished when the message is executed, with kAccepted when a lower level was waited
 /// for and reached.
 [[nodiscard]] std::unique_ptr<message::ResponseTracker> TrackAcknowledgements(
     TrackerOptions options);

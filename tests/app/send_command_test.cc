@@ -43,7 +43,7 @@ class Action final : public RobotMessage {
   }
   [[nodiscard]] Result<std::unique_ptr<message::ResponseTracker>> Track(
       const RobotAddress& /*robot*/, const vda5050::Dialect& /*dialect*/,
-      const message::Command& /*command*/, vda5050::WaitFor /*wait_for*/) const override {
+      vda5050::WaitFor /*wait_for*/) const override {
     return std::make_unique<testing::FakeTracker>("state");
   }
   [[nodiscard]] bool IsOnlyStartPause() const override { return action_.type == "startPause"; }

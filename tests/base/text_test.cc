@@ -90,6 +90,36 @@ TEST(Nearest, PrefersTheNearer) {
   EXPECT_THAT(Nearest("enableMop", kNames), Optional("enableMop"sv));
 }
 
+TEST(Nearest, IsNeverTheOpposite) {
+  constexpr auto kNames = std::to_array<std::string_view>(
+      {"pause", "paused", "startPause", "enableMap", "watch", "--wait", "--no-history"});
+  for (const std::string_view word : {"unpause", "unpaus", "unpaused", "stopPause", "stoppPause",
+                                      "disableMap", "unwatch", "--no-wait", "--history"}) {
+    EXPECT_EQ(Nearest(word, kNames), std::nullopt) << word;
+  }
+  EXPECT_THAT(Nearest("startPuase", kNames), Optional("startPause"sv));
+  EXPECT_THAT(Nearest("enablMap", kNames), Optional("enableMap"sv));
+  constexpr auto kBoth = std::to_array<std::string_view>({"charge", "uncharge"});
+  EXPECT_EQ(Nearest("ncharge", kBoth), std::nullopt) << "either may be meant";
+  EXPECT_THAT(Nearest("uncharg", kBoth), Optional("uncharge"sv));
+}
+
+TEST(AreOpposites, KnowsHowWordsSayNo) {
+  for (const auto& [a, b] : {std::pair("pause", "unpause"),
+                             {"startCharging", "stopCharging"},
+                             {"enableZoneSet", "disableZoneSet"},
+                             {"retry", "skipRetry"},
+                             {"--check", "--no-check"},
+                             {"Load", "unload"}}) {
+    EXPECT_TRUE(AreOpposites(a, b)) << a << b;
+    EXPECT_TRUE(AreOpposites(b, a)) << b << a;
+    EXPECT_FALSE(AreOpposites(a, a)) << a;
+  }
+  EXPECT_FALSE(AreOpposites("node", "de"));
+  EXPECT_FALSE(AreOpposites("unit", "it"));
+  EXPECT_FALSE(AreOpposites("", ""));
+}
+
 TEST(IsUtf8, TakesEveryLength) {
   for (const std::string_view text :
        {""sv, "a"sv, "\0"sv, "\x7F"sv, "\xC2\x80"sv, "\xDF\xBF"sv, "\xE0\xA0\x80"sv,

@@ -115,7 +115,7 @@ TEST_F(ConnectionLoss, IsNotADistantBroker) {
 TEST_F(ConnectionLoss, SurvivesThatSomebodyElseTakesTheClientId) {
   const auto robot = Robot({"KIT/0001", "--delay", "1s", "--state-interval", "300ms", "-v"});
   const auto run = Charge(*robot, broker_.Url(), {"-W", "15s", "-i", "hall-1"});
-  EXPECT_EQ(Fleetpub({"pause", "KIT/0001", "-i", "hall-1"}).exit_code, 0);
+  EXPECT_EQ(Send({"pause", "KIT/0001", "-i", "hall-1"}).exit_code, 0);
   EXPECT_EQ(run->Wait(), 0) << run->Output() << run->Errors();
   EXPECT_THAT(run->Errors(), HasSubstr("does another client use the same client id?"));
   EXPECT_EQ(Commands(), 2);

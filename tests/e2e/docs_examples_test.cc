@@ -222,8 +222,8 @@ TEST(DocsPages, OfConfigurationsAreRead) {
     EXPECT_EQ(shown.exit_code, 0) << shown.errors;
     if (!is_whole) continue;
     // "So `fleetpub pause agv1` speaks 2.0.0 to KIT/0001"
-    const Finished run = someone.Fleetpub(
-        {"pause", "agv1", "--config", file, "--profile", "test", "--dry-run", "-o", "json"});
+    const Finished run = someone.Fleetpub({"pause", "agv1", "--config", file, "--profile", "test",
+                                           "--dry-run", "--offline", "-o", "json"});
     EXPECT_EQ(run.exit_code, 0) << run.errors;
     EXPECT_THAT(run.output, HasSubstr(R"("version":"2.0.0")"));
     EXPECT_THAT(run.output, HasSubstr(R"("instantActions":[)"));

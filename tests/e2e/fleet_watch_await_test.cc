@@ -122,9 +122,11 @@ TEST_F(FleetWatchAwait, ShowsTheFleet) {
 }
 
 TEST_F(FleetWatchAwait, ShowsTheRobotsOfAPatternAsJson) {
-  auto robots = Simulate({"KIT/0001", "--count", "3", "--vda", "2.1"});
-  robots->Signal();
-  EXPECT_EQ(robots->Wait(), 0);
+  EXPECT_EQ(testing::Run({.arguments = {"mosquitto_pub", "-p", std::to_string(broker_.port()), "-r",
+                                        "-t", "uagv/v2/KIT/0002/connection", "-m",
+                                        R"({"version":"2.1.0","connectionState":"OFFLINE"})"}})
+                .exit_code,
+            0);
   const auto online = Simulate({"KIT/0010", "--with-order", "--state-interval", "100ms"});
   const auto lines = Lines(Fleetpub({"fleet", "*/00?[", "-o", "json"}).output);
   ASSERT_THAT(lines, SizeIs(1));

@@ -28,7 +28,7 @@ TEST_F(HeaderIds, ArriveInOrderFromParallelProcessesAtQos1) {
   const Subscriber subscriber(broker_, "#", 1);
   InParallel(10, [&](int) {
     for (int i = 0; i < 10; ++i) {
-      EXPECT_EQ(Fleetpub({"pause", "KIT/0001", "-q", "1"}).exit_code, 0);
+      EXPECT_EQ(Send({"pause", "KIT/0001", "-q", "1"}).exit_code, 0);
     }
   });
   const auto messages = subscriber.Await(100);
@@ -44,7 +44,7 @@ TEST_F(HeaderIds, ArriveInOrderFromWholeFleetsAtADistance) {
   const Relay far(broker_.port(), std::chrono::milliseconds(700));
   const Subscriber subscriber(broker_);  // at QoS 1 mosquitto would queue 1,000 and drop the rest
   const auto pausing = [&](const std::string& broker, int step) {
-    Command command = operator_.Prepare({"pause", "-", "-q", "1", "-b", broker});
+    Command command = operator_.Prepare(WithoutLook({"pause", "-", "-q", "1", "-b", broker}));
     command.input.emplace();
     for (int i = 0; i < kRobots; i += step) *command.input += "KIT/" + std::to_string(i) + "\n";
     return command;
@@ -68,7 +68,7 @@ TEST_F(HeaderIds, NeverRepeatOrFallThoughProcessesAreKilledAtRandom) {
     std::mt19937 random(static_cast<unsigned>(thread));
     for (int i = 0; i < 25; ++i) {
       const std::string robot = "KIT/" + std::to_string(thread % 3);
-      Process run(operator_.Prepare({"pause", robot, "-q", "1"}));
+      Process run(operator_.Prepare(WithoutLook({"pause", robot, "-q", "1"})));
       if (i % 2 == 0) {
         std::this_thread::sleep_for(std::chrono::microseconds(random() % 60'000));
         run.Signal(SIGKILL);
@@ -78,7 +78,7 @@ TEST_F(HeaderIds, NeverRepeatOrFallThoughProcessesAreKilledAtRandom) {
       }
     }
   });
-  EXPECT_EQ(Fleetpub({"pause", "KIT/last", "-q", "1"}).exit_code, 0);
+  EXPECT_EQ(Send({"pause", "KIT/last", "-q", "1"}).exit_code, 0);
   const auto last_has_come = [](const auto& messages) {
     return !messages.empty() && messages.back().topic.find("/last/") != std::string::npos;
   };

@@ -52,7 +52,7 @@ TEST_P(HostileBroker, GetsNoMessageWhenItsSubackIsNone) {
     const ScriptedBroker broker({.on_subscribe = std::string(packet)});
     for (const char* qos : {"0", "1"}) {
       for (const std::vector<std::string>& more :
-           {std::vector<std::string>{"--wait"}, {"--wait", "--no-check"}}) {
+           {std::vector<std::string>{}, WithoutLook({"--wait"})}) {
         std::vector<std::string> words = {"pause", "KIT/0001", "-V", "5", "-q", qos};
         words.insert(words.end(), more.begin(), more.end());
         const Finished run = Call(broker, words);
@@ -69,13 +69,15 @@ TEST_P(HostileBroker, GetsNoMessageWhenItsSubackIsNone) {
 TEST_P(HostileBroker, LeavesNoFalseRowWhenItAnswersAMessageWithNonsense) {
   for (const auto packet : {kNoPropertyLength, kNoPropertyLengthAtQos1}) {
     const ScriptedBroker broker({.on_publish = std::string(packet)});
-    const Finished published = Call(broker, {"pause", "KIT/0001", "-V", "5", "-q", "1"});
+    const Finished published =
+        Call(broker, WithoutLook({"pause", "KIT/0001", "-V", "5", "-q", "1"}));
     EXPECT_EQ(published.exit_code, 4) << published.output << published.errors;
     EXPECT_THAT(published.output, HasSubstr("malformed packet"));
     // Who waits for the robot connects again: its answer may still come.
     for (const char* qos : {"0", "1"}) {
-      const Finished waited = Call(broker, {"pause", "KIT/0001", "-V", "5", "-q", qos, "--wait",
-                                            "--no-check", "-W", "300ms"});
+      const Finished waited =
+          Call(broker,
+               WithoutLook({"pause", "KIT/0001", "-V", "5", "-q", qos, "--wait", "-W", "300ms"}));
       EXPECT_THAT(waited.exit_code, AnyOf(4, 6)) << waited.output << waited.errors;
       EXPECT_THAT(waited.output + waited.errors, HasSubstr("malformed packet"));
     }
@@ -89,7 +91,7 @@ TEST_P(HostileBroker, LeavesNoFalseRowWhenItAnswersAMessageWithNonsense) {
 // A message that has left at QoS 0 has left, whatever follows.
 TEST_P(HostileBroker, DoesNotUndoAMessageAtQos0) {
   const ScriptedBroker broker({.on_publish = std::string(kNoPropertyLength)});
-  const Finished run = Call(broker, {"pause", "KIT/0001", "-V", "5", "-q", "0"});
+  const Finished run = Call(broker, WithoutLook({"pause", "KIT/0001", "-V", "5", "-q", "0"}));
   EXPECT_THAT(run.exit_code, AnyOf(0, 4)) << run.output << run.errors;
   EXPECT_THAT(History(), Not(Contains(HasSubstr(R"("status":"RECORDED")"))));
 }
@@ -153,7 +155,7 @@ TEST_P(GreedyBroker, FloodsUsWithNothingBeforeItsSuback) {
       {Times(10'000, PublishPacket("t", 0)), "wait to be read"}};
   for (const auto& [flood, words] : floods) {
     const ScriptedBroker broker({.on_subscribe = flood, .times = 1'000});
-    const Finished run = Call(broker, {"pause", "KIT/0001", "--wait", "--no-check"});
+    const Finished run = Call(broker, WithoutLook({"pause", "KIT/0001", "--wait"}));
     EXPECT_EQ(run.exit_code, 4) << run.output << run.errors;
     EXPECT_THAT(run.errors, AllOf(HasSubstr("nothing was sent"), HasSubstr(words)));
     EXPECT_LT(run.peak_mib, kMostMib) << words;
@@ -171,7 +173,7 @@ TEST_P(GreedyBroker, FloodsUsWithNothingInsteadOfAnAcknowledgement) {
   for (const std::string& flood : floods) {
     const ScriptedBroker broker({.on_publish = flood, .times = 1'000});
     const Finished run =
-        Call(broker, {"pause", "KIT/0001", "-q", "1", "--connect-timeout", "300ms"});
+        Call(broker, WithoutLook({"pause", "KIT/0001", "-q", "1", "--connect-timeout", "300ms"}));
     EXPECT_EQ(run.exit_code, 4) << run.output << run.errors;
     EXPECT_LT(run.peak_mib, kMostMib);
   }

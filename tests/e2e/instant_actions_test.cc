@@ -16,10 +16,9 @@ class InstantActions : public EndToEnd {};
 
 TEST_F(InstantActions, PausesARobot) {
   const Subscriber subscriber(broker_);
-  const Finished run = Fleetpub({"pause", "KIT/0001"});
+  const Finished run = Send({"pause", "KIT/0001"});
   EXPECT_EQ(run.exit_code, 0) << run.errors;
-  EXPECT_THAT(run.output, MatchesRegex("KIT/0001  startPause  SENT  headerId 0  [0-9.]+ m?s  "
-                                       "3.0.0 \\(assumed\\)\n"));
+  EXPECT_THAT(run.output, MatchesRegex("KIT/0001  startPause  SENT  headerId 0  [0-9.]+ m?s\n"));
   const auto messages = subscriber.Await(1);
   ASSERT_THAT(messages, SizeIs(1));
   EXPECT_EQ(messages[0].topic, "vda5050/v3/KIT/0001/instantActions");
@@ -32,9 +31,9 @@ TEST_F(InstantActions, PausesARobot) {
 }
 
 TEST_F(InstantActions, NeverRetains) {
-  EXPECT_EQ(Fleetpub({"pause", "KIT/0001", "-q", "1"}).exit_code, 0);
+  EXPECT_EQ(Send({"pause", "KIT/0001", "-q", "1"}).exit_code, 0);
   const Subscriber late(broker_);
-  EXPECT_EQ(Fleetpub({"resume", "KIT/0001", "-q", "1"}).exit_code, 0);
+  EXPECT_EQ(Send({"resume", "KIT/0001", "-q", "1"}).exit_code, 0);
   const auto messages = late.Await(1);
   ASSERT_THAT(messages, SizeIs(1));
   EXPECT_FALSE(messages[0].retained);
@@ -43,9 +42,8 @@ TEST_F(InstantActions, NeverRetains) {
 
 TEST_F(InstantActions, SendsNumbersAsNumbersAndNegativeOnes) {
   const Subscriber subscriber(broker_);
-  const Finished run =
-      Fleetpub({"initPosition", "KIT/0001", "--x", "1.5", "--y", "-2", "--theta", "0.5", "--mapId",
-                "hall-1", "--last-node-id", "n1", "--vda", "2.1"});
+  const Finished run = Send({"initPosition", "KIT/0001", "--x", "1.5", "--y", "-2", "--theta",
+                             "0.5", "--mapId", "hall-1", "--last-node-id", "n1", "--vda", "2.1"});
   EXPECT_EQ(run.exit_code, 0) << run.errors;
   EXPECT_EQ(run.errors, "");
   const auto messages = subscriber.Await(1);
@@ -60,7 +58,7 @@ TEST_F(InstantActions, SendsNumbersAsNumbersAndNegativeOnes) {
 TEST_F(InstantActions, SendsAManufacturersOwnActionToSeveralRobots) {
   const Subscriber subscriber(broker_);
   const Finished run =
-      Fleetpub({"action", "beep", "-P", "duration:=3", "KIT/0001", "-P", "mode=loud", "KIT/0002"});
+      Send({"action", "beep", "-P", "duration:=3", "KIT/0001", "-P", "mode=loud", "KIT/0002"});
   EXPECT_EQ(run.exit_code, 0) << run.errors;
   EXPECT_THAT(Lines(run.output), SizeIs(2));
   const auto messages = subscriber.Await(2);
@@ -78,7 +76,7 @@ TEST_F(InstantActions, SendsAManufacturersOwnActionToSeveralRobots) {
 TEST_F(InstantActions, CountsHeaderIdsPerTopic) {
   const Subscriber subscriber(broker_);
   for (const char* robot : {"KIT/0001", "KIT/0001", "KIT/0002", "KIT/0001"}) {
-    EXPECT_EQ(Fleetpub({"pause", robot}).exit_code, 0);
+    EXPECT_EQ(Send({"pause", robot}).exit_code, 0);
   }
   const auto messages = subscriber.Await(4);
   ASSERT_THAT(messages, SizeIs(4));
@@ -92,7 +90,7 @@ TEST_F(InstantActions, IsAcknowledgedAtQos1And2OverBothVersionsOfMqtt) {
   const Subscriber subscriber(broker_, "#", 2);
   for (const char* version : {"3.1.1", "5"}) {
     for (const char* qos : {"1", "2"}) {
-      const Finished run = Fleetpub({"pause", "KIT/0001", "-q", qos, "-V", version});
+      const Finished run = Send({"pause", "KIT/0001", "-q", qos, "-V", version});
       EXPECT_EQ(run.exit_code, 0) << run.errors;
       EXPECT_THAT(run.output, HasSubstr("PUBLISHED"));
     }
@@ -109,14 +107,14 @@ TEST_F(InstantActions, SendsMqtt5PropertiesAlongWithEachMessage) {
                      std::to_string(broker_.port()), "-V", "5", "-t", "#", "-F", "%E [%P]", "-d"}});
   ASSERT_TRUE(subscriber.AwaitOutput("SUBACK"));
   const Finished run =
-      Fleetpub({"pause", "KIT/0001", "KIT/0002", "-V", "5", "--user-property", "desk=night shift",
-                "--user-property", "ticket=a=b", "--message-expiry", "90s"});
+      Send({"pause", "KIT/0001", "KIT/0002", "-V", "5", "--user-property", "desk=night shift",
+            "--user-property", "ticket=a=b", "--message-expiry", "90s"});
   EXPECT_EQ(run.exit_code, 0) << run.errors;
   ASSERT_TRUE(subscriber.AwaitOutput("90 [desk:night shift ticket:a=b]\n"));
 }
 
 TEST_F(InstantActions, TellsAScriptEverythingInJson) {
-  const Finished run = Fleetpub({"pause", "KIT/0001", "-o", "json", "--id", "a-1", "--vda", "2"});
+  const Finished run = Send({"pause", "KIT/0001", "-o", "json", "--id", "a-1", "--vda", "2"});
   EXPECT_EQ(run.exit_code, 0) << run.errors;
   const auto result = Json(run.output);
   EXPECT_STREQ(result["target"].GetString(), "KIT/0001");
@@ -132,23 +130,23 @@ TEST_F(InstantActions, TellsAScriptEverythingInJson) {
 }
 
 TEST_F(InstantActions, IsQuietWhenAsked) {
-  const Finished run = Fleetpub({"pause", "KIT/0001", "--quiet"});
+  const Finished run = Send({"pause", "KIT/0001", "--quiet"});
   EXPECT_EQ(run.exit_code, 0);
   EXPECT_EQ(run.output + run.errors, "");
 }
 
 TEST_F(InstantActions, ADryRunSendsNothingAndUsesNoHeaderId) {
   const Subscriber subscriber(broker_);
-  const Finished text = Fleetpub({"cancelOrder", "KIT/0001", "--vda", "2.1", "--dry-run"});
+  const Finished text = Send({"cancelOrder", "KIT/0001", "--vda", "2.1", "--dry-run"});
   EXPECT_EQ(text.exit_code, 0) << text.errors;
   EXPECT_THAT(text.output, StartsWith(R"({"headerId":0,"timestamp":")"));
   EXPECT_FALSE(std::filesystem::exists(operator_.LedgerPath()));
   const Finished json =
-      Fleetpub({"cancelOrder", "KIT/0001", "--vda", "2.1", "--dry-run", "-o", "json"});
+      Send({"cancelOrder", "KIT/0001", "--vda", "2.1", "--dry-run", "-o", "json"});
   const auto result = Json(json.output);
   EXPECT_STREQ(result["status"].GetString(), "DRY_RUN");
   EXPECT_STREQ(result["payload"]["actions"][0]["actionType"].GetString(), "cancelOrder");
-  EXPECT_EQ(Fleetpub({"pause", "KIT/0001", "--vda", "2.1"}).exit_code, 0);
+  EXPECT_EQ(Send({"pause", "KIT/0001", "--vda", "2.1"}).exit_code, 0);
   const auto messages = subscriber.Await(1);
   ASSERT_THAT(messages, SizeIs(1));
   EXPECT_THAT(messages[0].payload, HasSubstr("startPause"));
@@ -157,7 +155,8 @@ TEST_F(InstantActions, ADryRunSendsNothingAndUsesNoHeaderId) {
 
 TEST_F(InstantActions, ADryRunNeedsNoBroker) {
   operator_.UseBroker("mqtt://127.0.0.1:1");
-  EXPECT_EQ(Fleetpub({"pause", "KIT/0001", "-n"}).exit_code, 0);
+  EXPECT_EQ(Send({"pause", "KIT/0001", "-n"}).exit_code, 0);
+  EXPECT_EQ(Fleetpub({"pause", "KIT/0001", "-n", "--offline"}).exit_code, 0);
 }
 
 TEST_F(InstantActions, HeedsARobotsQuirks) {
@@ -177,22 +176,22 @@ TEST_F(InstantActions, HeedsARobotsQuirks) {
 }
 
 TEST_F(InstantActions, TakesAHeaderIdAboveTheLastOneOnly) {
-  EXPECT_EQ(Fleetpub({"pause", "KIT/0001", "--header-id", "17"}).exit_code, 0);
-  const Finished again = Fleetpub({"pause", "KIT/0001", "--header-id", "17"});
+  EXPECT_EQ(Send({"pause", "KIT/0001", "--header-id", "17"}).exit_code, 0);
+  const Finished again = Send({"pause", "KIT/0001", "--header-id", "17"});
   EXPECT_EQ(again.exit_code, 2);
   EXPECT_THAT(again.output, HasSubstr("17"));
-  EXPECT_THAT(Fleetpub({"pause", "KIT/0001"}).output, HasSubstr("headerId 18"));
+  EXPECT_THAT(Send({"pause", "KIT/0001"}).output, HasSubstr("headerId 18"));
 }
 
 TEST_F(InstantActions, ReadsTheBrokerFromHostAndPort) {
   operator_.UseBroker("");
   const Finished run =
-      Fleetpub({"pause", "KIT/0001", "--host", "127.0.0.1", "-p", std::to_string(broker_.port())});
+      Send({"pause", "KIT/0001", "--host", "127.0.0.1", "-p", std::to_string(broker_.port())});
   EXPECT_EQ(run.exit_code, 0) << run.errors;
 }
 
 TEST_F(InstantActions, IgnoresProxyVariables) {
-  Command command = operator_.Prepare({"pause", "KIT/0001"});
+  Command command = operator_.Prepare(WithoutLook({"pause", "KIT/0001"}));
   for (const char* name : {"http_proxy", "https_proxy", "HTTP_PROXY", "ALL_PROXY"}) {
     command.environment.emplace_back(name, "http://127.0.0.1:1");
   }

@@ -20,8 +20,8 @@ using ::testing::Not;
 using Variables = std::vector<std::pair<std::string, std::optional<std::string>>>;
 
 std::vector<std::string> Pause(std::vector<std::string> more) {
-  more.insert(more.begin(), {"pause", "KIT/0001", "--no-check", "-q", "1"});
-  return more;
+  more.insert(more.begin(), {"pause", "KIT/0001", "-q", "1"});
+  return WithoutLook(std::move(more));
 }
 
 class Logins : public ::testing::Test {

@@ -69,9 +69,10 @@ TEST_F(ManyRobots, TheReportOnAThousandNamesExactlyThoseThatAreNotPaused) {
   EXPECT_THAT(names, SizeIs(4));
   const auto lines = Lines(run.output);
   ASSERT_THAT(lines, SizeIs(1'001));
-  EXPECT_THAT(lines.back(),
-              HasSubstr(R"("robots":1000,"finished":965,"sent":0,"failed":10,"unconfirmed":5,)"
-                        R"("offline":20,"refused":0,"errors":0)"));
+  EXPECT_THAT(
+      lines.back(),
+      HasSubstr(R"("robots":1000,"finished":965,"sent":0,"noOrder":0,"failed":10,"unconfirmed":5,)"
+                R"("offline":20,"refused":0,"errors":0)"));
 }
 
 TEST_F(ManyRobots, APersonReadsASummary) {
@@ -82,7 +83,8 @@ TEST_F(ManyRobots, APersonReadsASummary) {
   EXPECT_EQ(run.exit_code, 5);
   const auto lines = Lines(run.output);
   ASSERT_THAT(lines, SizeIs(8));
-  EXPECT_THAT(lines[5], MatchesRegex("5 robots: 3 finished, 1 failed, 1 offline  [0-9.]+ m?s"));
+  EXPECT_THAT(lines[5], MatchesRegex("5 robots at " + broker_.Url() +
+                                     ": 3 finished, 1 failed, 1 offline  [0-9.]+ m?s"));
   EXPECT_EQ(lines[6], "  failed      NO/0001");
   EXPECT_EQ(lines[7], "  offline     OFF/0001");
   EXPECT_EQ(run.errors, "");
@@ -107,7 +109,7 @@ TEST_F(ManyRobots, TheSlowOnesAreNamed) {
   const auto slow = Robot({"SLOW/0001", "--delay", "1200ms"});
   const Finished run = Fleetpub({"charge", "--all", "--wait", "--yes"});
   EXPECT_EQ(run.exit_code, 0) << run.output;
-  EXPECT_THAT(run.output, HasSubstr("4 robots: 4 finished"));
+  EXPECT_THAT(run.output, HasSubstr("4 robots at " + broker_.Url() + ": 4 finished"));
   EXPECT_THAT(Lines(run.output).back(), HasSubstr("slow        SLOW/0001 1."));
 }
 
@@ -139,7 +141,8 @@ TEST_F(ManyRobots, ATerminalShowsHowFarItHasCome) {
                        "/dev/null"};
   const Finished shown = fleetpub::testing::Run(std::move(command));
   EXPECT_EQ(shown.exit_code, 0) << shown.output;
-  EXPECT_THAT(shown.output, AllOf(HasSubstr("0 of 3"), HasSubstr("3 robots: 3 finished")));
+  EXPECT_THAT(shown.output, AllOf(HasSubstr("0 of 3"),
+                                  HasSubstr("3 robots at " + broker_.Url() + ": 3 finished")));
   const Finished piped = Fleetpub({"charge", "KIT/*", "--wait", "--yes"});
   EXPECT_EQ(piped.errors, "");
   EXPECT_THAT(piped.output, Not(HasSubstr("of 3 ")));

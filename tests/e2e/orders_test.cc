@@ -93,7 +93,8 @@ TEST_F(Orders, ThatTheRobotRefusesAreRejected) {
 
 TEST_F(Orders, ComeThroughAPipe) {
   const Subscriber subscriber(broker_, "#");
-  Command command = operator_.Prepare({"publish", "order", "KIT/0001", "-f", "-", "--vda", "2.1"});
+  Command command =
+      operator_.Prepare(WithoutLook({"publish", "order", "KIT/0001", "-f", "-", "--vda", "2.1"}));
   command.input = Order("o-3", R"("version":"2.1.0","manufacturer":"KIT")");
   const Finished run = testing::Run(command);
   EXPECT_EQ(run.exit_code, 0) << run.errors;
@@ -120,7 +121,8 @@ TEST_F(Orders, ThatAreWrongAreNotSent) {
   const Finished other = publish(Order("o", R"("serialNumber":"0002")"));
   EXPECT_EQ(other.exit_code, 3);
   EXPECT_THAT(other.errors, AllOf(HasSubstr("\"0002\""), HasSubstr("--restamp")));
-  EXPECT_EQ(publish(Order("o", R"("serialNumber":"0002")"), {"--restamp", "--dry-run"}).exit_code,
+  EXPECT_EQ(publish(Order("o", R"("serialNumber":"0002")"), {"--restamp", "--dry-run", "--offline"})
+                .exit_code,
             0);
   const Finished schema = publish(R"({"orderId":"o","nodes":[],"edges":[]})");
   EXPECT_EQ(schema.exit_code, 3);
@@ -151,14 +153,14 @@ TEST_F(Orders, AreCheckedBeforehandLikeActions) {
 
 TEST_F(Orders, StandInTheHistory) {
   EXPECT_EQ(
-      Fleetpub({"publish", "order", "KIT/0001", "-f", File("order.json", Order("o-7"))}).exit_code,
-      0);
+      Send({"publish", "order", "KIT/0001", "-f", File("order.json", Order("o-7"))}).exit_code, 0);
   const auto rows = Lines(Fleetpub({"history", "-o", "json"}).output);
   ASSERT_EQ(rows.size(), 1U);
   EXPECT_THAT(rows[0], AllOf(HasSubstr("\"order\""), HasSubstr("\"o-7\"")));
 }
 
 TEST_F(Orders, AreReadInOneWayByPublishValidateAndBatch) {
+  const auto robot = Robot({"KIT/0001", "--vda", "2.0"});
   const std::string order = Order("o", Header("2.0.0+rig"));
   const std::string file = File("order.json", order);
   std::string line = fmt::format(R"({{"target":"KIT/0001","topic":"order","payload":{}}})", order);
@@ -172,13 +174,14 @@ TEST_F(Orders, AreReadInOneWayByPublishValidateAndBatch) {
   }
   EXPECT_EQ(Fleetpub({"validate", file, "--strict"}).exit_code, 3);
   EXPECT_EQ(Fleetpub({"publish", "order", "KIT/0001", "-f", file, "--vda", "3"}).exit_code, 3);
-  EXPECT_THAT(Fleetpub({"publish", "order", "KIT/0001", "-n", "-f",
+  EXPECT_THAT(Fleetpub({"publish", "order", "KIT/0001", "-n", "--offline", "-f",
                         File("plain.json", Order("o", R"("headerId":1)"))})
                   .errors,
               HasSubstr("3.0.0 is assumed"));
 }
 
 TEST_F(Orders, WithAMisspeltMemberAreWarnedOf) {
+  const auto robot = Robot({"KIT/0001"});
   std::string order = Order("o", Header("3.0.0"));
   const auto at = order.find("nodePosition");
   order.replace(at, 12, "node_position");
@@ -197,7 +200,7 @@ TEST_F(Orders, OfActionsUnderTheOtherNameAreMetWithTheOption) {
   const std::string file = File("actions.json", R"({"version":"2.0.3","instantActions":[
       {"actionType":"stopPause","actionId":"a-1","blockingType":"HARD"}]})");
   const std::vector<std::string> publish = {"publish", "instantActions", "KIT/0001", "-f",
-                                            file,      "--dry-run"};
+                                            file,      "--dry-run",      "--offline"};
   const Finished run = Fleetpub(publish);
   EXPECT_EQ(run.exit_code, 3);
   EXPECT_THAT(run.errors, HasSubstr("--actions-key instantActions"));

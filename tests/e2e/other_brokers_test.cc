@@ -54,9 +54,9 @@ INSTANTIATE_TEST_SUITE_P(Aedes, OtherBroker, ::testing::Values(Kind::kAedes), kN
 
 TEST_P(OtherBroker, CarriesWhatIsPublished) {
   const Subscriber subscriber(port_, "vda5050/v3/PUB/+/instantActions", 2);
-  ExpectEnd({"pause", "PUB/0001"}, 0, "SENT");
-  ExpectEnd({"pause", "PUB/0001", "-q", "1"}, 0, "PUBLISHED");
-  ExpectEnd({"resume", "PUB/0002", "-q", "2"}, 0, "PUBLISHED");
+  ExpectEnd(WithoutLook({"pause", "PUB/0001"}), 0, "SENT");
+  ExpectEnd(WithoutLook({"pause", "PUB/0001", "-q", "1"}), 0, "PUBLISHED");
+  ExpectEnd(WithoutLook({"resume", "PUB/0002", "-q", "2"}), 0, "PUBLISHED");
   const auto messages = subscriber.Await(3);
   ASSERT_THAT(messages, SizeIs(3));
   EXPECT_EQ(messages[0].topic, "vda5050/v3/PUB/0001/instantActions");
@@ -125,7 +125,7 @@ TEST_P(OtherBroker, SpeaksNoMqtt5) {
 // It keeps `/` as `.` and turns every `.` into `/` on the way out.
 TEST_P(OtherBroker, MayMistakeADotInASerialNumber) {
   const Subscriber subscriber(port_, "vda5050/v3/DOT/#", 0);
-  ExpectEnd({"pause", "DOT/00.1", "-q", "1"}, 0, "PUBLISHED");
+  ExpectEnd(WithoutLook({"pause", "DOT/00.1", "-q", "1"}), 0, "PUBLISHED");
   const auto messages = subscriber.Await(1);
   ASSERT_THAT(messages, SizeIs(1));
   EXPECT_EQ(messages[0].topic, IsRabbitMq() ? "vda5050/v3/DOT/00/1/instantActions"
@@ -138,11 +138,11 @@ TEST(Aedes, DeniesWhatIsForbidden) {
   Operator someone;
   someone.UseBroker(broker.Url());
   const Finished published =
-      someone.Fleetpub({"pause", "KIT/0001", "--interface", "forbidden", "-q", "1"});
+      someone.Send({"pause", "KIT/0001", "--interface", "forbidden", "-q", "1"});
   EXPECT_EQ(published.exit_code, 4) << published.output;
   EXPECT_THAT(published.output, HasSubstr("Is something not allowed?"));
   const Finished subscribed =
-      someone.Fleetpub({"pause", "KIT/0001", "--interface", "forbidden", "--wait", "--no-check"});
+      someone.Send({"pause", "KIT/0001", "--interface", "forbidden", "--wait"});
   EXPECT_EQ(subscribed.exit_code, 4) << subscribed.output;
   EXPECT_THAT(subscribed.errors,
               AllOf(HasSubstr("nothing was sent"), HasSubstr("may not read it")));

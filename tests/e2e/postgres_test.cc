@@ -64,15 +64,15 @@ TEST_F(PostgresLedger, KeepsTheIdsOfTwoHostsApart) {
     for (int round = 0; round < kRounds; ++round) {
       const char* action = round % 2 == 0 ? "pause" : "resume";
       if (round == 1 || round == 3) {  // killed at some moment, it must not harm the other's ids
-        Process killed(host.Prepare(With({action, "--no-check"}, robots)));
+        Process killed(host.Prepare(WithoutLook(With({action}, robots))));
         std::this_thread::sleep_for(std::chrono::milliseconds(10 + random() % 40));
         killed.Signal(SIGKILL);
         EXPECT_TRUE(killed.Wait().has_value());
       }
       // Those that do not wait for the robots meet more often.
-      std::vector<std::string> words = {action, "--no-check"};
+      std::vector<std::string> words = {action};
       if (round % 4 == 0) words.emplace_back("--wait");
-      const auto ran = host.Fleetpub(With(words, robots));
+      const auto ran = host.Send(With(words, robots));
       EXPECT_EQ(ran.exit_code, 0) << ran.errors << ran.output;
     }
   };
@@ -96,7 +96,7 @@ TEST_F(PostgresLedger, KeepsTheIdsOfTwoHostsApart) {
 
 TEST_F(PostgresLedger, ThatIsDownSendsNothing) {
   operator_.UseLedger("postgresql://127.0.0.1:" + std::to_string(FreePort()) + "/fleet");
-  const auto refused = Fleetpub({"pause", "KIT/0001", "--connect-timeout", "2s"});
+  const auto refused = Send({"pause", "KIT/0001", "--connect-timeout", "2s"});
   EXPECT_EQ(refused.exit_code, 8);
   EXPECT_THAT(refused.errors, AllOf(HasSubstr("nothing was sent"), HasSubstr("cannot reach the "
                                                                              "ledger")));
@@ -117,7 +117,7 @@ TEST_F(PostgresLedger, MayRestartWhileACommandRuns) {
 }
 
 TEST_F(PostgresLedger, MayRestartBetweenTheLinesOfABatch) {
-  Command command = operator_.Prepare({"batch", "-o", "json"});
+  Command command = operator_.Prepare({"batch", "--vda", "3.0", "-o", "json"});
   command.input = std::nullopt;
   Process batch(std::move(command));
   batch.Write("{\"id\":\"one\",\"target\":\"KIT/0001\",\"action\":\"startPause\"}\n");
@@ -134,7 +134,7 @@ TEST_F(PostgresLedger, IsDescribedAndMade) {
   EXPECT_THAT(Fleetpub({"ledger", "status"}).output, HasSubstr("none yet"));
   EXPECT_THAT(Fleetpub({"ledger", "migrate"}).output, HasSubstr("now has version 1"));
   EXPECT_THAT(Fleetpub({"ledger", "migrate"}).output, HasSubstr("version 1 already"));
-  EXPECT_EQ(Fleetpub({"pause", "KIT/0001", "KIT/0002"}).exit_code, 0);
+  EXPECT_EQ(Send({"pause", "KIT/0001", "KIT/0002"}).exit_code, 0);
   const auto status = Json(Fleetpub({"ledger", "status", "-o", "json"}).output);
   EXPECT_STREQ(status["kind"].GetString(), "PostgreSQL");
   EXPECT_EQ(status["place"].GetString(), server_.Url());
@@ -147,9 +147,9 @@ TEST_F(PostgresLedger, LogsInWithoutAPasswordInSight) {
   server_.Sql(server_.Url(), "CREATE ROLE alice LOGIN SUPERUSER PASSWORD 'hush'");
   server_.Authenticate("host all alice 127.0.0.1/32 scram-sha-256\n");
   operator_.UseLedger(server_.Url("postgres", "alice"));
-  EXPECT_EQ(Fleetpub({"pause", "KIT/0001"}).exit_code, 8);
+  EXPECT_EQ(Send({"pause", "KIT/0001"}).exit_code, 8);
   const auto with = [&](const char* variable, const std::string& value) {
-    Command command = operator_.Prepare({"pause", "KIT/0001"});
+    Command command = operator_.Prepare(WithoutLook({"pause", "KIT/0001"}));
     command.environment.emplace_back(variable, value);
     return testing::Run(std::move(command));
   };
@@ -174,9 +174,8 @@ TEST_F(LedgerPlace, WithAPasswordIsRefusedWhereverItStands) {
   Operator with_file;
   with_file.UseLedger(std::nullopt);
   for (const Finished& refused :
-       {Fleetpub({"pause", "KIT/0001", "--ledger", url}),
-        with_variable.Fleetpub({"pause", "KIT/0001"}),
-        with_file.Fleetpub({"pause", "KIT/0001", "--config", config.string()})}) {
+       {Send({"pause", "KIT/0001", "--ledger", url}), with_variable.Send({"pause", "KIT/0001"}),
+        with_file.Send({"pause", "KIT/0001", "--config", config.string()})}) {
     EXPECT_EQ(refused.exit_code, 2) << refused.errors;
     EXPECT_THAT(refused.errors, AllOf(HasSubstr("PGPASSFILE"), Not(HasSubstr("hush"))));
   }
@@ -186,7 +185,7 @@ TEST_F(LedgerPlace, WithAPasswordIsRefusedWhereverItStands) {
 
 #ifdef FLEETPUB_WITHOUT_POSTGRES
 TEST_F(LedgerPlace, InADatabaseIsRefusedByABuildWithoutIt) {
-  const auto refused = Fleetpub({"pause", "KIT/0001", "--ledger", "postgresql://db.example/fleet"});
+  const auto refused = Send({"pause", "KIT/0001", "--ledger", "postgresql://db.example/fleet"});
   EXPECT_EQ(refused.exit_code, 8);
   EXPECT_THAT(refused.errors, HasSubstr("FLEETPUB_POSTGRES"));
   EXPECT_THAT(Fleetpub({"--version"}).output, HasSubstr("without PostgreSQL"));
@@ -207,7 +206,7 @@ TEST_F(LedgerPlace, MayBeAFileThatIsDescribedAsWell) {
   EXPECT_FALSE(std::filesystem::exists(operator_.LedgerPath()));
   EXPECT_THAT(Fleetpub({"ledger", "migrate", "-o", "json"}).output,
               AllOf(HasSubstr(R"("from":0)"), HasSubstr(R"("version":1)")));
-  EXPECT_EQ(Fleetpub({"pause", "KIT/0001"}).exit_code, 0);
+  EXPECT_EQ(Send({"pause", "KIT/0001"}).exit_code, 0);
   EXPECT_THAT(Fleetpub({"ledger", "status", "-o", "json"}).output,
               AllOf(HasSubstr(R"("rows":1)"), HasSubstr(operator_.LedgerPath().string())));
 }
@@ -233,8 +232,8 @@ INSTANTIATE_TEST_SUITE_P(On, Filters, ::testing::Bool(),
                          [](const auto& which) { return which.param ? "Postgres" : "Sqlite"; });
 
 TEST_P(Filters, OfTheHistoryChooseRows) {
-  ASSERT_EQ(Fleetpub({"pause", "KIT/0001", "KIT/0002"}).exit_code, 0);
-  ASSERT_EQ(Fleetpub({"resume", "KIT/0001", "-q", "1"}).exit_code, 0);
+  ASSERT_EQ(Send({"pause", "KIT/0001", "KIT/0002"}).exit_code, 0);
+  ASSERT_EQ(Send({"resume", "KIT/0001", "-q", "1"}).exit_code, 0);
   const std::string user =
       Json(Lines(Fleetpub({"history", "-o", "json"}).output).front())["user"].GetString();
   EXPECT_EQ(Count({}), 3U);

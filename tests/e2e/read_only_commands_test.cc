@@ -52,7 +52,8 @@ TEST_F(ReadOnlyCommands, ShowTheWholeHistoryToAScript) {
 }
 
 TEST_F(ReadOnlyCommands, WhatFollowsTwoDashesIsNoOption) {
-  const Finished pause = Fleetpub({"pause", "--dry-run", "--vda", "2.1", "--", "-x/1", "--all/2"});
+  const Finished pause =
+      Fleetpub({"pause", "--dry-run", "--offline", "--vda", "2.1", "--", "-x/1", "--all/2"});
   EXPECT_EQ(pause.exit_code, 0) << pause.errors;
   ASSERT_THAT(Lines(pause.output), SizeIs(2));
   EXPECT_STREQ(Json(Lines(pause.output)[0])["manufacturer"].GetString(), "-x");
@@ -83,7 +84,7 @@ TEST_F(ReadOnlyCommands, ListsTheCatalogueOfAVersion) {
 TEST_F(ReadOnlyCommands, ValidatesWhatItBuilt) {
   for (const char* version : {"1.1", "2.0", "2.1", "3"}) {
     Command command = operator_.Prepare({"validate"});
-    command.input = Fleetpub({"pause", "KIT/0001", "--vda", version, "-n"}).output;
+    command.input = Send({"pause", "KIT/0001", "--vda", version, "-n"}).output;
     const Finished run = testing::Run(command);
     EXPECT_EQ(run.exit_code, 0) << run.output;
     EXPECT_EQ(run.output, "standard input: valid\n");
@@ -94,7 +95,8 @@ TEST_F(ReadOnlyCommands, TellsTheTopicFromTheMessage) {
   const std::pair<const char*, const char*> table[] = {
       {R"("version":"3.0.0","nodes":[])", "orderId, orderUpdateId, edges are required"},
       {R"("version":"2.1.0","agvPosition":{},"operatingMode":"MANUAL")", "lastNodeId"},
-      {R"("version":"2.0.0","velocity":{})", "serialNumber are required but missing\n"},
+      {R"("version":"2.0.0","velocity":{})",
+       "serialNumber are required but missing; a correction of ours"},
       {R"("version":"2.0.0","protocolLimits":{})", "agvGeometry"},
       {R"("version":"3.0.0","responses":[{}])", "requestId, grantType are required"},
       {R"("version":"3.0.0","zoneSet":{})", "/zoneSet: mapId, zoneSetId, zones are required"},
@@ -125,7 +127,7 @@ TEST_F(ReadOnlyCommands, PutsSchemasOfAFolderBeforeItsOwn) {
               HasSubstr("published/3.0/state.schema: not valid JSON at line 3, column 1"));
   const Finished show = Fleetpub({"schema", "show", "vda5050/3.0.0/state", "--schema-dir", folder});
   EXPECT_THAT(show.errors, HasSubstr("state.schema: not valid JSON at line 3, column 1"));
-  const Finished pause = Fleetpub({"pause", "KIT/0001", "-n", "--schema-dir", folder + "/3.0"});
+  const Finished pause = Send({"pause", "KIT/0001", "-n", "--schema-dir", folder + "/3.0"});
   EXPECT_EQ(pause.exit_code, 0) << pause.errors;
 }
 
@@ -155,7 +157,7 @@ TEST_F(ReadOnlyCommands, WarnsOfTheTextsRulesAndFailsOnThemWhenStrict) {
 }
 
 TEST_F(ReadOnlyCommands, ValidatesLinesWithTheirNumbers) {
-  const std::string good = Fleetpub({"pause", "KIT/0001", "-n"}).output;
+  const std::string good = Send({"pause", "KIT/0001", "-n"}).output;
   const auto file = operator_.home().Write("messages.jsonl", good + "\n{\"a\":\n" + good);
   const Finished run = Fleetpub({"validate", "--lines", file.string(), "-o", "json"});
   EXPECT_EQ(run.exit_code, 3);
@@ -195,9 +197,9 @@ TEST_F(ReadOnlyCommands, ShowsAndListsSchemas) {
 }
 
 TEST_F(ReadOnlyCommands, RemembersWhatWasSent) {
-  EXPECT_EQ(Fleetpub({"pause", "KIT/0001"}).exit_code, 0);
-  EXPECT_EQ(Fleetpub({"resume", "KIT/0002", "-q", "1"}).exit_code, 0);
-  EXPECT_EQ(Fleetpub({"resume", "KIT/0003", "--no-history"}).exit_code, 0);
+  EXPECT_EQ(Send({"pause", "KIT/0001"}).exit_code, 0);
+  EXPECT_EQ(Send({"resume", "KIT/0002", "-q", "1"}).exit_code, 0);
+  EXPECT_EQ(Send({"resume", "KIT/0003", "--no-history"}).exit_code, 0);
   const auto rows = Lines(Fleetpub({"history", "-o", "json"}).output);
   ASSERT_THAT(rows, SizeIs(2));
   EXPECT_STREQ(Json(rows[0])["status"].GetString(), "SENT");
@@ -216,7 +218,7 @@ TEST_F(ReadOnlyCommands, RemembersWhatWasSent) {
   EXPECT_THAT(Fleetpub({"history", "--ledger", "no-such.db"}).errors,
               HasSubstr("there is no ledger at no-such.db"));
   EXPECT_THAT(Fleetpub({"history", "prune", "--older-than", "0s"}).output, HasSubstr("2 rows"));
-  EXPECT_THAT(Fleetpub({"pause", "KIT/0001"}).output, HasSubstr("headerId 1"));
+  EXPECT_THAT(Send({"pause", "KIT/0001"}).output, HasSubstr("headerId 1"));
 }
 
 TEST_F(ReadOnlyCommands, PingsTheBroker) {

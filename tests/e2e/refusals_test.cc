@@ -65,7 +65,7 @@ TEST_F(Refusals, NameWhatIsWrongAndSendNothing) {
       {{"initPosition", "KIT/0001", "--x", "1e999"}, 3, "x must be a finite number"},
       {{"initPosition", "KIT/0001", "--theta", "3.2"}, 3, "between -π and π"},
       {{"initPosition", "KIT/0001", "--x", "1"}, 3, "needs the parameters y, theta, mapId"},
-      {{"pause", "KIT/0001", "--blocking-type", "HARD"}, 3, "must be NONE"},
+      {{"pause", "KIT/0001", "--vda", "3", "--blocking-type", "HARD"}, 3, "must be NONE"},
       {{"pause", "KIT/0001", "--id", ""}, 3, "actionId must not be empty"},
       {{"action", "beep", "KIT/0001", "-P", "a:={"}, 3, "takes JSON"},
       {{"action", "beep", "KIT/0001", "-P", "a:=null"}, 3, "must be"},
@@ -78,21 +78,21 @@ TEST_F(Refusals, NameWhatIsWrongAndSendNothing) {
     EXPECT_THAT(run.errors, AllOf(HasSubstr(sentence), Not(HasSubstr("secret"))));
     EXPECT_THAT(run.output, IsEmpty());
   }
-  EXPECT_EQ(Fleetpub({"pause", "KIT/0001", "-q", "1"}).exit_code, 0);
+  EXPECT_EQ(Send({"pause", "KIT/0001", "-q", "1"}).exit_code, 0);
   EXPECT_EQ(subscriber.Await(1).size(), 1U);
 }
 
 TEST_F(Refusals, AnInvalidTargetAmongSeveralStopsThemAll) {
   const Subscriber subscriber(broker_);
   EXPECT_EQ(Fleetpub({"pause", "KIT/0001", "KIT/+"}).exit_code, 2);
-  EXPECT_EQ(Fleetpub({"resume", "KIT/0002", "-q", "1"}).exit_code, 0);
+  EXPECT_EQ(Send({"resume", "KIT/0002", "-q", "1"}).exit_code, 0);
   const auto messages = subscriber.Await(1);
   ASSERT_EQ(messages.size(), 1U);
   EXPECT_THAT(messages[0].payload, HasSubstr("stopPause"));
 }
 
 TEST_F(Refusals, ANearlyPredefinedKeyIsSentWithAWarning) {
-  const Finished run = Fleetpub({"logReport", "KIT/0001", "--reason", "x", "-P", "reasn=y"});
+  const Finished run = Send({"logReport", "KIT/0001", "--reason", "x", "-P", "reasn=y"});
   EXPECT_EQ(run.exit_code, 0);
   EXPECT_THAT(run.errors, HasSubstr("is reason meant?"));
 }
@@ -117,15 +117,14 @@ TEST(Login, IsRefusedWithExit4AndGrantedWithAPasswordFile) {
   EXPECT_EQ(anonymous.exit_code, 4);
   const auto file = ann.home().Write("password", "s3cret word\n");
   const Finished exposed =
-      ann.Fleetpub({"pause", "KIT/0001", "-u", "ann", "--password-file", file.string()});
+      ann.Send({"pause", "KIT/0001", "-u", "ann", "--password-file", file.string()});
   EXPECT_EQ(exposed.exit_code, 0) << exposed.errors;
   EXPECT_THAT(exposed.errors, HasSubstr("chmod 600"));
   std::filesystem::permissions(file, std::filesystem::perms::owner_read);
-  EXPECT_EQ(
-      ann.Fleetpub({"pause", "KIT/0001", "-u", "ann", "--password-file", file.string()}).errors,
-      "");
+  EXPECT_EQ(ann.Send({"pause", "KIT/0001", "-u", "ann", "--password-file", file.string()}).errors,
+            "");
 
-  Command command = ann.Prepare({"pause", "KIT/0001", "-u", "ann", "--debug"});
+  Command command = ann.Prepare(WithoutLook({"pause", "KIT/0001", "-u", "ann", "--debug"}));
   command.environment.emplace_back("FLEETPUB_PASSWORD", "s3cret word");
   const Finished debugged = testing::Run(command);
   EXPECT_EQ(debugged.exit_code, 0) << debugged.errors;
@@ -136,13 +135,13 @@ TEST(Login, IsRefusedWithExit4AndGrantedWithAPasswordFile) {
 TEST_F(Refusals, ALedgerThatCannotBeUsedIsExit8AndSendsNothing) {
   const Subscriber subscriber(broker_);
   operator_.home().Write("ledger.db", std::string(8192, 'x'));
-  const Finished corrupt = Fleetpub({"pause", "KIT/0001"});
+  const Finished corrupt = Send({"pause", "KIT/0001"});
   EXPECT_EQ(corrupt.exit_code, 8);
   EXPECT_THAT(corrupt.errors, AllOf(HasSubstr("nothing was sent"), HasSubstr("ledger.db")));
-  const Finished folder = Fleetpub({"pause", "KIT/0001", "--ledger", operator_.home().path()});
+  const Finished folder = Send({"pause", "KIT/0001", "--ledger", operator_.home().path()});
   EXPECT_EQ(folder.exit_code, 8);
   const Finished good =
-      Fleetpub({"resume", "KIT/0001", "-q", "1", "--ledger", operator_.home() / "good.db"});
+      Send({"resume", "KIT/0001", "-q", "1", "--ledger", operator_.home() / "good.db"});
   EXPECT_EQ(good.exit_code, 0) << good.errors;
   const auto messages = subscriber.Await(1);
   ASSERT_EQ(messages.size(), 1U);
@@ -161,7 +160,7 @@ TEST_F(Refusals, CtrlCEndsWith130AndSaysWhatWasSent) {
   }
   const BrokenBroker deaf(BrokenBroker::Answers({BrokenBroker::Connack(0)}));
   operator_.UseBroker(deaf.Url());
-  Process run(operator_.Prepare({"pause", "KIT/0001", "-q", "1", "--debug"}));
+  Process run(operator_.Prepare(WithoutLook({"pause", "KIT/0001", "-q", "1", "--debug"})));
   ASSERT_TRUE(run.AwaitErrors("-> PUBLISH"));
   run.Signal(SIGINT);
   EXPECT_EQ(run.Wait(), 130);
@@ -196,7 +195,7 @@ TEST_F(Refusals, ResultsThatCannotBeWrittenAreTold) {
   const Finished looking = InShell("actions > /dev/full");
   EXPECT_EQ(looking.exit_code, 8);
   EXPECT_THAT(looking.errors, HasSubstr("could not be written"));
-  const Finished sending = InShell("pause KIT/0001 > /dev/full");
+  const Finished sending = InShell("pause KIT/0001 --vda 3 --no-check > /dev/full");
   EXPECT_EQ(sending.exit_code, 0) << "the command was sent, whoever reads the result";
   EXPECT_THAT(sending.errors, HasSubstr("could not be written"));
 }

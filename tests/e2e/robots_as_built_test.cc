@@ -111,6 +111,24 @@ TEST_F(RobotsAsBuilt, DoNoOrderAgainThatTheyHaveDone) {
   EXPECT_THAT(run->Output(), HasSubstr("TIMEOUT"));
 }
 
+TEST_F(RobotsAsBuilt, AreHeardAtOnceWhenAnOrderGoesWrong) {
+  const auto run = SendOrder(0, {"--wait-for", "finished", "-W", "10s"});
+  const auto say = [&](std::string_view left, std::string_view errors) {
+    Say("state", fmt::format(R"({{{},"orderId":"o-1","orderUpdateId":0,"nodeStates":[{}],)"
+                             R"("edgeStates":[],"lastNodeId":"b","lastNodeSequenceId":2,)"
+                             R"("errors":[{}]}})",
+                             kHeader, left, errors));
+  };
+  say(R"({"nodeId":"b","sequenceId":2})", "");
+  say(R"({"nodeId":"b","sequenceId":2})",
+      R"({"errorType":"wheelLost","errorLevel":"FATAL","errorReferences":[
+          {"referenceKey":"orderId","referenceValue":"o-1"}]})");
+  EXPECT_TRUE(run->AwaitErrors("RIG/7: wheelLost")) << "before the end: " << run->Errors();
+  EXPECT_EQ(run->Output(), "");
+  say("", "");
+  EXPECT_EQ(run->Wait(), 0) << run->Output();
+}
+
 TEST_F(RobotsAsBuilt, RefuseAnUpdateThatIsLowerThanTheirs) {
   constexpr std::string_view kState =
       R"({{{},"orderId":"o-1","orderUpdateId":6,"errors":[{{"errorType":"tooOld","errorReferences":[{}]}}]}})";
@@ -136,6 +154,47 @@ TEST_F(RobotsAsBuilt, AreNotJudgedByAStateOfYesterday) {
   EXPECT_TRUE(fleet["paused"].IsNull());
   EXPECT_STREQ(fleet["connectionState"].GetString(), "ONLINE");
   EXPECT_EQ(Fleetpub({"await", "RIG/7", "connection", "connectionState=ONLINE"}).exit_code, 0);
+}
+
+TEST_F(RobotsAsBuilt, ThatAreOfflineAreSoHoweverTheyAreNamed) {
+  Connect("OFFLINE");
+  for (const char* target : {"RIG/7", "RIG/*"}) {
+    const auto run = [&](const char* action) {
+      return Fleetpub({action, target, "--vda", "auto", "--wait", "-o", "json"});
+    };
+    const Finished refused = run("resume");
+    EXPECT_EQ(refused.exit_code, 7) << target << refused.errors;
+    const auto none = Json(Lines(refused.output).at(0));
+    EXPECT_STREQ(none["status"].GetString(), "OFFLINE");
+    EXPECT_FALSE(none.HasMember("headerId"));
+    const Finished pause = run("pause");
+    EXPECT_EQ(pause.exit_code, 6) << target << pause.errors;
+    const auto sent = Json(Lines(pause.output).at(0));
+    EXPECT_STREQ(sent["status"].GetString(), "OFFLINE");
+    EXPECT_TRUE(sent.HasMember("headerId"));
+    EXPECT_LT(sent["elapsedMs"].GetDouble(), 1000) << "nobody waits for it";
+  }
+}
+
+TEST_F(RobotsAsBuilt, OfTheOtherKeyAreAskedUnderItButNotMovedByIt) {
+  const auto keys = [&](std::vector<std::string> arguments) {
+    const Subscriber subscriber(broker_, kBase + "instantActions");
+    for (const char* more : {"RIG/7", "--wait", "-W", "600ms", "--resend", "1", "--id", "p-1"}) {
+      arguments.emplace_back(more);
+    }
+    const auto run = Start(std::move(arguments));
+    std::string found;
+    for (const auto& message : subscriber.Await(2)) {
+      found += Json(message.payload).HasMember("actions") ? "actions " : "instantActions ";
+    }
+    Say("state", Listed("FINISHED"));
+    EXPECT_EQ(run->Wait(), 0) << run->Output() << run->Errors();
+    return found;
+  };
+  EXPECT_EQ(keys({"stateRequest", "--vda", "2.0"}), "actions instantActions ");
+  EXPECT_EQ(keys({"stateRequest", "--vda", "2.0", "--actions-key", "actions"}), "actions actions ");
+  EXPECT_EQ(keys({"stateRequest", "--vda", "2.1"}), "actions actions ");
+  EXPECT_EQ(keys({"pause", "--vda", "2.0"}), "actions actions ");
 }
 
 TEST_F(RobotsAsBuilt, ThatAreFoundTwiceAreNamedTwice) {

@@ -7,6 +7,7 @@ namespace fleetpub::testing {
 namespace {
 
 using ::testing::HasSubstr;
+using ::testing::Not;
 using ::testing::SizeIs;
 
 class Simulate : public EndToEnd {
@@ -72,10 +73,51 @@ TEST_F(Simulate, SpeaksEachVersion) {
 TEST_F(Simulate, SaysOfflineWhenItIsEnded) {
   for (const int signal : {SIGTERM, SIGINT}) {
     const auto robot = Start({"KIT/0001"});
+    const Subscriber connections(broker_, "+/+/+/+/connection", 1);
     robot->Signal(signal);
     EXPECT_EQ(robot->Wait(), 0) << robot->Errors();
-    EXPECT_EQ(ConnectionState("vda5050/v3/KIT/0001/connection"), "OFFLINE");
+    const auto said = connections.Await(3);
+    ASSERT_THAT(said, SizeIs(3));
+    EXPECT_STREQ(Json(said[1].payload)["connectionState"].GetString(), "OFFLINE");
+    EXPECT_EQ(said[2].payload, "") << "nothing is left behind";
   }
+}
+
+TEST_F(Simulate, LeavesRetainedMessagesAsItFoundThem) {
+  const auto say = [&](const std::string& topic, const std::string& payload) {
+    EXPECT_EQ(testing::Run({.arguments = {"mosquitto_pub", "-p", std::to_string(broker_.port()),
+                                          "-r", "-q", "1", "-t", topic, "-m", payload}})
+                  .exit_code,
+              0);
+  };
+  const std::string earlier = R"({"connectionState":"CONNECTION_BROKEN","version":"3.0.0"})";
+  const std::string factsheet = R"({"version":"3.0.0","own":true})";
+  say("vda5050/v3/KIT/0002/connection", earlier);
+  say("vda5050/v3/KIT/0003/factsheet", factsheet);
+  say("uagv/v2/KIT/0001/connection", earlier);
+  const auto robots = Start({"KIT/0001", "--count", "3"});
+  EXPECT_EQ(ConnectionState("vda5050/v3/KIT/0002/connection"), "ONLINE");
+  robots->Signal(SIGTERM);
+  EXPECT_EQ(robots->Wait(), 0);
+  EXPECT_EQ(Retained("vda5050/v3/KIT/0002/connection"), earlier);
+  EXPECT_EQ(Retained("vda5050/v3/KIT/0003/factsheet"), factsheet);
+  const Finished left =
+      testing::Run({.arguments = {"mosquitto_sub", "-p", std::to_string(broker_.port()), "-t", "#",
+                                  "-F", "%t", "--retained-only", "-W", "1"}});
+  EXPECT_THAT(Lines(left.output), ::testing::UnorderedElementsAre("vda5050/v3/KIT/0002/connection",
+                                                                  "vda5050/v3/KIT/0003/factsheet",
+                                                                  "uagv/v2/KIT/0001/connection"));
+}
+
+TEST_F(Simulate, SaysWhenTheBrokerRefusesWhatItSays) {
+  const Mosquitto broker({"allow_anonymous true", "acl_file {}/acl"}, {{"acl", "topic read #\n"}});
+  const Finished known = Fleetpub({"simulate", "KIT/0001", "-b", broker.Url(), "-V", "5"});
+  EXPECT_EQ(known.exit_code, 4) << known.errors;
+  EXPECT_THAT(known.errors, HasSubstr("vda5050/v3/KIT/0001/connection"));
+  EXPECT_THAT(known.errors, Not(HasSubstr("online")));
+  Process unknown(operator_.Prepare({"simulate", "KIT/0001", "-b", broker.Url()}));
+  EXPECT_TRUE(unknown.AwaitErrors(" online at "));
+  EXPECT_THAT(unknown.Errors(), HasSubstr("-V 5")) << "MQTT 3.1.1 has no word for no";
 }
 
 TEST_F(Simulate, LeavesItsLastWillWhenItIsKilled) {
@@ -98,7 +140,6 @@ TEST_F(Simulate, EndsByItself) {
   const auto other = Start({"KIT/0001", "KIT/0002"});
   EXPECT_EQ(Fleetpub({"shutdown", "KIT/0001", "KIT/0002", "--vda", "3"}).exit_code, 0);
   EXPECT_EQ(other->Wait(), 0) << "all have shut down";
-  EXPECT_EQ(ConnectionState("vda5050/v3/KIT/0002/connection"), "OFFLINE");
 }
 
 TEST_F(Simulate, AThousandRobotsEachAnswer) {

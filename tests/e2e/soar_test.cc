@@ -250,7 +250,7 @@ TEST_F(Soar, ReportsObservationsAndStatuses) {
 }
 
 TEST_F(Soar, StandsInTheHistoryBesideTheOtherProtocol) {
-  EXPECT_EQ(Fleetpub({"pause", "KIT/0001", "--vda", "3"}).exit_code, 0);
+  EXPECT_EQ(Send({"pause", "KIT/0001"}).exit_code, 0);
   EXPECT_EQ(Fleetpub(Plan(kEco1)).exit_code, 0);
   const auto rows = Lines(Fleetpub({"history"}).output);
   ASSERT_THAT(rows, SizeIs(3));

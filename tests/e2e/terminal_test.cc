@@ -177,7 +177,7 @@ TEST_F(OnATerminal, FleetFitsTheWindowAndIsWholeInAPipe) {
 }
 
 TEST_F(OnATerminal, ResultsAndHistoryAlignWideNames) {
-  const Finished sent = Fleetpub({"pause", "搬送/車一号", "KIT/0001"});
+  const Finished sent = Send({"pause", "搬送/車一号", "KIT/0001"});
   EXPECT_THAT(Lines(sent.output).at(0), StartsWith("搬送/車一号  startPause"));
   EXPECT_THAT(Lines(sent.output).at(1), StartsWith("KIT/0001     startPause"));
   const auto history = Lines(Fleetpub({"history"}).output);
@@ -199,7 +199,9 @@ class Progress : public OnATerminal {
     robots->Signal();
     EXPECT_EQ(robots->Wait(), 0);
   }
-  [[nodiscard]] std::string PauseAll() const { return Line({"pause", "--all", "--rate", "3"}); }
+  [[nodiscard]] std::string PauseAll() const {
+    return Line({"pause", "--all", "--rate", "3", "--discover", "60"});
+  }
 };
 
 std::vector<std::string> WhatIsLeft(Terminal& terminal) {
@@ -213,7 +215,7 @@ TEST_F(Progress, LeavesNothingBehindWhenWarningsAndResultsCome) {
   ASSERT_TRUE(terminal.Await("=   ") && terminal.Await("of 6"));
   ASSERT_TRUE(terminal.Await("exit code 6"));
   const auto lines = WhatIsLeft(terminal);
-  EXPECT_THAT(lines, Each(MatchesRegex("(fleetpub: warning: )?KIT/r~000[1-6].*|6 robots: .*|"
+  EXPECT_THAT(lines, Each(MatchesRegex("(fleetpub: warning: )?KIT/r~000[1-6].*|6 robots at .*|"
                                        "  offline  .*|exit code 6|icanon")));
   EXPECT_THAT(terminal.Shown(),
               HasSubstr("\nfleetpub: warning: KIT/r~0006: serial number 'r~0006'"));
@@ -245,7 +247,7 @@ TEST_F(Progress, IsNotShownWhereItWouldGarble) {
     EXPECT_THAT(Contents(file), AllOf(Not(HasSubstr("\x1b")), Not(HasSubstr("\r"))));
   }
   EXPECT_THAT(Lines(Contents(file)),
-              Each(MatchesRegex("(fleetpub: warning: )?KIT/.*|6 robots.*|  offline.*")));
+              Each(MatchesRegex("(fleetpub: warning: )?KIT/.*|6 robots at .*|  offline.*")));
 }
 
 TEST_F(Progress, ShowsOnTheTerminalWhatGoesToAFile) {
@@ -262,7 +264,8 @@ TEST_F(OnATerminal, AsksBeforeManyAreCommanded) {
   const auto robots = Robot({"KIT/0001", "--count", "3"});
   for (const auto& [answer, end] : {std::pair("n", "exit code 2"), std::pair("y", "exit code 0")}) {
     Terminal terminal(AndTellTheEnd(Line({"charge", "--all"})), 40, 12);
-    ASSERT_TRUE(terminal.Await("Send to these 3 robots? [y/N]"));
+    ASSERT_TRUE(terminal.Await("Send startCharging to 3 robots at mqtt:"));
+    ASSERT_TRUE(terminal.Await("? [y/N]"));
     terminal.Press(answer);
     terminal.Press("Enter");
     ASSERT_TRUE(terminal.Await(end)) << answer;

@@ -22,7 +22,7 @@ class TlsFailures : public ::testing::Test {
   [[nodiscard]] Finished Pause(const std::string& url, std::vector<std::string> more = {}) const {
     more.insert(more.begin(),
                 {"pause", "KIT/0001", "-q", "1", "-b", url, "--quiet", "--connect-timeout", "5s"});
-    return operator_.Fleetpub(std::move(more));
+    return operator_.Send(std::move(more));
   }
   // Exit 4, these words, and no message at the broker.
   void ExpectRefusal(const Mosquitto& broker, const Finished& run, const std::string& words) const {

@@ -40,10 +40,33 @@ TEST_F(Wait, TellsWhetherThereWasAnOrderToCancel) {
   const auto idle = Robot({"KIT/0001"});
   const Finished none = Fleetpub({"cancel", "KIT/0001", "--wait"});
   EXPECT_EQ(none.exit_code, 5);
-  EXPECT_THAT(none.output, AllOf(HasSubstr("FAILED"), HasSubstr("NO_ORDER_TO_CANCEL")));
+  EXPECT_THAT(none.output, AllOf(HasSubstr("  NO_ORDER  "), HasSubstr("NO_ORDER_TO_CANCEL")));
+  const Finished fine = Fleetpub({"cancel", "KIT/*", "--wait", "--if-any", "--yes", "-o", "json"});
+  EXPECT_EQ(fine.exit_code, 0) << fine.errors;
+  EXPECT_THAT(fine.output, AllOf(HasSubstr(R"("status":"NO_ORDER")"), HasSubstr(R"("noOrder":1,)"),
+                                 HasSubstr(R"("exitCode":0)")));
+  EXPECT_EQ(Fleetpub({"cancel", "KIT/0001", "--if-any"}).exit_code, 2) << "nobody would know";
+  EXPECT_EQ(Fleetpub({"pause", "KIT/0001", "--wait", "--if-any"}).exit_code, 2);
   const auto busy = Robot({"KIT/0002", "--with-order", "--vda", "2.1"});
   const Finished cancelled = Fleetpub({"cancel", "KIT/0002", "--wait", "--vda", "2.1"});
   EXPECT_EQ(cancelled.exit_code, 0) << cancelled.output;
+}
+
+TEST_F(Wait, ClearsAFullListAndOneThatIsToBeTidy) {
+  const auto robot = Robot({"KIT/0001", "--list-limit", "3"});
+  const auto pause = [&](std::vector<std::string> more) {
+    more.insert(more.begin(), {"pause", "KIT/0001", "--wait"});
+    const Finished run = Fleetpub(std::move(more));
+    EXPECT_EQ(run.exit_code, 0) << run.errors;
+    EXPECT_THAT(Lines(run.output), ::testing::SizeIs(1));
+    return run.errors;
+  };
+  EXPECT_EQ(pause({}), "");
+  EXPECT_THAT(pause({"--tidy"}), HasSubstr("KIT/0001: cleared"));
+  EXPECT_EQ(pause({}), "") << "there is clearInstantActions beside it";
+  EXPECT_THAT(pause({}), AllOf(HasSubstr("KIT/0001: its list"), HasSubstr("KIT/0001: cleared")));
+  const std::string config = operator_.home().Write("tidy.toml", "tidy = true\n").string();
+  EXPECT_THAT(pause({"--config", config}), HasSubstr("cleared"));
 }
 
 TEST_F(Wait, ReadsBothStylesOfRejection) {
@@ -58,7 +81,7 @@ TEST_F(Wait, ReadsBothStylesOfRejection) {
 
 TEST_F(Wait, RefusesWhatCannotBeObeyed) {
   const auto robot = Robot({"KIT/0001", "--mode", "MANUAL"});
-  const Finished typo = Fleetpub({"resume", "KIT/0010", "--wait"});
+  const Finished typo = Fleetpub({"resume", "KIT/0010", "--wait", "--discover", "60"});
   EXPECT_EQ(typo.exit_code, 7);
   EXPECT_THAT(typo.output,
               AllOf(HasSubstr("REFUSED"), HasSubstr("unknown"), HasSubstr("not sent")));
@@ -76,8 +99,7 @@ TEST_F(Wait, RefusesWhatCannotBeObeyed) {
 TEST_F(Wait, SpeaksToEachRobotInItsOwnVersion) {
   const auto old = Robot({"KIT/0001", "--vda", "1.1.0"});
   const auto young = Robot({"KIT/0002", "--vda", "3.0.0"});
-  const Finished run =
-      Fleetpub({"pause", "KIT/0001", "KIT/0002", "--vda", "auto", "--wait", "-o", "json"});
+  const Finished run = Fleetpub({"pause", "KIT/0001", "KIT/0002", "--wait", "-o", "json"});
   EXPECT_EQ(run.exit_code, 0) << run.output << run.errors;
   std::map<std::string, std::string> versions;
   for (const std::string& line : Lines(run.output)) {
@@ -87,7 +109,7 @@ TEST_F(Wait, SpeaksToEachRobotInItsOwnVersion) {
   }
   EXPECT_EQ(versions,
             (std::map<std::string, std::string>{{"KIT/0001", "1.1.0"}, {"KIT/0002", "3.0.0"}}));
-  EXPECT_EQ(Fleetpub({"pause", "KIT/0003", "--vda", "auto"}).exit_code, 7);
+  EXPECT_EQ(Fleetpub({"resume", "KIT/0003", "--no-check", "--discover", "60"}).exit_code, 7);
 }
 
 TEST_F(Wait, TellsThatARobotWasSwitchedOffHalfWay) {
@@ -129,7 +151,7 @@ TEST_F(Wait, RepeatsOnRequestWithTheSameActionId) {
 }
 
 TEST_F(Wait, KnowsThePeculiarEndings) {
-  const auto robot = Robot({"KIT/0001"});
+  const auto robot = Robot({"KIT/0001", "KIT/0002"});  // the second keeps what the first left
   for (const char* action : {"factsheetRequest", "clearInstantActions", "startHibernation",
                              "stopHibernation", "shutdown"}) {
     const Finished run = Fleetpub({action, "KIT/0001", "--wait", "-W", "5s"});

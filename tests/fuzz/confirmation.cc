@@ -23,7 +23,8 @@ std::vector<std::shared_ptr<message::ResponseTracker>> AllFor(std::string_view a
     vda5050::Dialect dialect;
     dialect.version = version;
     for (const auto end : {vda5050::WaitFor::kAccepted, vda5050::WaitFor::kFinished}) {
-      if (auto one = vda5050::TrackInstantAction(kRobot, dialect, action, "a", end))
+      if (auto one = vda5050::TrackInstantAction(kRobot, dialect,
+                                                 {std::string(action), "a", "", "", {}}, end))
         all.push_back(std::move(*one));
       if (auto one = vda5050::TrackUserMessage(kRobot, dialect, "order", *order, end))
         all.push_back(std::move(*one));

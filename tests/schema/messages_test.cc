@@ -98,5 +98,39 @@ TEST_P(Messages, AreValidatedInEveryVersion) {
 
 INSTANTIATE_TEST_SUITE_P(Topics, Messages, ::testing::Values("instantActions", "connection"));
 
+// What a robot's maker may hold against a finding of ours.
+TEST(Corrections, AreSaidToBeOnes) {
+  const auto is_said = [](std::string_view schema, std::string_view message,
+                          std::string_view path) {
+    Registry registry;
+    const auto found = registry.Find(schema);
+    const auto document = base::ParseJson(message);
+    for (const Violation& violation : (*found)->Validate(*document)) {
+      if (violation.path != path) continue;
+      return violation.message.find("correction of ours") != std::string::npos ? "yes" : "no";
+    }
+    return "not found";
+  };
+  for (const std::string_view version : kVersions) {
+    for (const char* topic : {"state", "instantActions"}) {
+      const std::string schema = fmt::format("vda5050/{}/{}", version, topic);
+      for (const char* value : {"-1", "4294967296"}) {
+        EXPECT_STREQ(is_said(schema, fmt::format(R"({{"headerId":{}}})", value), "/headerId"),
+                     "yes")
+            << schema << value;
+      }
+      EXPECT_STREQ(is_said(schema, R"({"headerId":"1"})", "/headerId"), "no") << schema;
+      EXPECT_STREQ(is_said(schema, "{}", ""), "no") << schema;
+    }
+  }
+  EXPECT_STREQ(is_said("vda5050/2.1.0/factsheet", R"({"headerId":-1})", "/headerId"), "no");
+  EXPECT_STREQ(is_said("vda5050/2.1.0/factsheet", R"({"headerId":9999999999})", "/headerId"),
+               "yes");
+  EXPECT_STREQ(is_said("vda5050/2.1.0/factsheet", R"({"headerId":1,"timestamp":""})", ""), "no");
+  EXPECT_STREQ(is_said("vda5050/2.1.0/factsheet", R"({"headerId":1})", ""), "yes");
+  EXPECT_STREQ(is_said("vda5050/2.0.0/visualization", R"({"headerId":1})", ""), "yes");
+  EXPECT_STREQ(is_said("vda5050/3.0.0/visualization", R"({"headerId":1})", ""), "no");
+}
+
 }  // namespace
 }  // namespace fleetpub::schema

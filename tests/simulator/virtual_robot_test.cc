@@ -181,6 +181,23 @@ TEST_F(VirtualRobot30, ForgetsEndedInstantActions) {
   EXPECT_EQ(robot.Of(robot.Do("clearZoneActions")), "FINISHED");
 }
 
+TEST_F(VirtualRobot30, SaysWhenItsListIsFull) {
+  settings_.list_limit = 2;
+  Conversation robot(settings_);
+  const auto first = robot.Do("startPause");
+  EXPECT_EQ(robot.At("/errors"), "[]");
+  robot.Do("stopPause");
+  EXPECT_EQ(robot.At("/errors/0/errorType"), R"("INSTANT_ACTION_STATES_FULL")");
+  EXPECT_EQ(robot.At("/errors/0/errorLevel"), R"("URGENT")");
+  const auto refused = robot.Do("startCharging");
+  EXPECT_EQ(robot.Of(refused), "") << "there is no room for it";
+  EXPECT_EQ(robot.At("/powerSupply/charging"), "false");
+  EXPECT_EQ(robot.Of(first), "FINISHED") << "it keeps what it has";
+  EXPECT_EQ(robot.Of(robot.Do("clearInstantActions")), "FINISHED");
+  EXPECT_EQ(robot.At("/errors"), "[]");
+  EXPECT_EQ(robot.At("/instantActionStates/1"), "");
+}
+
 TEST_F(VirtualRobot30, ReleasesWhatWaitsForATrigger) {
   Conversation robot(settings_);
   EXPECT_THAT(robot.Of(robot.Do("trigger")), StartsWith("FAILED"));

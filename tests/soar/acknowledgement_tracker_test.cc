@@ -9,6 +9,7 @@ namespace {
 using message::CommandStatus;
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
+using ::testing::StartsWith;
 
 constexpr const char* kTopic = "soar/noc/autosub/ah1/from_platform/acknowledgement";
 
@@ -21,19 +22,17 @@ std::string Said(std::string_view id, std::string_view status, std::string_view 
 class AcknowledgementTracker : public ::testing::Test {
  protected:
   void Follow(Level wait_for, std::size_t count = 1) {
-    tracker_ = TrackAcknowledgements(
-        {.message_id = "id-1",
-         .topics = {kTopic},
-         .prefix = {},
-         .wait_for = wait_for,
-         .count = count,
-         .on_level = [this](const Acknowledgement& said, auto /*after*/) {
-           levels_.push_back(said.from + " " + std::string(GetName(said.level)));
-         }});
+    tracker_ = TrackAcknowledgements({.message_id = "id-1",
+                                      .topics = {kTopic},
+                                      .prefix = {},
+                                      .wait_for = wait_for,
+                                      .count = count,
+                                      .target = "ah1"});
     tracker_->Published(0);
   }
   void Hear(const std::string& payload, std::string_view topic = kTopic, bool retained = false) {
     tracker_->Receive({topic, payload, retained});
+    for (std::string& line : tracker_->TakeNews()) levels_.push_back(std::move(line));
   }
   [[nodiscard]] const message::Progress& Now() const { return tracker_->progress(); }
 
@@ -53,9 +52,9 @@ TEST_F(AcknowledgementTracker, GoesThroughTheLevels) {
   Hear(Said("id-1", "executed"));
   EXPECT_TRUE(Now().ended);
   EXPECT_EQ(Now().status, CommandStatus::kFinished);
-  EXPECT_THAT(levels_, ElementsAre("soar.noc.autosub.ah1 c2_received",
-                                   "soar.noc.autosub.ah1 operator_approved_and_sent",
-                                   "soar.noc.autosub.ah1 executed"));
+  EXPECT_THAT(levels_, ElementsAre(StartsWith("soar.noc.autosub.ah1: c2_received"),
+                                   StartsWith("soar.noc.autosub.ah1: operator_approved_and_sent"),
+                                   StartsWith("soar.noc.autosub.ah1: executed")));
 }
 
 TEST_F(AcknowledgementTracker, EndsAtTheLevelThatIsWaitedFor) {

@@ -1,5 +1,6 @@
 #include "support/operator.h"
 
+#include <algorithm>
 #include <cstdlib>
 #include <sstream>
 #include <thread>
@@ -11,6 +12,13 @@ namespace fleetpub::testing {
 std::string Binary() {
   const char* other = std::getenv("FLEETPUB_BINARY");
   return other == nullptr ? FLEETPUB_BINARY : other;
+}
+
+std::vector<std::string> WithoutLook(std::vector<std::string> arguments) {
+  const bool is_stated = std::find(arguments.begin(), arguments.end(), "--vda") != arguments.end();
+  if (!is_stated) arguments.insert(arguments.end(), {"--vda", "3.0"});
+  arguments.emplace_back("--no-check");
+  return arguments;
 }
 
 Command Operator::Prepare(std::vector<std::string> arguments) const {

@@ -18,6 +18,10 @@ namespace fleetpub::testing {
 /// The binary under test: $FLEETPUB_BINARY, or the one that was built with the tests.
 [[nodiscard]] std::string Binary();
 
+/// The call for robots that need not be there: these arguments with the version stated (3.0, unless
+/// they state one) and no check, so that the broker is asked for nothing.
+[[nodiscard]] std::vector<std::string> WithoutLook(std::vector<std::string> arguments);
+
 /// Someone who calls fleetpub: a home folder, nothing else in the environment that it would heed.
 class Operator {
  public:
@@ -25,6 +29,10 @@ class Operator {
   [[nodiscard]] Command Prepare(std::vector<std::string> arguments) const;
   /// Runs it to its end.
   [[nodiscard]] Finished Fleetpub(std::vector<std::string> arguments) const;
+  /// The same WithoutLook().
+  [[nodiscard]] Finished Send(std::vector<std::string> arguments) const {
+    return Fleetpub(WithoutLook(std::move(arguments)));
+  }
 
   [[nodiscard]] const TemporaryFolder& home() const { return home_; }
   /// Where the ledger is when nobody says otherwise.
@@ -70,6 +78,10 @@ class EndToEnd : public ::testing::Test {
   EndToEnd() { operator_.UseBroker(broker_.Url()); }
   [[nodiscard]] Finished Fleetpub(std::vector<std::string> arguments) const {
     return operator_.Fleetpub(std::move(arguments));
+  }
+  /// To robots that need not be there.
+  [[nodiscard]] Finished Send(std::vector<std::string> arguments) const {
+    return operator_.Send(std::move(arguments));
   }
   /// `fleetpub simulate ARGUMENTS…`, online when this returns.
   [[nodiscard]] std::unique_ptr<Process> Robot(std::vector<std::string> arguments) const;

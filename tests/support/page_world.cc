@@ -9,7 +9,9 @@ shopt -s expand_aliases
 background() { local log; log=$(mktemp -p .); "$@" >"$log" 2>&1 & until grep -q online "$log"; do sleep .02; done; cat "$log"; }
 until_killed() { background "$@"; kill $!; wait $!; }
 online() { background fleetpub simulate --state-interval 50ms "$@" >/dev/null; }
-gone() { online "$@"; kill $!; wait $!; }
+gone() { place=vda5050/v3; version=3.0.0; if [ "${2:-}" = --vda ]; then place=uagv/v2; version=2.1.0; fi
+  publish -r -q 1 -t "$place/$1/connection" -m '{"headerId":1,"timestamp":"'"$(date -u +%FT%TZ)"'","version":"'$version'",
+  "manufacturer":"'"${1%/*}"'","serialNumber":"'"${1#*/}"'","connectionState":"OFFLINE"}'; }
 everybody_goes() { kill $(jobs -p); wait; }
 order() { echo '{"orderId":"o-1","orderUpdateId":0,"nodes":[{"nodeId":"n1","sequenceId":0,"released":true,"actions":[],
   "nodePosition":{"x":-5,"y":5,"mapId":"map-1"}},{"nodeId":"n2","sequenceId":2,"released":true,"actions":[],
@@ -89,8 +91,13 @@ const World kLive = {
 const std::map<std::string, World>& Troubles() {
   static const std::string kTls =
       "listens $PORT_8883 'allow_anonymous true' 'certfile broker.pem' 'keyfile broker.key'";
-  static const std::string kNoWriter =
-      "echo 'topic read #' > acl; listens $PORT_1884 'allow_anonymous true' 'acl_file acl'";
+  // KIT/0001 may do all, everybody else may read.
+  static const std::string kReader =
+      "printf 'topic read #\nuser robot\ntopic #\n' > acl; echo secret > password; chmod 600 "
+      "password\n"
+      "mosquitto_passwd -b -c passwords robot secret\n"
+      "listens $PORT_1884 'allow_anonymous true' 'acl_file acl' 'password_file passwords'\n"
+      "online KIT/0001 -b mqtt://localhost:$PORT_1884 -u robot --password-file password";
   static const std::string kNorth =
       "mkdir -p ~/.config/fleetpub; printf '[profile.north]\nbroker = \"mqtt://north.example\"\n' "
       "> ~/.config/fleetpub/config.toml";
@@ -108,14 +115,17 @@ const std::map<std::string, World>& Troubles() {
       {"The broker asks for a client certificate (exit 4)",
        {.setup =
             "certify localhost; " + kTls + " 'cafile plant-ca.pem' 'require_certificate true'"}},
-      {"The broker refuses the message (exit 4)", {.setup = kNoWriter}},
-      {"Published, but no robot moves (exit 0)", {.setup = kNoWriter}},
+      {"The broker refuses the message (exit 4)", {.setup = kReader}},
+      {"Published, but no robot moves (exit 0)", {.setup = kReader}},
       {"The connection is lost while waiting (exit 6)",
        {.setup = "listens $PORT_1884 'allow_anonymous true'\n"
                  "online KIT/0001 -b mqtt://localhost:$PORT_1884 --silent\n"
                  "disown $broker; trap 'kill $broker $(jobs -p) 2>/dev/null; wait' EXIT\n"
                  "at_a_command $PORT_1884 kill -9 $broker"}},
       {"The robot is unknown (exit 7)", {.setup = "online KIT/0001"}},
+      {"A pause for a robot that is unknown (exit 0)", {.setup = "online KIT/0001"}},
+      {"The broker keeps no retained messages (exit 7)",
+       {.setup = "listens $PORT_1884 'allow_anonymous true' 'retain_available false'"}},
       {"The robot is offline (exit 7)", {.setup = "gone KIT/0002"}},
       {"A pause for a robot that looks offline (exit 6)", {.setup = "gone KIT/0002"}},
       {"The robot speaks another version (exit 7)", {.setup = "online KIT/0001 --vda 2.1"}},
@@ -144,11 +154,15 @@ const std::map<std::string, World>& Troubles() {
                  "echo '{\"orderId\":\"o-1\",}' > cut.json"}},
       {"A prepared message is for another robot (exit 3)",
        {.setup = "order | sed 's/{/{\"manufacturer\":\"ACME\",/' > order.json"}},
-      {"A header id is too low (exit 2)", {.setup = "fleetpub pause KIT/0001"}},
+      {"A header id is too low (exit 2)", {.setup = "online KIT/0001; fleetpub pause KIT/0001"}},
       {"A line of a batch is wrong (exit 3)",
-       {.setup = "printf '%s\n' '{\"target\":\"KIT/0001\",\"acton\":\"startPause\"}' "
-                 "'{\"target\"' '{\"target\":\"KIT/0001\",\"action\":\"startPause\"}' "
-                 "> commands.jsonl"}},
+       {.setup =
+            "online KIT/0001; printf '%s\n' '{\"target\":\"KIT/0001\",\"acton\":\"startPause\"}' "
+            "'{\"target\"' '{\"target\":\"KIT/0001\",\"action\":\"startPause\"}' "
+            "> commands.jsonl"}},
+      {"PostgreSQL cannot be reached (exit 8)", {.setup = "online KIT/0001"}},
+      {"The disk is full (exit 8)", {.setup = "online KIT/0001"}},
+      {"The results cannot be written (exit 0)", {.setup = "online KIT/0001"}},
       {"A schema folder has no schemas (exit 2)", {.setup = "mkdir empty"}},
       {"A broken schema of your own (exit 3)",
        {.setup = "mkdir schemas; echo '{\"type\":\"object\",}' > schemas/order.schema\n"
@@ -163,15 +177,15 @@ const std::map<std::string, World>& Troubles() {
        {.setup = kNorth + "; echo 'qos = 0' >> ~/.config/fleetpub/config.toml\n"
                           "export FLEETPUB_QOS=1; unset FLEETPUB_BROKER"}},
       {"The ledger is locked (exit 8)",
-       {.setup =
-            "fleetpub ledger migrate; mkfifo lock; sqlite3 $FLEETPUB_LEDGER < lock > locked &\n"
-            "exec 7> lock; echo 'begin immediate; select 1;' >&7\n"
-            "until grep -q 1 locked; do sleep .02; done"}},
-      {"The ledger is damaged (exit 8)", {.setup = "echo nonsense > broken.db"}},
+       {.setup = "online KIT/0001; fleetpub ledger migrate; mkfifo lock; sqlite3 $FLEETPUB_LEDGER "
+                 "< lock > locked &\n"
+                 "exec 7> lock; echo 'begin immediate; select 1;' >&7\n"
+                 "until grep -q 1 locked; do sleep .02; done"}},
+      {"The ledger is damaged (exit 8)", {.setup = "online KIT/0001; echo nonsense > broken.db"}},
       {"The ledger belongs to another program (exit 8)",
-       {.setup = "sqlite3 other.db 'CREATE TABLE accounts (name)'"}},
+       {.setup = "online KIT/0001; sqlite3 other.db 'CREATE TABLE accounts (name)'"}},
       {"The ledger is a link in a shared folder (exit 8)",
-       {.setup = "fleetpub ledger migrate; mkdir shared; chmod 770 shared\n"
+       {.setup = "online KIT/0001; fleetpub ledger migrate; mkdir shared; chmod 770 shared\n"
                  "ln -s $FLEETPUB_LEDGER shared/ledger.db"}}};
   return troubles;
 }
@@ -184,7 +198,12 @@ const std::map<std::string, std::map<std::string, World>>& Worlds() {
   static const std::map<std::string, std::map<std::string, World>> worlds = {
       {"docs/manual.md",
        {
+           {"Commands",
+            {.setup = "online KIT/0001",
+             .codes = {{"fleetpub action beep", 7}}}},  // virtual robots do not beep
            {"Targets", kTargets},
+           {"Output", {.setup = "online KIT/0001"}},
+           {"Files", {.setup = "online KIT/0001"}},
            {"Waiting", {.setup = "online KIT/0001"}},
            {"Completion",
             {.setup =

@@ -56,6 +56,7 @@ constexpr std::string_view kStarter =
 
 # VDA 5050: what is spoken to robots that have no table of their own below.
 #vda = "3.0.0"                            # "auto": each robot's own
+#tidy = false                             # true: clear a robot's list of instant actions after --wait
 #interface = "vda5050"
 #topic_template = "{interface}/{major}/{manufacturer}/{serial}/{topic}"
 

@@ -77,6 +77,11 @@ Run DeclareInstantAction(OptionSet& set, std::string_view word) {
   options->specs = vda5050::ParametersInAnyVersion(options->type);
   for (const ParameterSpec& spec : options->specs) DeclareParameter(set, spec, *options);
   DeclareInstantSendingOptions(set, options->sending);
+  if (options->type == "cancelOrder") {
+    set.AddFlag("--if-any", options->sending.if_any,
+                "With --wait: nothing to cancel is no failure (exit 0)")
+        .Group("Waiting");
+  }
   return [options](const Context& context) { return RunInstantAction(*options, context); };
 }
 

@@ -31,7 +31,11 @@ std::string RequestJson(std::string_view target, const RobotRequest& request) {
   add("zoneId", request.zone_id);
   add("zoneSetId", request.zone_set_id);
   add("edgeId", request.edge_id);
-  if (request.sequence_id) json += fmt::format(R"(,"sequenceId":{})", *request.sequence_id);
+  if (request.sequence_id) {
+    json += fmt::format(R"(,"sequenceId":{})", *request.sequence_id);
+  } else if (!request.edge_id.empty()) {
+    json += R"(,"sequenceId":"unknown")";  // no null, which jq takes for less than every number
+  }
   return json + "}";
 }
 

@@ -113,6 +113,10 @@ Result<simulator::Settings> MakeSettings(const Options& o, const app::VdaOptions
   if (!settings.retriable.empty() && settings.version < Version::k300) {
     return Fail(ErrorKind::kUsage, "--retriable: RETRIABLE exists from version 3.0.0 on");
   }
+  if (settings.list_limit > 0 && settings.version < Version::k300) {
+    return Fail(ErrorKind::kUsage,
+                "--list-limit: ended actions stay until they are cleared from version 3.0.0 on");
+  }
   return settings;
 }
 
@@ -154,7 +158,8 @@ Status RefuseRobotOptions(const Options& o) {
   const bool any = !o.vda.interface_name.empty() || !o.vda.topic_template.empty() ||
                    !o.vda.actions_key.empty() || o.count != none.count || !o.mode.empty() ||
                    o.settings.with_order || o.settings.order_time != none.settings.order_time ||
-                   !o.fail.empty() || !o.reject.empty() || !o.retriable.empty() || o.force ||
+                   o.settings.list_limit != none.settings.list_limit || !o.fail.empty() ||
+                   !o.reject.empty() || !o.retriable.empty() || o.force ||
                    o.settings.reject_style != none.settings.reject_style ||
                    o.settings.drop != none.settings.drop;
   if (!any) return {};
@@ -179,10 +184,9 @@ Result<ExitCode> RunPlatforms(const Options& o, const Context& context) {
 
 // A fault of an action that nobody will send shows nothing.
 void WarnOfMisspelt(const Options& o, Output& output) {
-  const auto names = vda5050::AllActionWords();
   for (const auto* words : {&o.fail, &o.reject, &o.retriable}) {
     for (const std::string& word : *words) {
-      const auto nearest = vda5050::ActionCalled(word) ? std::nullopt : base::Nearest(word, names);
+      const auto nearest = vda5050::ActionCalled(word) ? std::nullopt : vda5050::ActionMeant(word);
       if (!nearest) continue;
       output.Warn(fmt::format("no predefined action is called '{}': did you mean {}?",
                               base::Printable(word), *nearest));
@@ -237,6 +241,13 @@ Result<ExitCode> RunSimulate(const Options& o, const Context& context) {
   }
   run.stopped = [] { return g_stopped != 0; };
   run.on_lost = [&](const Error& error) { output.Lost(error); };
+  run.on_unheard = [&](std::string_view topic) {
+    output.Warn(
+        fmt::format("what was published on {} does not come back: the broker may have "
+                    "dropped it, or this login may not read it. try: -V 5, over which a "
+                    "broker can say no",
+                    base::Printable(topic)));
+  };
   run.on_ready = [&] {
     StopOnSignals();
     Print(stderr, fmt::format("fleetpub: {} robot{} online at {}, version {}\n", robots->size(),
@@ -304,6 +315,8 @@ void DeclareFaults(OptionSet& set, Options& o) {
   add("--reject-style", OneOf(o.settings.reject_style, kRejectStyles), "STYLE",
       "state: an action state FAILED and an error; error: an error only [state from 3.0]");
   add_types("--retriable", o.retriable, "Actions of this type become RETRIABLE; repeatable");
+  add("--list-limit", WholeNumber(o.settings.list_limit, 0, 10'000), "N",
+      "So many ended instant actions fit into the list (3.0) [20, then the oldest go]");
   set.AddFlag("--silent", o.settings.silent, "Never report a state; a platform says nothing")
       .Group(kFaults);
   add("--drop", Percentage(o.settings.drop), "PERCENT", "Ignore this share of the messages [0]");

@@ -45,6 +45,11 @@ void DeclareCheckOptions(OptionSet& set, WaitingOptions& options) {
   set.AddFlag("--no-check", options.no_check,
               "Send unchecked; with a version stated, without asking the broker anything")
       .Group(kWaiting);
+  set.AddFlag("--tidy", options.tidy,
+              "With --wait: clear the robot's list of instant actions afterwards (3.0) [when it is "
+              "full]")
+      .Group(kWaiting)
+      .Key("tidy");
   DeclareDiscover(set, options.discover,
                   "; five times as long for the states of robots that are not online");
 }
@@ -62,6 +67,7 @@ Result<app::Waiting> ParseWaitingOptions(const WaitingOptions& options) {
     return Fail(ErrorKind::kUsage, "--check and --no-check exclude each other");
   }
   waiting.check = !options.no_check;
+  waiting.tidy = options.tidy;
   waiting.discover = MakeRetainedOptions(options.discover);
   return waiting;
 }

@@ -19,6 +19,7 @@ struct WaitingOptions {
   int resend = 0;
   bool check = false;  ///< the default, said outright
   bool no_check = false;
+  bool tidy = false;
   std::chrono::milliseconds discover{300};
 };
 

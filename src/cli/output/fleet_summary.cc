@@ -11,8 +11,7 @@
 namespace fleetpub::cli {
 namespace {
 
-using message::CommandStatus;
-using Group = FleetSummary::Group;
+using message::StatusGroup;
 using std::chrono::milliseconds;
 using std::chrono::nanoseconds;
 using std::chrono::steady_clock;
@@ -20,9 +19,12 @@ using std::chrono::steady_clock;
 constexpr std::size_t kNamed = 50;
 constexpr std::size_t kSlowNamed = 5;
 
-// In the order of FleetSummary::Group.
-constexpr std::array<std::string_view, FleetSummary::kGroups> kGroupNames = {
-    "finished", "sent", "failed", "unconfirmed", "offline", "refused", "errors"};
+// In the order of StatusGroup; as people read them, and in JSON.
+constexpr std::array<std::string_view, 8> kGroupNames = {
+    "finished", "sent", "no order", "failed", "unconfirmed", "offline", "refused", "errors"};
+constexpr std::array<std::string_view, 8> kGroupKeys = {
+    "finished", "sent", "noOrder", "failed", "unconfirmed", "offline", "refused", "errors"};
+static_assert(kGroupNames.size() == static_cast<std::size_t>(StatusGroup::kErrors) + 1);
 
 std::string SecondsJson(nanoseconds elapsed) {
   return fmt::format("{:.3f}", static_cast<double>(elapsed.count()) / 1e6);
@@ -30,44 +32,17 @@ std::string SecondsJson(nanoseconds elapsed) {
 
 }  // namespace
 
-FleetSummary::Group FleetSummary::FindGroup(CommandStatus status) {
-  switch (status) {
-    case CommandStatus::kAccepted:
-    case CommandStatus::kFinished:
-      return Group::kFinished;
-    case CommandStatus::kDryRun:
-    case CommandStatus::kSent:
-    case CommandStatus::kPublished:
-      return Group::kSent;
-    case CommandStatus::kFailed:
-    case CommandStatus::kRejected:
-      return Group::kFailed;
-    case CommandStatus::kRetriable:
-    case CommandStatus::kVanished:
-    case CommandStatus::kTimeout:
-      return Group::kUnconfirmed;
-    case CommandStatus::kOffline:
-      return Group::kOffline;
-    case CommandStatus::kRefused:
-    case CommandStatus::kInvalid:
-      return Group::kRefused;
-    case CommandStatus::kError:
-      return Group::kError;
-  }
-  return Group::kError;
-}
-
 void FleetSummary::Add(const message::Report& report) {
-  const Group group = FindGroup(report.status);
+  const StatusGroup group = message::GetFacts(report.status).group;
   const auto index = static_cast<std::size_t>(group);
   ++counts_[index];
   elapsed_.push_back(std::chrono::duration<float>(report.elapsed).count());
-  if (group == Group::kFinished) {
+  if (group == StatusGroup::kFinished) {
     const auto place = std::find_if(slowest_.begin(), slowest_.end(),
                                     [&](const Slow& slow) { return slow.first < report.elapsed; });
     slowest_.insert(place, {report.elapsed, report.target});
     if (slowest_.size() > kSlowNamed) slowest_.pop_back();
-  } else if (group != Group::kSent && names_[index].size() < kNamed) {
+  } else if (group != StatusGroup::kSent && names_[index].size() < kNamed) {
     names_[index].push_back(report.target);
   }
 }
@@ -118,7 +93,7 @@ std::string FleetSummary::Json(nanoseconds elapsed, ExitCode code, std::string_v
   std::string json =
       fmt::format(R"({{"summary":{{"site":{},"robots":{})", base::JsonString(site), robots());
   for (std::size_t i = 0; i < kGroups; ++i) {
-    json += fmt::format(R"(,"{}":{})", kGroupNames[i], counts_[i]);
+    json += fmt::format(R"(,"{}":{})", kGroupKeys[i], counts_[i]);
   }
   std::vector<std::string> slow;
   for (const auto& [took, name] : TheSlow()) {

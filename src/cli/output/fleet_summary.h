@@ -17,15 +17,10 @@ namespace fleetpub::cli {
 /// Counts results and remembers whom to name. Small, however many there are.
 class FleetSummary {
  public:
-  enum class Group { kFinished, kSent, kFailed, kUnconfirmed, kOffline, kRefused, kError };
-  static constexpr std::size_t kGroups = 7;
-
-  [[nodiscard]] static Group FindGroup(message::CommandStatus status);
-
   void Add(const message::Report& report);
 
   [[nodiscard]] std::size_t robots() const { return elapsed_.size(); }
-  [[nodiscard]] std::size_t count(Group group) const {
+  [[nodiscard]] std::size_t count(message::StatusGroup group) const {
     return counts_[static_cast<std::size_t>(group)];
   }
 
@@ -40,6 +35,8 @@ class FleetSummary {
                                  std::string_view site) const;
 
  private:
+  static constexpr std::size_t kGroups =
+      static_cast<std::size_t>(message::StatusGroup::kErrors) + 1;
   using Slow = std::pair<std::chrono::nanoseconds, std::string>;
   /// Which of the finished took more than a second and three times the median; the slowest first.
   [[nodiscard]] std::vector<Slow> TheSlow() const;

@@ -8,6 +8,7 @@
 
 #include "base/json.h"
 #include "base/text.h"
+#include "vda5050/reports/robot_errors.h"
 
 namespace fleetpub::cli {
 namespace {
@@ -79,7 +80,9 @@ Cell Errors(const RobotView& robot) {
   const vda5050::RobotError* worst = vda5050::WorstError(robot.state->errors);
   if (worst == nullptr) return {"0"};
   const std::size_t count = robot.state->errors.size() + robot.errors_left_out;
-  return {fmt::format("{} {}", count, TextOr(worst->level, kUnknown)), Tone::kBad};
+  return {fmt::format("{} {}{}", count, TextOr(worst->level, kUnknown),
+                      vda5050::IsInstantActionListFull(robot.state->errors) ? ", list full" : ""),
+          Tone::kBad};
 }
 
 // The name, such as `,"alsoAt":`, with the text; nothing for an empty one.
@@ -91,6 +94,12 @@ std::string TextOrNull(std::string_view text) { return text.empty() ? "null" : J
 
 std::string TruthOrNull(const std::optional<bool>& value) {
   return value ? fmt::format("{}", *value) : "null";
+}
+
+// jq takes null for less than every number: `select(.batteryCharge < 20)` would choose robots of
+// which nothing is known. A text is greater.
+std::string NumberOrUnknown(const std::optional<double>& value) {
+  return value ? fmt::format("{}", *value) : R"("unknown")";
 }
 
 std::string ErrorsJson(const std::vector<vda5050::RobotError>& errors) {
@@ -105,15 +114,16 @@ std::string ErrorsJson(const std::vector<vda5050::RobotError>& errors) {
 
 std::string StateJson(const std::optional<RobotState>& state) {
   if (!state) {
-    return R"("operatingMode":null,"driving":null,"paused":null,"batteryCharge":null,)"
+    return R"("operatingMode":null,"driving":null,"paused":null,"batteryCharge":"unknown",)"
            R"("charging":null,"orderId":null,"errors":null)";
   }
   return fmt::format(
-      R"("operatingMode":{},"driving":{},"paused":{},"batteryCharge":{},"charging":{},)"
-      R"("orderId":{},"errors":{})",
-      TextOrNull(state->operating_mode), TruthOrNull(state->driving), TruthOrNull(state->paused),
-      state->battery_charge ? fmt::format("{}", *state->battery_charge) : "null",
-      TruthOrNull(state->charging), JsonString(state->order_id), ErrorsJson(state->errors));
+             R"("operatingMode":{},"driving":{},"paused":{},"batteryCharge":{},"charging":{},)"
+             R"("orderId":{},"errors":{})",
+             TextOrNull(state->operating_mode), TruthOrNull(state->driving),
+             TruthOrNull(state->paused), NumberOrUnknown(state->battery_charge),
+             TruthOrNull(state->charging), JsonString(state->order_id), ErrorsJson(state->errors)) +
+         (vda5050::IsInstantActionListFull(state->errors) ? R"(,"instantActionsFull":true)" : "");
 }
 
 }  // namespace

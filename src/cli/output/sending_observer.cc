@@ -30,7 +30,13 @@ void SendingObserver::Report(const message::Report& report) {
   }
   if (show_ == Show::kPayloads && !output_.json()) return reporter_.Explain(report);
   summary_.Add(report);
-  reporter_.Show(report);
+  if (no_order_is_fine_ && report.status == message::CommandStatus::kNoOrder) {
+    message::Report fine = report;
+    fine.error.reset();
+    reporter_.Show(fine);
+  } else {
+    reporter_.Show(report);
+  }
   Output::FlushNow();
 }
 

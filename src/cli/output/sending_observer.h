@@ -20,9 +20,14 @@ class SendingObserver final : public app::Observer {
   /// kPayloads: of a dry run, with everything else on standard error.
   enum class Show { kResults, kResultsAndProgress, kPayloads };
 
-  /// `site`: where they are sent, as a person reads it.
-  SendingObserver(Output& output, Show show, std::string site)
-      : output_(output), show_(show), site_(std::move(site)), reporter_(output) {}
+  /// `site`: where they are sent, as a person reads it. With `no_order_is_fine` a robot that had
+  /// nothing to cancel is no trouble.
+  SendingObserver(Output& output, Show show, std::string site, bool no_order_is_fine = false)
+      : output_(output),
+        show_(show),
+        site_(std::move(site)),
+        no_order_is_fine_(no_order_is_fine),
+        reporter_(output) {}
 
   void Warn(std::string_view text) override { output_.Warn(text); }
   void Info(std::string_view text) override { output_.Info(text); }
@@ -42,6 +47,7 @@ class SendingObserver final : public app::Observer {
   Output& output_;
   Show show_;
   std::string site_;
+  bool no_order_is_fine_;
   const InterruptGuard interrupt_;
   Reporter reporter_;
   FleetSummary summary_;

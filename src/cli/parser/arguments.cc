@@ -61,8 +61,7 @@ Error Unknown(std::string_view word) {
   }
   std::vector<std::string_view> names;
   for (const Subcommand& subcommand : Subcommands()) names.push_back(subcommand.name);
-  for (const std::string_view name : vda5050::AllActionWords()) names.push_back(name);
-  const auto nearest = base::Nearest(word, names);
+  const auto nearest = vda5050::ActionMeant(word, names);
   const std::string hint = nearest ? fmt::format(": did you mean {}?", *nearest)
                                    : ": fleetpub --help lists them; a manufacturer's own action is "
                                      "sent with `fleetpub action TYPE TARGET`";

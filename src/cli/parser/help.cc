@@ -115,8 +115,7 @@ std::string ActionExamples(std::string_view name) {
     const bool number = parameter.type != vda5050::ParameterType::kString;
     parameters += fmt::format(" --{} {}", parameter.name, number ? "1.5" : "TEXT");
   }
-  return fmt::format("{0} KIT/0001{1} --wait\n{0} KIT/0001{1} --vda 2.1 --dry-run", name,
-                     parameters);
+  return fmt::format("{0} KIT/0001{1} --wait\n{0} KIT/0001{1} --dry-run", name, parameters);
 }
 
 std::string Indented(std::string_view examples) {
@@ -161,7 +160,7 @@ std::string GeneralHelp(const OptionSet& set) {
       "  fleetpub pause KIT/0001 -b mqtt://localhost:1883\n"
       "  fleetpub initPosition KIT/0001 --x 1.5 --y -2 --theta 0.5 --mapId hall-1\n"
       "      --lastNodeId n1\n"
-      "  fleetpub cancelOrder KIT/0001 --vda 2.1 --dry-run -o json\n\n"
+      "  fleetpub cancelOrder KIT/0001 --dry-run -o json\n\n"
       "Exit codes: 0 done, 2 usage, 3 invalid message, 4 broker, 5 the robot refused or\n"
       "failed, 6 not confirmed, 7 refused by the check, 8 ledger or file, 1 unexpected,\n"
       "130 interrupted. fleetpub COMMAND --help explains a command.\n",

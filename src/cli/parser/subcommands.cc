@@ -12,7 +12,7 @@ constexpr auto kSubcommands = std::to_array<Subcommand>({
     {"action", kRobots, "TYPE TARGET...", "send any instant action, such as a manufacturer's own",
      "action beep KIT/0001 -P duration:=3 -P mode=loud\n"
      "action beep 'KIT/*' --except KIT/0001 --where 'battery>20' --yes\n"
-     "action customScan KIT/0001 KIT/0002 -P area:=@area.json --vda 2.1",
+     "action customScan KIT/0001 KIT/0002 -P area:=@area.json --wait",
      DeclareAction},
     {"publish", kRobots, "TOPIC TARGET...", "send a prepared order, zoneSet, responses message ...",
      "publish order KIT/0001 -f order.json --wait\n"

@@ -106,6 +106,25 @@ std::vector<std::string_view> AllActionWords() {
   return words;
 }
 
+std::optional<std::string> ActionMeant(std::string_view word,
+                                       std::span<const std::string_view> others) {
+  for (const ActionSpec& action : AllActions()) {
+    if (action.counter_action.empty() || !action.type.starts_with("start")) continue;
+    const std::string_view bare = action.type.substr(std::string_view("start").size());
+    auto names = ListShortNames(action.type);
+    names.push_back(bare);
+    const bool is_undone = std::any_of(names.begin(), names.end(), [&](std::string_view name) {
+      return base::AreOpposites(word, name);
+    });
+    if (!is_undone) continue;
+    const auto short_names = ListShortNames(action.counter_action);
+    return std::string(short_names.empty() ? action.counter_action : short_names.front());
+  }
+  std::vector<std::string_view> names = AllActionWords();
+  names.insert(names.begin(), others.begin(), others.end());
+  return base::Nearest(word, names);
+}
+
 bool IsEverInstant(std::string_view type) {
   const auto actions = AllActions();
   return std::any_of(actions.begin(), actions.end(), [&](const ActionSpec& action) {

@@ -78,6 +78,11 @@ struct ActionSpec {
 /// All that ActionCalled() understands: predefined names and short names.
 [[nodiscard]] std::vector<std::string_view> AllActionWords();
 
+/// What a person may have meant by a word that is neither an action nor one of `others`: of what
+/// undoes an action, its counter action (`unpause` → resume), never the action itself.
+[[nodiscard]] std::optional<std::string> ActionMeant(std::string_view word,
+                                                     std::span<const std::string_view> others = {});
+
 /// The short names of a predefined action: `pause` of `startPause`.
 [[nodiscard]] std::vector<std::string_view> ListShortNames(std::string_view type);
 

@@ -100,6 +100,12 @@ Result<message::Command> BuildInstantActions(const RobotAddress& robot, const Di
   }
   WarnOfNoRelease(dialect, command.warnings);
   command.payload = BuildPayload(robot, dialect, actions_key, json);
+  const bool moves_nothing = actions.size() == 1 && actions.front().type == "stateRequest";
+  if (moves_nothing && MayExpectOtherKey(dialect)) {
+    command.other_way = {
+        BuildPayload(robot, dialect, "instantActions", json),
+        "sent again with --actions-key instantActions, which some 2.0 robots expect"};
+  }
   if (!HasRecommendedCharacters(robot.serial_number)) {
     command.warnings.push_back(
         fmt::format("serial number '{}' has characters other than A-Z a-z 0-9 _ . : -",

@@ -50,6 +50,12 @@ struct Dialect {
     const RobotAddress& robot, const Dialect& dialect, std::span<const InstantAction> actions,
     std::optional<std::uint32_t> header_id = std::nullopt);
 
+/// Whether the robot may be one of those of 2.0 that expect the array under 1.1's name: nobody has
+/// said how it is called.
+[[nodiscard]] inline bool MayExpectOtherKey(const Dialect& dialect) {
+  return dialect.version == Version::k200 && dialect.actions_key.empty();
+}
+
 /// Tells of a robot whose version had to be chosen.
 void WarnOfNoRelease(const Dialect& dialect, std::vector<std::string>& warnings);
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <functional>
 
 #include "base/text.h"
@@ -102,6 +103,11 @@ std::size_t FingerprintOf(const RobotError& error) {
   return std::hash<std::string>()(text);
 }
 
+// 3.0: CRITICAL stops the robot, FATAL needs a person.
+bool IsSevere(const RobotError& error) {
+  return error.level == "FATAL" || error.level == "CRITICAL";
+}
+
 void AddNew(std::vector<std::string>& texts, std::string text) {
   constexpr std::size_t kEnough = 3;
   const bool known = std::find(texts.begin(), texts.end(), text) != texts.end();
@@ -120,6 +126,33 @@ Attribution AttributionOf(const RobotError& error, const SentItem& item) {
   const bool is_our_topic = named.topic ? named.our_topic : IsAboutAMessage(error.type);
   if (named.our_header_id && is_our_topic && !another) return Attribution::kHeaderId;
   return named.something ? Attribution::kOther : Attribution::kUnnamed;
+}
+
+bool IsNoOrder(const RobotError& error) { return LettersOf(error.type) == "noordertocancel"; }
+
+bool IsInstantActionListFull(const std::vector<RobotError>& errors) {
+  return std::any_of(errors.begin(), errors.end(), [](const RobotError& error) {
+    return LettersOf(error.type) == "instantactionstatesfull";
+  });
+}
+
+std::optional<std::uint32_t> HighestHeaderId(const std::vector<RobotError>& errors,
+                                             std::string_view topic) {
+  std::optional<std::uint32_t> highest;
+  for (const RobotError& error : errors) {
+    std::optional<std::uint32_t> id;
+    bool is_of_topic = false;
+    for (const auto& [key, value] : error.references) {
+      const std::string letters = LettersOf(key);
+      is_of_topic = is_of_topic || (letters.ends_with("topic") && IsTopic(value, topic));
+      std::uint32_t number = 0;
+      const auto [end, wrong] = std::from_chars(value.data(), value.data() + value.size(), number);
+      const bool is_number = wrong == std::errc() && end == value.data() + value.size();
+      if (letters.ends_with("headerid") && is_number) id = number;
+    }
+    if (is_of_topic && id) highest = std::max(highest.value_or(0), *id);
+  }
+  return highest;
 }
 
 std::string Told(const RobotError& error) {
@@ -143,6 +176,12 @@ Attribution RelatedErrors::Note(const std::vector<RobotError>& errors, const Sen
     const bool is_old = std::find(old_.begin(), old_.end(), FingerprintOf(error)) != old_.end();
     if (is_old || attribution == Attribution::kOther) continue;
     nearest = std::max(nearest, attribution);
+    say_no_order_ = say_no_order_ || IsNoOrder(error);
+    constexpr std::size_t kEnough = 10;
+    if (IsSevere(error) && told_.size() < kEnough && told_.insert(FingerprintOf(error)).second) {
+      severe_.push_back((attribution == Attribution::kUnnamed ? "possibly related: " : "") +
+                        fmt::format("{} ({})", Told(error), Shown(error.level)));
+    }
     AddNew(attribution >= Attribution::kPart       ? item_
            : attribution == Attribution::kHeaderId ? header_id_
                                                    : unnamed_,

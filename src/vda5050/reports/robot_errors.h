@@ -5,9 +5,11 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <set>
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "vda5050/reports/robot_messages.h"
@@ -39,6 +41,17 @@ struct SentItem {
 /// another's.
 [[nodiscard]] Attribution AttributionOf(const RobotError& error, const SentItem& item);
 
+/// Whether it says that there is no order to cancel, by its type.
+[[nodiscard]] bool IsNoOrder(const RobotError& error);
+
+/// Whether the robot says that it can keep no further ended instant actions until
+/// clearInstantActions (3.0).
+[[nodiscard]] bool IsInstantActionListFull(const std::vector<RobotError>& errors);
+
+/// The highest header id of a message on this topic that an error names.
+[[nodiscard]] std::optional<std::uint32_t> HighestHeaderId(const std::vector<RobotError>& errors,
+                                                           std::string_view topic);
+
 /// `noOrderToCancel: there is no order; hint: send one`, printable and short.
 [[nodiscard]] std::string Told(const RobotError& error);
 
@@ -54,6 +67,12 @@ class RelatedErrors {
   /// Whether one of them names what was sent, be it by its header id.
   [[nodiscard]] bool AreOurs() const { return !item_.empty() || !header_id_.empty(); }
 
+  /// Whether a new one says that there is no order to cancel, and may be ours.
+  [[nodiscard]] bool SayNoOrder() const { return say_no_order_; }
+
+  /// New ones that keep a robot from going on, in words; each once, a few in all.
+  [[nodiscard]] std::vector<std::string> TakeSevere() { return std::exchange(severe_, {}); }
+
   /// The nearest ones in words; "" when there are none.
   [[nodiscard]] std::string Text() const;
 
@@ -64,6 +83,9 @@ class RelatedErrors {
   std::vector<std::string> item_;  ///< told
   std::vector<std::string> header_id_;
   std::vector<std::string> unnamed_;
+  bool say_no_order_ = false;
+  std::set<std::size_t> told_;  ///< fingerprints of severe ones
+  std::vector<std::string> severe_;
 };
 
 }  // namespace fleetpub::vda5050

@@ -107,16 +107,17 @@ void AddWarning(Findings& findings, std::string path, std::string message) {
 
 void CheckUnknownType(std::string_view type, const std::string& path, Version version,
                       Findings& findings) {
-  std::vector<std::string_view> names;
-  for (const ActionSpec* action : ListActions(version)) names.push_back(action->type);
-  std::optional<std::string> meant = base::Nearest(type, names);
-  if (const auto predefined = ActionCalled(type)) meant = NameIn(version, *predefined);
-  if (!meant) return;
+  auto predefined = ActionCalled(type);
+  if (!predefined) {
+    if (const auto word = ActionMeant(type)) predefined = ActionCalled(*word);
+  }
+  const std::string_view meant = predefined ? NameIn(version, *predefined) : "";
+  if (FindAction(version, meant) == nullptr) return;
   AddWarning(
       findings, path + "/actionType",
       fmt::format("'{}' is no predefined action, so it counts as a manufacturer's own: is {} "
                   "meant? (names are case-sensitive)",
-                  base::Printable(type), *meant));
+                  base::Printable(type), meant));
 }
 
 void CheckActionId(std::string_view id, const std::string& path, std::set<std::string_view>& ids,

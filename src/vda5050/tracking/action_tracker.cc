@@ -8,9 +8,12 @@
 #include <utility>
 #include <vector>
 
+#include "base/json.h"
 #include "base/text.h"
+#include "vda5050/catalogue/catalogue.h"
 #include "vda5050/reports/robot_errors.h"
 #include "vda5050/reports/robot_messages.h"
+#include "vda5050/tracking/alerts.h"
 #include "vda5050/tracking/ending.h"
 #include "vda5050/tracking/reception.h"
 
@@ -27,6 +30,14 @@ void Append(std::string& text, std::string_view part) {
   text += part;
 }
 
+// The action, and what is known of how it was sent.
+struct Followed {
+  std::string type;
+  std::string id;
+  std::string order_json;  ///< the orderId that is to be cancelled, as JSON; "": whichever
+  std::string hint;        ///< what to try when the robot does not list it
+};
+
 class ActionTracker final : public message::ResponseTracker {
  public:
   struct RobotTopics {
@@ -35,14 +46,17 @@ class ActionTracker final : public message::ResponseTracker {
     std::string factsheet;  ///< empty: not needed
   };
 
-  ActionTracker(RobotTopics topics, Reception reception, std::string_view type, std::string id,
+  ActionTracker(RobotTopics topics, Reception reception, std::string robot, Followed followed,
                 WaitFor wait_for)
       : topics_(std::move(topics)),
         reception_(std::move(reception)),
-        type_(type),
-        id_(std::move(id)),
-        ending_(FindEnding(type)),
-        wait_for_(wait_for) {
+        type_(std::move(followed.type)),
+        id_(std::move(followed.id)),
+        order_json_(std::move(followed.order_json)),
+        hint_(std::move(followed.hint)),
+        ending_(FindEnding(type_)),
+        wait_for_(wait_for),
+        alerts_(std::move(robot), "instantActions") {
     progress_.message = "not sent yet";
   }
 
@@ -55,7 +69,9 @@ class ActionTracker final : public message::ResponseTracker {
   void Published(std::uint32_t header_id) override {
     if (!WasPublished()) reception_.Forget();
     header_ids_.push_back(header_id);
+    alerts_.Published(header_id);
     if (!progress_.ended) TellPending();
+    PassOnNews();
   }
 
   void Receive(const message::Incoming& message) override;
@@ -69,9 +85,11 @@ class ActionTracker final : public message::ResponseTracker {
   void OnListed(const ActionState& entry, const RobotState& state);
   void OnAbsent(const RobotState& state, bool is_named_by_error);
   void NoteEndedOnes(const RobotState& state);
+  void PassOnNews();
 
   [[nodiscard]] const ActionState* OwnEntry(const RobotState& state);
   [[nodiscard]] bool ListsAsFinished(const RobotState& state) const;
+  [[nodiscard]] bool HasNoOrder(const RobotState& state) const;
   [[nodiscard]] bool IsGone(const RobotState& state) const;
   [[nodiscard]] bool EndedOnesAreGone(const RobotState& state) const;
   [[nodiscard]] bool WasPublished() const { return !header_ids_.empty(); }
@@ -86,8 +104,11 @@ class ActionTracker final : public message::ResponseTracker {
   Reception reception_;
   std::string type_;
   std::string id_;
+  std::string order_json_;
+  std::string hint_;
   const Ending& ending_;
   WaitFor wait_for_;
+  Alerts alerts_;
   message::Progress progress_;
 
   std::vector<std::uint32_t> header_ids_;  // of each time it was published
@@ -126,19 +147,36 @@ void ActionTracker::Receive(const message::Incoming& message) {
       End(CommandStatus::kFinished, "its factsheet arrived");
     }
   }
-  if (WasPublished() && !progress_.ended) TellPending();
+  if (WasPublished() && !progress_.ended) {
+    TellPending();
+    alerts_.Add(errors_.TakeSevere());
+  }
+  PassOnNews();
+}
+
+void ActionTracker::PassOnNews() {
+  using message::Kept;
+  const bool is_listed = listed_as_instant_ && IsTerminal(status_);
+  if (!ending_.clears_list) {
+    progress_.kept = alerts_.list_full() ? Kept::kTooMuch
+                     : is_listed         ? Kept::kEntry
+                                         : Kept::kNothing;
+  }
+  for (std::string& line : alerts_.Take()) AddNews(std::move(line));
 }
 
 void ActionTracker::RememberBefore(const RobotState& state, bool retained) {
   errors_.Remember(state.errors, retained);
   if (const ActionState* entry = FindActionState(state, id_, type_)) status_before_ = entry->status;
   if (retained) return;
+  alerts_.Look(state);
   if (!state.operating_mode.empty()) first_mode_ = mode_ = state.operating_mode;
   NoteEndedOnes(state);
 }
 
 void ActionTracker::OnState(const RobotState& state) {
   ++states_;
+  alerts_.Look(state);
   last_timestamp_ = state.header.timestamp;
   if (!state.operating_mode.empty()) mode_ = state.operating_mode;
   if (first_mode_.empty()) first_mode_ = mode_;
@@ -178,7 +216,7 @@ void ActionTracker::OnListed(const ActionState& entry, const RobotState& state) 
   if (status_ == "FAILED") {
     std::string message = FailureText(result_);
     if (ListsAsFinished(state)) Append(message, "the same state lists it as FINISHED too");
-    return End(CommandStatus::kFailed, message);
+    return End(HasNoOrder(state) ? CommandStatus::kNoOrder : CommandStatus::kFailed, message);
   }
   if (wait_for_ == WaitFor::kAccepted) {
     return End(CommandStatus::kAccepted, fmt::format("the robot lists it as {}", Shown(status_)));
@@ -198,7 +236,8 @@ void ActionTracker::OnListed(const ActionState& entry, const RobotState& state) 
 void ActionTracker::OnAbsent(const RobotState& state, bool is_named_by_error) {
   if (is_named_by_error || (errors_.AreOurs() && !progress_.seen)) {
     progress_.seen = true;
-    return End(CommandStatus::kRejected, FailureText(""));
+    return End(HasNoOrder(state) ? CommandStatus::kNoOrder : CommandStatus::kRejected,
+               FailureText(""));
   }
   if (IsGone(state)) {
     if (ending_.clears_list) return End(CommandStatus::kFinished, "the robot has cleared its list");
@@ -212,6 +251,19 @@ void ActionTracker::OnAbsent(const RobotState& state, bool is_named_by_error) {
     return End(CommandStatus::kFinished, "the robot has cleared its list");
   }
   NoteEndedOnes(state);
+}
+
+// By an error. One that names nobody and stood there before may be of an earlier attempt: then the
+// state has to show that there is none.
+bool ActionTracker::HasNoOrder(const RobotState& state) const {
+  if (type_ != "cancelOrder") return false;
+  const bool has_order = state.nodes_left.value_or(0) + state.edges_left.value_or(0) > 0;
+  const bool is_meant = order_json_.empty() || order_json_ == base::JsonString(state.order_id);
+  if (has_order && is_meant) return false;
+  const bool is_said = std::any_of(
+      state.errors.begin(), state.errors.end(),
+      [](const RobotError& error) { return IsNoOrder(error) && error.references.empty(); });
+  return errors_.SayNoOrder() || (is_said && state.nodes_left == 0);
 }
 
 bool ActionTracker::ListsAsFinished(const RobotState& state) const {
@@ -293,6 +345,7 @@ void ActionTracker::TellPending() {
   progress_.unreadable = reception_.passed_over() > 0;
   std::string text = LastSaid("the robot");
   if (listed_) Append(text, Shown(result_));
+  if (!listed_ && reception_.passed_over() == 0) Append(text, hint_);
   if (ending_.factsheet) Append(text, "no factsheet has come");
   if (states_ > 0 && !last_timestamp_.empty()) {
     Append(text, "its last state is of " + Shown(last_timestamp_));
@@ -312,21 +365,29 @@ void ActionTracker::TellPending() {
 
 Result<std::unique_ptr<message::ResponseTracker>> TrackInstantAction(const RobotAddress& robot,
                                                                      const Dialect& dialect,
-                                                                     std::string_view action_type,
-                                                                     std::string action_id,
+                                                                     const InstantAction& action,
                                                                      WaitFor wait_for) {
+  Followed followed{.type = std::string(NameIn(dialect.version, action.type)),
+                    .id = action.id,
+                    .order_json = {},
+                    .hint = MayExpectOtherKey(dialect)
+                                ? "some 2.0 robots expect --actions-key instantActions"
+                                : ""};
+  for (const Parameter& parameter : action.parameters) {
+    if (parameter.key == "orderId") followed.order_json = parameter.json;
+  }
   ActionTracker::RobotTopics topics;
   const std::pair<std::string_view, std::string*> wanted[] = {{"state", &topics.state},
                                                               {"connection", &topics.connection},
                                                               {"factsheet", &topics.factsheet}};
   for (const auto& [name, topic] : wanted) {
-    if (name == "factsheet" && !FindEnding(action_type).factsheet) continue;
+    if (name == "factsheet" && !FindEnding(followed.type).factsheet) continue;
     auto full = TopicFor(dialect.topics, dialect.version, robot, name);
     if (!full) return Fail(std::move(full.error()));
     *topic = std::move(*full);
   }
-  return std::make_unique<ActionTracker>(std::move(topics), Reception(robot, dialect), action_type,
-                                         std::move(action_id), wait_for);
+  return std::make_unique<ActionTracker>(std::move(topics), Reception(robot, dialect),
+                                         robot.ToString(), std::move(followed), wait_for);
 }
 
 }  // namespace fleetpub::vda5050

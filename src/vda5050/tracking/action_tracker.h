@@ -8,6 +8,7 @@
 //   FAILED                                        kFailed, with result and the errors that name it
 //   an error names our actionId, no entry does    kRejected (robots use several keys: by value)
 //   a new error names our headerId and topic      kRejected, told as "probably"
+//   cancelOrder, and the error is noOrderToCancel kNoOrder, unless the state shows an order to go
 //   RETRIABLE                                     kRetriable
 //   listed without an end, then no longer         kVanished
 //   connection lost                               kOffline
@@ -38,10 +39,10 @@ enum class WaitFor {
   kFinished,
 };
 
-/// Follows the action of this type and id. The type is the one that the version knows
-/// (message::Command::actions has it). Errors: ErrorKind::kUsage (topic).
+/// Follows an action, by its id and the name that the version has for its type. Errors:
+/// ErrorKind::kUsage (topic).
 [[nodiscard]] Result<std::unique_ptr<message::ResponseTracker>> TrackInstantAction(
-    const RobotAddress& robot, const Dialect& dialect, std::string_view action_type,
-    std::string action_id, WaitFor wait_for = WaitFor::kFinished);
+    const RobotAddress& robot, const Dialect& dialect, const InstantAction& action,
+    WaitFor wait_for = WaitFor::kFinished);
 
 }  // namespace fleetpub::vda5050

@@ -92,9 +92,11 @@ std::optional<Progress> OrderProgress::Look(const RobotState& state) {
   }
   is_taken_ = true;
   if (wait_for_ == WaitFor::kAccepted) {
-    return message::Ended(CommandStatus::kAccepted, had_it_before_
-                                                        ? "the robot had this order before"
-                                                        : "the robot has the order");
+    const bool is_done = !place_without_ && !is_one_place_ && IsAtLastNode(state);
+    return message::Ended(CommandStatus::kAccepted,
+                          had_it_before_ ? "the robot had this order before"
+                          : is_done ? "the robot shows the order as done: it may have had it before"
+                                    : "the robot has the order");
   }
   Record(state);
   return Conclude(state, true);
@@ -107,13 +109,25 @@ void OrderProgress::Record(const RobotState& state) {
     if (other != nullptr) action.other_type = other->type;
     if (listed == nullptr || IsTerminal(action.status)) continue;
     if (action.type.empty()) action.type = listed->type;
-    action.status = listed->status;
+    const bool is_new = std::exchange(action.status, listed->status) != listed->status;
     action.result = listed->result;
+    if (is_new) AddNews(action);
     if (!IsTerminal(action.status)) was_under_way_ = true;
   }
   if (state.nodes_left.value_or(0) + state.edges_left.value_or(0) > 0) was_under_way_ = true;
   if (state.last_node_sequence_id.value_or(0) != 0) keeps_sequence_ids_ = true;
   if (IsAtLastNode(state)) is_reached_ = true;
+}
+
+void OrderProgress::AddNews(const Action& action) {
+  const std::string result = action.result.empty() ? "" : ": " + Shown(action.result);
+  const std::string name = fmt::format("action {} ({})", Shown(action.type), Shown(action.id));
+  if (action.status == "FAILED") news_.push_back(fmt::format("{} failed{}", name, result));
+  if (action.status == "RETRIABLE") {
+    news_.push_back(fmt::format(
+        "{} is RETRIABLE{}; try: retry or skipRetry with --actionId {}, or help at the robot", name,
+        result, Shown(action.id)));
+  }
 }
 
 // A robot that does not keep sequence ids says 0, or nothing.

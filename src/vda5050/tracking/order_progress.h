@@ -9,6 +9,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "base/rapidjson.h"
@@ -33,6 +34,9 @@ class OrderProgress {
   /// What a later state says of the order; nothing while none has shown it.
   [[nodiscard]] std::optional<message::Progress> Look(const RobotState& state);
 
+  /// The actions that have failed, or wait for retry or skipRetry, since the last call, in words.
+  [[nodiscard]] std::vector<std::string> TakeNews() { return std::exchange(news_, {}); }
+
  private:
   struct Action {
     std::string id;
@@ -44,6 +48,7 @@ class OrderProgress {
 
   void AddLeg(const base::JsonValue& leg, std::string_view id_key);
   void Record(const RobotState& state);
+  void AddNews(const Action& action);
   [[nodiscard]] bool IsAtLastNode(const RobotState& state) const;
   [[nodiscard]] bool IsNew(const RobotState& state) const;
   [[nodiscard]] message::Progress Conclude(const RobotState& state, bool is_shown);
@@ -68,6 +73,7 @@ class OrderProgress {
   bool was_under_way_ = false;  ///< with nodes, edges or actions to go
   bool keeps_sequence_ids_ = false;
   bool is_reached_ = false;
+  std::vector<std::string> news_;
 };
 
 }  // namespace fleetpub::vda5050

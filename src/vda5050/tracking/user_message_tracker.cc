@@ -6,6 +6,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -14,6 +15,7 @@
 #include "vda5050/messages/user_message.h"
 #include "vda5050/reports/robot_errors.h"
 #include "vda5050/reports/robot_messages.h"
+#include "vda5050/tracking/alerts.h"
 #include "vda5050/tracking/order_progress.h"
 #include "vda5050/tracking/reception.h"
 
@@ -38,13 +40,17 @@ struct Item {
   std::function<std::optional<Progress>(const RobotState&)> look;
   std::optional<std::uint32_t> update_id = {};
   std::vector<ErrorReference> parts = {};
+  /// What has come to light since the last call, in words.
+  std::function<std::vector<std::string>()> news = [] { return std::vector<std::string>(); };
 };
 
 class ItemTracker final : public message::ResponseTracker {
  public:
-  ItemTracker(Item item, Reception reception, std::string state_topic, std::string connection_topic)
+  ItemTracker(Item item, const RobotAddress& robot, const Dialect& dialect, std::string state_topic,
+              std::string connection_topic)
       : item_(std::move(item)),
-        reception_(std::move(reception)),
+        reception_(robot, dialect),
+        alerts_(robot.ToString(), item_.topic),
         state_topic_(std::move(state_topic)),
         connection_topic_(std::move(connection_topic)) {
     UpdateMessage();
@@ -60,7 +66,9 @@ class ItemTracker final : public message::ResponseTracker {
       told_ = "the robot has sent no state since";
     }
     header_ids_.push_back(header_id);
+    alerts_.Published(header_id);
     if (!progress_.ended) UpdateMessage();
+    PassOnNews();
   }
 
   void Receive(const message::Incoming& message) override {
@@ -69,6 +77,7 @@ class ItemTracker final : public message::ResponseTracker {
       OnConnection(message);
     } else if (message.topic == state_topic_) {
       const auto state = reception_.TakeState(message);
+      if (state && !message.retained) alerts_.Look(*state);
       if (state && header_ids_.empty()) {
         errors_.Remember(state->errors, message.retained);
         if (!message.retained) item_.before(*state);
@@ -76,12 +85,21 @@ class ItemTracker final : public message::ResponseTracker {
         OnState(*state);
       }
     }
-    if (!progress_.ended) UpdateMessage();
+    if (!progress_.ended) {
+      UpdateMessage();
+      alerts_.Add(item_.news());
+      alerts_.Add(errors_.TakeSevere());
+    }
+    PassOnNews();
   }
 
   [[nodiscard]] const Progress& progress() const override { return progress_; }
 
  private:
+  void PassOnNews() {
+    for (std::string& line : alerts_.Take()) AddNews(std::move(line));
+  }
+
   // A new error that names ours comes before what the state shows: a robot that refuses an order or
   // a zone set of an id that it has goes on showing the old one. Once ours is shown, errors are of
   // its way; so are those of its nodes and actions in the state that shows it first.
@@ -96,7 +114,10 @@ class ItemTracker final : public message::ResponseTracker {
     const bool is_shown = shown && shown->seen;
     const bool is_refused = nearest == Attribution::kItem || nearest == Attribution::kHeaderId ||
                             (nearest == Attribution::kPart && !is_shown);
-    if (!progress_.seen && is_refused) return End(CommandStatus::kRejected, "");
+    if (!progress_.seen && is_refused) {
+      return End(CommandStatus::kRejected,
+                 is_shown ? "the robot shows it nevertheless, and may have had it before" : "");
+    }
     if (!shown && progress_.seen) {
       return End(CommandStatus::kVanished, fmt::format("the robot's state no longer shows {} {}",
                                                        item_.id_key, Shown(item_.id)));
@@ -143,6 +164,7 @@ class ItemTracker final : public message::ResponseTracker {
 
   Item item_;
   Reception reception_;
+  Alerts alerts_;
   std::string state_topic_;
   std::string connection_topic_;
   Progress progress_;
@@ -170,25 +192,40 @@ class EveryAction final : public message::ResponseTracker {
   void Published(std::uint32_t header_id) override {
     for (const auto& part : parts_) part->Published(header_id);
     Summarize();
+    PassOnNews();
   }
 
   void Receive(const message::Incoming& message) override {
     for (const auto& part : parts_) part->Receive(message);
     Summarize();
+    PassOnNews();
   }
 
   [[nodiscard]] const Progress& progress() const override { return progress_; }
 
  private:
+  // Once, what several say.
+  void PassOnNews() {
+    for (const auto& part : parts_) {
+      for (std::string& line : part->TakeNews()) {
+        if (told_.insert(line).second) AddNews(std::move(line));
+      }
+    }
+  }
+
   void Summarize() {
     const auto went_well = [](const Progress& p) {
       return p.status == CommandStatus::kFinished || p.status == CommandStatus::kAccepted;
     };
     progress_ = {.seen = true, .ended = true};
+    auto kept = message::Kept::kNothing;
     for (const auto& part : parts_) {
       const Progress& own = part->progress();
+      kept = std::max(kept, own.kept);
+      progress_.kept = kept;
       if (own.ended && !went_well(own)) {
         progress_ = own;
+        progress_.kept = kept;
         return;
       }
       progress_.seen = progress_.seen && own.seen;
@@ -200,6 +237,7 @@ class EveryAction final : public message::ResponseTracker {
   }
 
   std::vector<std::unique_ptr<message::ResponseTracker>> parts_;
+  std::set<std::string> told_;
   Progress progress_;
 };
 
@@ -211,7 +249,8 @@ Item OrderItem(const Value& order, WaitFor wait_for) {
           .before = [progress](const RobotState& state) { progress->Before(state); },
           .look = [progress](const RobotState& state) { return progress->Look(state); },
           .update_id = progress->update_id(),
-          .parts = progress->parts()};
+          .parts = progress->parts(),
+          .news = [progress] { return progress->TakeNews(); }};
 }
 
 CommandStatus ToStatus(WaitFor wait_for) {
@@ -288,17 +327,11 @@ Result<std::unique_ptr<message::ResponseTracker>> ConfirmActions(const RobotAddr
                                                                  const Dialect& dialect,
                                                                  const Value& message,
                                                                  WaitFor wait_for) {
-  const std::string_view own_key = GetFacts(dialect.version).actions_key;
-  const Value* actions =
-      FindArray(message, dialect.actions_key.empty() ? own_key : dialect.actions_key);
   std::vector<std::unique_ptr<message::ResponseTracker>> parts;
-  if (actions != nullptr) {
-    for (const Value& action : actions->GetArray()) {
-      auto part = TrackInstantAction(robot, dialect, StringMember(action, "actionType"),
-                                     std::string(StringMember(action, "actionId")), wait_for);
-      if (!part) return part;
-      parts.push_back(std::move(*part));
-    }
+  for (const InstantAction& action : ActionsIn(message, dialect)) {
+    auto part = TrackInstantAction(robot, dialect, action, wait_for);
+    if (!part) return part;
+    parts.push_back(std::move(*part));
   }
   return std::make_unique<EveryAction>(std::move(parts));
 }
@@ -319,8 +352,8 @@ Result<std::unique_ptr<message::ResponseTracker>> TrackUserMessage(const RobotAd
                       : topic == "zoneSet" ? ZoneSetItem(message, wait_for)
                                            : ResponseItem(message, wait_for);
   if (!item) return Fail(std::move(item.error()));
-  return std::make_unique<ItemTracker>(std::move(*item), Reception(robot, dialect),
-                                       std::move(*state), std::move(*connection));
+  return std::make_unique<ItemTracker>(std::move(*item), robot, dialect, std::move(*state),
+                                       std::move(*connection));
 }
 
 }  // namespace fleetpub::vda5050

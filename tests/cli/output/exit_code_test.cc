@@ -46,6 +46,19 @@ TEST(GetExitCode, FollowsTheKindOfTheError) {
   }
 }
 
+// What a target's word is worth, whoever asked it and however it was named.
+TEST(GetExitCode, FollowsTheStatus) {
+  using enum message::CommandStatus;
+  constexpr std::pair<message::CommandStatus, int> kCases[] = {
+      {kAccepted, 0},  {kFinished, 0}, {kNoOrder, 5}, {kFailed, 5},  {kRejected, 5},
+      {kRetriable, 6}, {kVanished, 6}, {kOffline, 6}, {kTimeout, 6},
+  };
+  for (const auto& [status, code] : kCases) {
+    const message::Report report{.status = status, .error = message::ToErrorKind(status)};
+    EXPECT_EQ(static_cast<int>(GetExitCode(report)), code) << message::GetName(status);
+  }
+}
+
 TEST(GetExitCode, IsDoneForAReportWithoutTrouble) {
   EXPECT_EQ(GetExitCode(message::Report{.status = message::CommandStatus::kSent}), kDone);
 }

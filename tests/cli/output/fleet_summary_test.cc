@@ -34,6 +34,19 @@ TEST(FleetSummary, NamesThoseThatAPersonHasToLookAfter) {
                   "  failed      KIT/2, KIT/4", "  unconfirmed KIT/3", "  offline     KIT/5"));
 }
 
+TEST(FleetSummary, CountsEveryStatusUnderOneWord) {
+  FleetSummary summary;
+  for (std::size_t i = 0; i < message::kCommandStatuses.size(); ++i) {
+    Add(summary, "KIT/1", static_cast<CommandStatus>(i), milliseconds(1));
+  }
+  EXPECT_EQ(summary.Counts(),
+            "2 finished, 3 sent, 1 no order, 2 failed, 3 unconfirmed, 1 offline, 2 refused, "
+            "1 errors");
+  const auto json =
+      base::ParseJson(summary.Json(milliseconds(7), ExitCode::kBroker, "mqtt://north"));
+  EXPECT_EQ((*json)["summary"]["noOrder"].GetInt(), 1);
+}
+
 TEST(FleetSummary, NamesTheSlowOnesAmongTheFinished) {
   FleetSummary summary;
   for (int i = 0; i < 9; ++i) Add(summary, "KIT/1", CommandStatus::kFinished, milliseconds(400));

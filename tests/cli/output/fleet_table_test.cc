@@ -108,13 +108,23 @@ TEST(FleetTable, WritesNullForWhatIsNotKnown) {
   robot.robot = {"KIT", "\"\x1b"};
   const auto json = base::ParseJson("{" + FleetJson(robot) + "}");
   ASSERT_TRUE(json);
-  for (const char* name : {"version", "connectionState", "paused", "batteryCharge", "errors"}) {
+  for (const char* name : {"version", "connectionState", "paused", "errors"}) {
     EXPECT_TRUE((*json)[name].IsNull()) << name;
   }
   EXPECT_EQ(base::StringMember(*json, "serialNumber"), "\"\x1b");
+  EXPECT_STREQ((*json)["batteryCharge"].GetString(), "unknown") << "jq: null is less than 20";
   robot.state = RobotState{};
-  EXPECT_THAT(FleetJson(robot), HasSubstr(R"("paused":null)"));
+  EXPECT_THAT(FleetJson(robot),
+              AllOf(HasSubstr(R"("paused":null)"), HasSubstr(R"("batteryCharge":"unknown")")));
   EXPECT_THAT(FleetJson(robot), Not(HasSubstr(R"("errors":null)")));
+}
+
+TEST(FleetTable, ShowsAFullListOfInstantActions) {
+  RobotView robot = Robot();
+  EXPECT_THAT(FleetJson(robot), Not(HasSubstr("instantActionsFull")));
+  robot.state->errors = {{.type = "INSTANT_ACTION_STATES_FULL", .level = "URGENT"}};
+  EXPECT_THAT(FleetJson(robot), HasSubstr(R"("instantActionsFull":true)"));
+  EXPECT_THAT(FleetLine(robot, Output({})), HasSubstr("errors 1 URGENT, list full"));
 }
 
 TEST(FleetTable, TellsAgesAsPeopleDo) {

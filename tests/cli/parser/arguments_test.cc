@@ -110,6 +110,7 @@ TEST(FindSubcommand, SuggestsTheNearestCommand) {
       {"pnig", "there is no command 'pnig': did you mean ping?"},
       {"validat x", "there is no command 'validat': did you mean validate?"},
       {"resum KIT/1", "there is no command 'resum': did you mean resume?"},
+      {"unpause KIT/1", "there is no command 'unpause': did you mean resume?"},
   };
   for (const auto& [arguments, sentence] : kCases)
     EXPECT_EQ(Found(std::string(arguments)), sentence);

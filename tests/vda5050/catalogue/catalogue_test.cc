@@ -304,5 +304,26 @@ TEST(ParametersInAnyVersion, LetsTheNewestRowWin) {
   EXPECT_EQ(parameters.front().type, ParameterType::kStringArray);
 }
 
+TEST(ActionMeant, IsWhatUndoesAnActionAndNotTheAction) {
+  for (const auto& [word, meant] : {std::pair("unpause", "resume"),
+                                    {"unPause", "resume"},
+                                    {"un-pause", "resume"},
+                                    {"unpaus", "resume"},
+                                    {"unhibernation", "stopHibernation"},
+                                    {"stopChargin", "uncharge"},
+                                    {"stoppause", "resume"}}) {
+    EXPECT_EQ(ActionMeant(word), meant) << word;
+  }
+  for (const char* word : {"disableMap", "disableZoneSet", "unlock", "unretry", "stop", "start",
+                           "halt", "estop", "abort", "go"}) {
+    EXPECT_EQ(ActionMeant(word), std::nullopt) << word;
+  }
+  EXPECT_EQ(ActionMeant("puase"), "pause");
+  EXPECT_EQ(ActionMeant("cancle"), "cancel");
+  constexpr auto kOthers = std::to_array<std::string_view>({"watch", "fleet"});
+  EXPECT_EQ(ActionMeant("flete", kOthers), "fleet");
+  EXPECT_EQ(ActionMeant("unwatch", kOthers), std::nullopt);
+}
+
 }  // namespace
 }  // namespace fleetpub::vda5050

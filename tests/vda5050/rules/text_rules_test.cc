@@ -117,8 +117,11 @@ TEST(CheckInstantActions, WarnsOfATypeThatNearlyIsAPredefinedOne) {
   constexpr std::pair<std::string_view, std::string_view> kCases[] = {
       {"startpause", "startPause"},    {"startPuase", "startPause"},
       {"pause", "startPause"},         {"initposition", "initializePosition"},
-      {"cancelOrders", "cancelOrder"},
+      {"cancelOrders", "cancelOrder"}, {"unpause", "stopPause"},
   };
+  for (const char* own : {"disableMap", "unlock"}) {
+    EXPECT_THAT(CheckAction(Version::k300, own), ::testing::IsEmpty()) << "never the opposite";
+  }
   for (const auto& [type, meant] : kCases) {
     EXPECT_THAT(CheckAction(Version::k300, type),
                 ElementsAre(fmt::format(

@@ -208,5 +208,56 @@ TEST_F(ResponseTracker, IsNotAcceptedWhenItFailedOrWasRejected) {
   EXPECT_EQ(Ending(), "REJECTED");
 }
 
+// ── nothing to cancel ──
+
+TEST_F(ResponseTracker, HadNoOrderToCancelWhenAnErrorAloneSaysSo) {
+  for (const char* type : {"noOrderToCancel", "NO_ORDER_TO_CANCEL", "no-order-to-cancel"}) {
+    FollowAndPublish("cancelOrder");
+    HearErrors(Error(type, "action_id", kId));
+    EXPECT_EQ(Ending(), "NO_ORDER") << type;
+  }
+  FollowAndPublish("cancelOrder");
+  HearErrors(Error("orderError", "actionId", kId));
+  EXPECT_EQ(Ending(), "REJECTED") << "for another reason";
+  FollowAndPublish("startPause");
+  HearActions(Entry(kId, "FAILED"), Error("noOrderToCancel", "actionId", kId));
+  EXPECT_EQ(Ending(), "FAILED") << "it was not to cancel anything";
+}
+
+TEST_F(ResponseTracker, HasAnOrderToCancelWhenTheStateShowsOne) {
+  const auto say = [&](std::string_view order_id, std::string_view nodes, std::string_view error) {
+    HearState(fmt::format(R"("orderId":"{}","nodeStates":[{}],"edgeStates":[],"errors":[{}],)"
+                          R"("instantActionStates":[{}])",
+                          order_id, nodes, error, Entry(kId, "FAILED")));
+    return Ending();
+  };
+  const std::string ours = Error("NO_ORDER_TO_CANCEL", "actionId", kId);
+  FollowAndPublish("cancelOrder");
+  EXPECT_EQ(say("o-1", R"({"nodeId":"n"})", ours), "FAILED") << "a contradiction";
+  parameters_ = {{"orderId", R"("o-2")"}};
+  FollowAndPublish("cancelOrder");
+  EXPECT_EQ(say("o-1", R"({"nodeId":"n"})", ours), "NO_ORDER") << "but not this one";
+  FollowAndPublish("cancelOrder");
+  EXPECT_EQ(say("o-2", R"({"nodeId":"n"})", ours), "FAILED");
+}
+
+TEST_F(ResponseTracker, DoesNotTakeAnErrorOfBeforeForItsOwnNoOrder) {
+  constexpr std::string_view kUnnamed = R"({"errorType":"noOrderToCancel","errorLevel":"WARNING"})";
+  const auto say = [&](std::string_view nodes, std::string_view more) {
+    HearState(fmt::format(R"("nodeStates":[{}],"errors":[{}]{})", nodes, kUnnamed, more));
+  };
+  const std::string failed = fmt::format(R"(,"actionStates":[{}])", Entry(kId, "FAILED"));
+  Follow("cancelOrder");
+  say("", "");
+  Publish();
+  say(R"({"nodeId":"n"})", failed);
+  EXPECT_EQ(Ending(), "FAILED");
+  Follow("cancelOrder");
+  say("", "");
+  Publish();
+  say("", failed);
+  EXPECT_EQ(Ending(), "NO_ORDER") << "and the state shows none";
+}
+
 }  // namespace
 }  // namespace fleetpub::vda5050

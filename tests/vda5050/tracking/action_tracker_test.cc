@@ -29,8 +29,8 @@ TEST_F(ResponseTracker, ListensToTheFactsheetWhenItIsAskedFor) {
 }
 
 TEST_F(ResponseTracker, CannotBeForATopicThatCannotBe) {
-  const auto made =
-      TrackInstantAction(kRobot, {.topics = {.interface_name = "#"}}, "startPause", "a1");
+  const auto made = TrackInstantAction(kRobot, {.topics = {.interface_name = "#"}},
+                                       {"startPause", "a1", "", "", {}});
   ASSERT_FALSE(made);
   EXPECT_EQ(made.error().kind, ErrorKind::kUsage);
 }
@@ -100,7 +100,7 @@ TEST_F(ResponseTracker, TakesNoConnectionOrFactsheetFromAnotherRobotsHeader) {
 
 TEST_F(ResponseTracker, KnowsTheNameThatTheDialectGivesTheRobot) {
   const Dialect dialect{.header_serial = "AGV-1"};
-  tracker_ = *TrackInstantAction(kRobot, dialect, "startPause", std::string(kId));
+  tracker_ = *TrackInstantAction(kRobot, dialect, {"startPause", std::string(kId), "", "", {}});
   prefix_ = "vda5050/v3/KIT/0001/";
   Publish();
   HearState(fmt::format(R"("serialNumber":"AGV-1","actionStates":[{}])", Entry(kId, "FINISHED")));
@@ -298,8 +298,21 @@ TEST_F(ResponseTracker, TellsWhyThereWasNothingToCancel) {
   HearActions(Entry(kId, "FAILED"),
               Error("NO_ORDER_TO_CANCEL", "actionId", kId,
                     R"(,"errorDescription":"no active order","errorHint":"nothing to do")"));
-  EXPECT_EQ(Ending(), "FAILED");
+  EXPECT_EQ(Ending(), "NO_ORDER");
   EXPECT_EQ(Told(), "NO_ORDER_TO_CANCEL: no active order; hint: nothing to do");
+}
+
+TEST_F(ResponseTracker, SaysWhatASilentRobotOf20MayExpect) {
+  Follow("startPause", WaitFor::kFinished, Version::k200);
+  Publish();
+  EXPECT_THAT(Told(), HasSubstr("--actions-key instantActions"));
+  HearState(R"("actionStates":[])");
+  EXPECT_THAT(Told(), HasSubstr("--actions-key instantActions"));
+  HearState(fmt::format(R"("actionStates":[{}])", Entry(kId, "RUNNING")));
+  EXPECT_THAT(Told(), Not(HasSubstr("--actions-key")));
+  Follow("startPause", WaitFor::kFinished, Version::k210);
+  Publish();
+  EXPECT_THAT(Told(), Not(HasSubstr("--actions-key")));
 }
 
 TEST_F(ResponseTracker, RemembersTheErrorOfAnEarlierState) {

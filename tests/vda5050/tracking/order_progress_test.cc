@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 
 #include "base/json.h"
+#include "base/text.h"
 #include "vda5050/messages/user_message.h"
 
 namespace fleetpub::vda5050 {
@@ -123,6 +124,27 @@ TEST_F(OrderTracking, TellsOfActionsAndErrorsWhileItWaits) {
   EXPECT_THAT(Told(), AllOf(HasSubstr("pick failed"), HasSubstr("gripper")));
 }
 
+TEST_F(OrderTracking, TellsAtOnceWhatGoesWrongAndOnce) {
+  const auto news = [&] { return base::Join(tracker_->TakeNews(), "\n"); };
+  constexpr std::string_view kError = R"(,"errors":[{"errorType":"gripper","errorLevel":"FATAL",
+        "errorReferences":[{"referenceKey":"nodeId","referenceValue":"b"}]}])";
+  Send(Order({"a", "b"}, true));
+  At("a", 0, kOneLeft, Pick("RUNNING"));
+  EXPECT_EQ(news(), "");
+  At("a", 0, kOneLeft, Pick("RETRIABLE"));
+  EXPECT_THAT(news(), AllOf(HasSubstr("KIT/0001: action pick (p-1)"), HasSubstr("retry")));
+  At("a", 0, kOneLeft, Pick("RETRIABLE") + std::string(kError));
+  EXPECT_THAT(news(), AllOf(HasSubstr("KIT/0001: gripper"), Not(HasSubstr("pick"))));
+  At("a", 0, kOneLeft, Pick("FAILED") + std::string(kError));
+  EXPECT_THAT(news(), AllOf(HasSubstr("failed"), Not(HasSubstr("gripper"))));
+  At("a", 0, kOneLeft, Pick("FAILED"));
+  EXPECT_EQ(news(), "");
+  Send(Order({"a"}, true));
+  At("a", 0, "", Pick("FAILED"));
+  EXPECT_EQ(Ending(), "FAILED");
+  EXPECT_EQ(news(), "") << "the result says it";
+}
+
 TEST_F(OrderTracking, TakesNoOrderOfBeforeForTheOneThatWasSent) {
   Send(Order({"a", "b"}));
   At("b", 2);
@@ -192,6 +214,17 @@ TEST_F(OrderTracking, SaysThatTheRobotHadItBefore) {
   At("a", 0, kOneLeft);
   EXPECT_EQ(Ending(), "ACCEPTED");
   EXPECT_THAT(Told(), HasSubstr("before"));
+  Send(Order({"a", "b"}), WaitFor::kAccepted);
+  At("b", 2);
+  EXPECT_THAT(Told(), HasSubstr("may have had it before")) << "it is done in no time";
+  Send(Order({"a", "b"}), WaitFor::kAccepted);
+  At("a", 0, kOneLeft);
+  EXPECT_THAT(Told(), Not(HasSubstr("before")));
+  Send(Order({"a", "b"}), WaitFor::kAccepted);
+  At("a", 0, kOneLeft, R"(,"errors":[{"errorType":"SAME_ORDER_UPDATE_ID","errorReferences":[
+        {"referenceKey":"orderId","referenceValue":"o"}]}])");
+  EXPECT_EQ(Ending(), "REJECTED");
+  EXPECT_THAT(Told(), AllOf(HasSubstr("before"), HasSubstr("SAME_ORDER_UPDATE_ID")));
 }
 
 TEST_F(OrderTracking, TellsWhereARobotStandsThatForgetsItsOrder) {

@@ -10,6 +10,7 @@
 #include <string>
 #include <string_view>
 
+#include "base/text.h"
 #include "vda5050/tracking/action_tracker.h"
 
 namespace fleetpub::vda5050 {
@@ -39,7 +40,8 @@ class ResponseTracker : public ::testing::Test {
               Version version = Version::k300, std::string_view id = kId) {
     const Dialect dialect{.version = version};
     prefix_ = version == Version::k300 ? "vda5050/v3/KIT/0001/" : "uagv/v2/KIT/0001/";
-    auto made = TrackInstantAction(kRobot, dialect, type, std::string(id), wait_for);
+    const InstantAction action{std::string(type), std::string(id), "", "", parameters_};
+    auto made = TrackInstantAction(kRobot, dialect, action, wait_for);
     if (!made) throw std::runtime_error(made.error().message);
     tracker_ = std::move(*made);
   }
@@ -76,6 +78,10 @@ class ResponseTracker : public ::testing::Test {
   }
   [[nodiscard]] std::string Told() const { return Now().message; }
 
+  /// What has been told before an end, one line behind the other.
+  [[nodiscard]] std::string News() { return base::Join(tracker_->TakeNews(), "\n"); }
+
+  std::vector<Parameter> parameters_;  ///< of the action
   std::string prefix_;
   std::unique_ptr<message::ResponseTracker> tracker_;
 };
