@@ -46,7 +46,7 @@ void Profiles(const Typed& typed, Candidates& found) {
 void ActionTypes(const Typed& /*typed*/, Candidates& found) {
   for (const std::string_view type : vda5050::AllActionNames()) {
     if (!vda5050::IsEverInstant(type)) continue;
-    const auto* action = vda5050::FindAction(vda5050::Version::k300, type);
+    const auto* action = vda5050::FindAction(vda5050::kVersions.back(), type);
     found.words.push_back({std::string(type), std::string(action->summary)});
   }
 }
