@@ -10,7 +10,6 @@
 #include "base/text.h"
 #include "base/time.h"
 #include "cli/commands/soar_simulate.h"
-#include "cli/commands/soar_validate.h"
 #include "cli/options/soar_options.h"
 #include "cli/options/vda_options.h"
 #include "cli/parser/option_set.h"

@@ -11,12 +11,14 @@
 #include "base/json.h"
 #include "base/line_reader.h"
 #include "base/text.h"
-#include "cli/commands/soar_validate.h"
 #include "cli/commands/validate_live.h"
+#include "cli/options/soar_options.h"
 #include "cli/parser/option_set.h"
 #include "cli/parser/subcommand.h"
 #include "schema/schema.h"
 #include "schema/schema_files.h"
+#include "soar/message.h"
+#include "soar/text_rules.h"
 #include "vda5050/messages/user_message.h"
 #include "vda5050/rules/conformance.h"
 
@@ -74,7 +76,7 @@ class Validator {
   // Errors: the options or the schema, not a message.
   Status Prepare() {
     if (!options_.schema_file.empty()) return LoadFile();
-    if (auto soar = PrepareSoar(); !soar || soar_) return soar;
+    if (auto soar = CheckSoarOptions(); !soar || options_.is_soar) return soar;
     if (!options_.version.empty()) {
       const auto version = vda5050::ParseVersion(options_.version);
       if (!version) return Fail(version.error());
@@ -92,8 +94,8 @@ class Validator {
     const auto message = base::ParseJson(text);
     if (!message) return OneError(message.error().message);
     if (own_schema_) return delivery::Check(*message, *own_schema_, {});
-    if (soar_) {
-      Findings findings = soar_->Check(*message, registry_);
+    if (options_.is_soar) {
+      Findings findings = CheckSoar(*message);
       if (options_.strict) delivery::Harden(findings);
       return findings;
     }
@@ -109,17 +111,36 @@ class Validator {
   }
 
  private:
-  Status PrepareSoar() {
-    if (!options_.is_soar && !options_.message_type) return {};
-    if (!options_.is_soar) {
+  [[nodiscard]] Status CheckSoarOptions() const {
+    if (!options_.is_soar && options_.message_type) {
       return Fail(ErrorKind::kUsage, "--message-type belongs to --protocol soar");
     }
-    if (!options_.topic.empty()) {
+    if (options_.is_soar && !options_.topic.empty()) {
       return Fail(ErrorKind::kUsage, "--topic belongs to VDA 5050: name a --message-type");
     }
-    soar_.emplace(options_.message_type,
-                  options_.strict ? soar::Strictness::kRefuse : soar::Strictness::kWarn);
     return {};
+  }
+
+  // A whole message; when a type was named, of that type, or a payload of it alone.
+  Findings CheckSoar(const base::JsonValue& message) {
+    const auto& type = options_.message_type;
+    const bool whole = !type || base::FindMember(message, "payload") != nullptr;
+    const auto schema =
+        registry_.Find(whole ? std::string(soar::kMessageSchema) : soar::PayloadSchema(*type));
+    if (!schema) return OneError(schema.error().message);
+    const auto strictness = options_.strict ? soar::Strictness::kRefuse : soar::Strictness::kWarn;
+    Findings findings = delivery::Check(message, **schema, [strictness](const auto& checked) {
+      return soar::CheckMessage(checked, strictness);
+    });
+    if (!findings.satisfies_schema || !type) return findings;
+    const auto& payload = whole ? *base::FindMember(message, "payload") : message;
+    const std::string_view found = base::StringMember(payload, "message_type");
+    if (found != GetName(*type)) {
+      findings.errors.push_back(
+          {whole ? "/payload/message_type" : "/message_type",
+           fmt::format("is {}, not {}", base::Printable(found), GetName(*type))});
+    }
+    return findings;
   }
 
   Status LoadFile() {
@@ -161,7 +182,6 @@ class Validator {
   schema::Registry registry_;
   std::optional<vda5050::Version> version_;
   std::optional<schema::Schema> own_schema_;
-  std::optional<SoarValidator> soar_;
 };
 
 std::string ListJson(const std::vector<schema::Violation>& violations) {

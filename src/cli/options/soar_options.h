@@ -2,12 +2,14 @@
 // acknowledgement is waited for; and options made from the tables of a payload's fields.
 #pragma once
 
+#include <array>
 #include <deque>
 #include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "base/choice.h"
 #include "base/result.h"
 #include "cli/options/global_options.h"
 #include "cli/parser/option.h"
@@ -36,6 +38,10 @@ struct SoarWaitingOptions {
   std::optional<std::size_t> acknowledgements;
   std::vector<std::string> topics;
 };
+
+/// Of `--protocol`: whether it is SoAR.
+inline constexpr auto kProtocols =
+    std::to_array<base::Choice<bool>>({{"vda5050", false}, {"soar", true}});
 
 void DeclareSoarOptions(OptionSet& set, SoarOptions& options);
 void DeclareSoarWaiting(OptionSet& set, SoarWaitingOptions& options);
