@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <ranges>
 #include <set>
 #include <utility>
 
@@ -66,9 +65,10 @@ Status CommandFactory::ValidateInAnyVersion(const CommandRequest& request,
   Status newest;
   for (const ListedRobot* robot : robots) {
     Dialect dialect = *robot->second.base;
-    for (const vda5050::Version version : std::views::reverse(vda5050::kVersions)) {
-      if (!dialect.assumed && version != dialect.version) continue;
-      dialect.version = version;
+    for (auto version = vda5050::kVersions.rbegin(); version != vda5050::kVersions.rend();
+         ++version) {
+      if (!dialect.assumed && *version != dialect.version) continue;
+      dialect.version = *version;
       const auto command = message->Build(robot->first, dialect, request.header_id);
       const auto warnings = command ? ValidateCommand(*command, registry_) : Fail(command.error());
       if (warnings) return {};

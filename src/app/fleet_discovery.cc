@@ -60,12 +60,14 @@ Status ReadFleet(mqtt::Transport& transport, const delivery::RetainedOptions& di
   return ok;
 }
 
-Error NoRobot(const mqtt::ServerInfo& server, const std::vector<std::string>& words) {
+Error NoRobot(const mqtt::ServerInfo& server, const std::string& profile,
+              const std::vector<std::string>& words) {
   const std::string_view why = server.retain_available.value_or(true)
                                    ? "none has left a connection message"
                                    : kNothingRetained;
   return {ErrorKind::kPreflight,
-          fmt::format("{} knows no robot{}: {}, and none sent a state", server.broker.ToString(),
+          fmt::format("{} knows no robot{}: {}, and none sent a state",
+                      FormatSite(server.broker, profile),
                       words.empty() ? "" : " " + FormatFleetName(words), why)};
 }
 
@@ -108,7 +110,8 @@ Result<FleetView> DiscoverFleet(const FleetRequest& request, const Environment& 
     return Fail(std::move(ok.error()));
   }
   link->transport->Disconnect();
-  if (view->size() == 0) return Fail(NoRobot(link->transport->server(), request.words));
+  if (view->size() == 0)
+    return Fail(NoRobot(link->transport->server(), environment.config.profile, request.words));
   std::vector<RobotAddress> found;
   for (const RobotView* robot : view->robots()) found.push_back(robot->robot);
   WarnOfEscapedNames(found, log);

@@ -109,7 +109,7 @@ class Discoverer {
   }
 
   // Until nothing is missing of these robots.
-  Status Read(std::vector<std::string> filters, std::set<const RobotEntry*> waiting,
+  Status Read(const std::vector<std::string>& filters, std::set<const RobotEntry*> waiting,
               const delivery::RetainedOptions& options, const auto& is_complete) {
     if (waiting.empty() || filters.empty()) return {};
     return delivery::ReadRetained(transport_, filters, options, [&](const mqtt::Message& message) {

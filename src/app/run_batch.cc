@@ -41,7 +41,11 @@ class Batch {
         input_(std::move(lines), request_.defaults,
                request_.stop_on_error ? AfterBadLine::kPause : AfterBadLine::kGoOn,
                environment.schema_directory),
-        factory_(environment.schema_directory) {}
+        factory_(environment.schema_directory) {
+    request_.discover.also = [this](const mqtt::Message& message) {
+      if (session_ != nullptr) session_->Deliver(message);
+    };
+  }
 
   // Errors: nothing was sent.
   Result<BatchEnd> Run() {
@@ -58,12 +62,13 @@ class Batch {
     }
     delivery::CommandSession session(link->transport, **ledger, send_, request_.wait,
                                      MakeHooks(link->connection));
-    request_.discover.also = [&](const mqtt::Message& message) { session.Deliver(message); };
+    session_ = &session;
     while (!IsDone(session)) {
       if (MayRead(session)) SendWhatIsThere(session);
       LookForTheEnd(session);
       if (!IsDone(session)) Wait(session);
     }
+    session_ = nullptr;
     if (link->transport != nullptr) link->transport->Disconnect();
     if (!session.trouble()) {
       log_.Warn(fmt::format("sent, but not every outcome is in the ledger: {}",
@@ -85,7 +90,8 @@ class Batch {
     const bool looks = !request_.settings.offline && environment_.names_broker;
     while (!input_.ended() && !(request_.stop_on_error && has_error_)) {
       input_.Await();
-      LineGroup group = input_.Take(send_.batch);
+      held_ = input_.Take(send_.batch);
+      const LineGroup& group = *held_;
       Report(group);
       if (looks && NeedsLook(group)) {
         if (!link) {
@@ -96,7 +102,7 @@ class Batch {
         }
         if (auto ok = Look(group); !ok) return Fail(std::move(ok.error()));
       }
-      for (const Command& command : Build(std::move(group))) {
+      for (const Command& command : Build(*std::exchange(held_, {}))) {
         const auto report = dry_run->Report(command);
         Report(report ? *report
                       : BadLineReport(command.reference, {.id = {}, .target = command.target},
@@ -319,6 +325,7 @@ class Batch {
   Log& log_;
   BatchInput input_;
   CommandFactory factory_;
+  delivery::CommandSession* session_ = nullptr;            // of lines that are waited for
   std::unique_ptr<mqtt::Transport>* transport_ = nullptr;  // null inside while it is lost
   vda5050::RobotDirectory directory_{{}, {}};              // of the lines that were looked up last
   std::optional<LineGroup> held_;                          // they have yet to be looked up

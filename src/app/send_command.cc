@@ -186,6 +186,12 @@ class CommandSender final : private delivery::CommandSource {
     auto discovered =
         DiscoverRobots(*link_->transport, request_.targets, options, directory_, observer_);
     if (discovered) return discovered;
+    // To stop is not held back by a login that may not read.
+    const bool stops = !request_.targets.AreFound() && request_.make_message()->IsOnlyStartPause();
+    if (stops && link_->transport->AwaitReady(std::chrono::steady_clock::now())) {
+      observer_.Warn(discovered.error().message);
+      return {};
+    }
     return Fail(ReportNothingSent(CommandStatus::kError, std::move(discovered.error())));
   }
 

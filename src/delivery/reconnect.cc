@@ -11,15 +11,16 @@ using std::chrono::milliseconds;
 using std::chrono::seconds;
 
 constexpr milliseconds kShortestPause{500};
-constexpr milliseconds kLongestPause{5000};
+constexpr milliseconds kLongestReconnectPause{5000};
 constexpr seconds kLasting{10};
 constexpr seconds kPatience{10};  // with one attempt
 
 }  // namespace
 
 void ReconnectSchedule::Lost(Clock::time_point now) {
-  pause_ = now - connected_at_ < kLasting ? std::clamp(pause_ * 2, kShortestPause, kLongestPause)
-                                          : kShortestPause;
+  pause_ = now - connected_at_ < kLasting
+               ? std::clamp(pause_ * 2, kShortestPause, kLongestReconnectPause)
+               : kShortestPause;
   next_ = now + pause_;
 }
 

@@ -10,8 +10,8 @@ using std::chrono::milliseconds;
 using std::chrono::seconds;
 using std::chrono::steady_clock;
 
-constexpr seconds kPatience{10};      // to subscribe
-constexpr milliseconds kGlance{100};  // between two looks at whether to go on
+constexpr seconds kSubscribePatience{10};  // to subscribe
+constexpr milliseconds kGlance{100};       // between two looks at whether to go on
 
 }  // namespace
 
@@ -27,7 +27,7 @@ Result<Subscription> Subscription::Open(std::unique_ptr<mqtt::Transport> transpo
 
 Status Subscription::Subscribe(mqtt::Transport& transport, mqtt::Deadline end) const {
   return transport.Subscribe(filters_, mqtt::kListeningQos,
-                             std::min(end, steady_clock::now() + kPatience));
+                             std::min(end, steady_clock::now() + kSubscribePatience));
 }
 
 Status Subscription::Read(const MessageCallback& take,

@@ -235,6 +235,18 @@ TEST_F(SendingToNamedRobots, StopsEvenARobotThatNobodyKnows) {
   EXPECT_THAT(observer_.warnings, SizeIs(2));
 }
 
+TEST_F(SendingToNamedRobots, StopsARobotEvenWhereTheLoginMayNotLook) {
+  world_.on_connect = [](testing::FakeTransport& broker) {
+    broker.forbidden = "+/+/KIT/0001/connection";
+  };
+  EXPECT_TRUE(Send({"KIT/0001"}));
+  EXPECT_THAT(observer_.reports, ElementsAre(Is(CommandStatus::kSent)));
+  EXPECT_THAT(observer_.warnings, Contains(HasSubstr("refuses")));
+  type_ = "stopPause";
+  EXPECT_FALSE(Send({"KIT/0001"}));
+  EXPECT_THAT(Published(), SizeIs(1));
+}
+
 TEST_F(SendingToNamedRobots, SendsNothingElseToARobotThatNobodyKnows) {
   type_ = "cancelOrder";
   world_.config.profile = "north";

@@ -68,6 +68,8 @@ TEST_F(ValidatingLive, CountsByTopicAndTellsViolations) {
   retained_[Topic("connection")] = Connection("AWAY");
   arriving_ = {{.topic = Topic("factsheet"), .payload = "{"},
                {.topic = Topic("connection"), .payload = Connection("ONLINE")}};
+  request_.end = mqtt::Deadline::max();
+  request_.count = 3;
   const auto summary = Validate();
   ASSERT_TRUE(summary);
   EXPECT_EQ(summary->all.messages, 3U);

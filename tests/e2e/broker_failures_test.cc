@@ -145,7 +145,8 @@ TEST_F(BrokerFailures, OfAccessListsAreKnownToMqtt5AndWarnedOfBefore) {
   EXPECT_THAT(unknown.errors,
               AllOf(HasSubstr("access list"), HasSubstr("-V 5"), HasSubstr("--wait")));
   EXPECT_THAT(Pause(broker.Url(), {"-q", "1", "--quiet"}).errors, IsEmpty());
-  Command batch = operator_.Prepare({"batch", "--vda", "3.0", "-q", "1", "-b", broker.Url()});
+  Command batch =
+      operator_.Prepare({"batch", "--vda", "3.0", "-q", "1", "-b", broker.Url(), "--no-check"});
   batch.input = R"({"action":"startPause","target":"KIT/0001"})";
   EXPECT_THAT(testing::Run(batch).errors, HasSubstr("access list"));
   EXPECT_THAT(subscriber.SoFar(), IsEmpty());
@@ -162,14 +163,23 @@ TEST_F(BrokerFailures, OfARefusedSubscriptionSendNothing) {
     EXPECT_EQ(run.exit_code, 4) << run.output;
     EXPECT_THAT(run.errors, AllOf(HasSubstr("nothing was sent"),
                                   HasSubstr("refuses the subscription to vda5050/v3/KIT/0001/")));
-    EXPECT_EQ(Call(broker.Url(), {"pause", "KIT/0001", "-V", version}).exit_code, 4);
+    EXPECT_EQ(Call(broker.Url(), {"resume", "KIT/0001", "-V", version}).exit_code, 4);
     EXPECT_EQ(
         Call(broker.Url(), {"await", "KIT/0001", "state", "paused=true", "-V", version}).exit_code,
         4);
     EXPECT_EQ(Call(broker.Url(), {"fleet", "-V", version}).exit_code, 4);
     EXPECT_EQ(broker.published(), 0);
+    EXPECT_THAT(History(), IsEmpty());
   }
-  EXPECT_THAT(History(), IsEmpty());
+}
+
+// A login that may send and not read can stop a robot.
+TEST_F(BrokerFailures, OfARefusedLookHoldBackNoPause) {
+  const ScriptedBroker broker({.suback = 0x80});
+  const Finished run = Call(broker.Url(), {"pause", "KIT/0001"});
+  EXPECT_EQ(run.exit_code, 0) << run.output << run.errors;
+  EXPECT_THAT(run.errors, AllOf(HasSubstr("refuses the subscription"), HasSubstr("(assumed)")));
+  EXPECT_EQ(broker.published(), 1);
 }
 
 TEST_F(BrokerFailures, OfAcknowledgementsThatComeLateAreNoFailures) {
@@ -257,8 +267,8 @@ TEST_F(BrokerFailures, OfTooLargeAMessageAreKnownBeforeItIsSent) {
 TEST_F(BrokerFailures, OfTooLargeAMessageConcernOnlyItsOwnLineOfABatch) {
   const Mosquitto broker({"allow_anonymous true", "max_packet_size 2000"});
   const Subscriber subscriber(broker);
-  Command batch =
-      operator_.Prepare({"batch", "--vda", "3.0", "-V", "5", "-q", "1", "-b", broker.Url()});
+  Command batch = operator_.Prepare(
+      {"batch", "--vda", "3.0", "--no-check", "-V", "5", "-q", "1", "-b", broker.Url()});
   batch.input = R"({"action":"startPause","target":"KIT/0001"})"
                 "\n"
                 R"({"action":"beep","target":"KIT/0002","parameters":{"text":")" +

@@ -29,14 +29,6 @@ std::string Header(std::string_view version, std::string_view serial) {
 
 class Lookup : public EndToEnd {
  protected:
-  // Publishes what a robot that we play by hand says.
-  void Say(const std::string& topic, const std::string& payload, bool retained) const {
-    Command command{.arguments = {"mosquitto_pub", "-h", "127.0.0.1", "-p",
-                                  std::to_string(broker_.port()), "-q", "1", "-s", "-t", topic},
-                    .input = payload};
-    if (retained) command.arguments.emplace_back("-r");
-    ASSERT_EQ(testing::Run(command).exit_code, 0);
-  }
   void Connect(const std::string& place, std::string_view version, const std::string& serial,
                std::string_view state) const {
     Say(place + "/KIT/" + serial + "/connection",

@@ -117,7 +117,7 @@ TEST_F(PostgresLedger, MayRestartWhileACommandRuns) {
 }
 
 TEST_F(PostgresLedger, MayRestartBetweenTheLinesOfABatch) {
-  Command command = operator_.Prepare({"batch", "--vda", "3.0", "-o", "json"});
+  Command command = operator_.Prepare({"batch", "--vda", "3.0", "--no-check", "-o", "json"});
   command.input = std::nullopt;
   Process batch(std::move(command));
   batch.Write("{\"id\":\"one\",\"target\":\"KIT/0001\",\"action\":\"startPause\"}\n");

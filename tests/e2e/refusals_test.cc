@@ -52,7 +52,7 @@ TEST_F(Refusals, NameWhatIsWrongAndSendNothing) {
       {{"pause", "KIT/0001", "-b", "mqtt://u:secret@x"}, 2, "password"},
       {{"pause", "KIT/0001", "--cafile", "ca.pem"}, 2, "is not encrypted"},
       {{"pause", "KIT/0001", "-P", "secret"}, 2, "key=text"},
-      {{"pause", "KIT/0001", "--topic-template", "{serial}/{topic}"}, 2, "{manufacturer}"},
+      {{"pause", "KIT/0001", "--topic-template", "{manufacturer}/{topic}"}, 2, "{serial}"},
       {{"pause", "KIT/1", "KIT/2", "--id", "a"}, 2, "one target"},
       {{"pause", "KIT/0001", "--user-property", "a=b"}, 2, "add --mqtt-version 5"},
       {{"pause", "KIT/0001", "--message-expiry", "9s"}, 2, "add --mqtt-version 5"},

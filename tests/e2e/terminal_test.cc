@@ -1,6 +1,7 @@
 // What people see in a terminal (a real emulator, tmux), and what is left of it in pipes and files.
 #include "support/terminal.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include <csignal>
@@ -25,6 +26,14 @@ class OnATerminal : public EndToEnd {
  protected:
   [[nodiscard]] std::string Line(const std::vector<std::string>& arguments) const {
     return ShellLine(operator_.Prepare(arguments));
+  }
+  // As a robot leaves that was there.
+  void LeaveOffline(const std::string& serial) const {
+    Say("vda5050/v3/KIT/" + serial + "/connection",
+        fmt::format(R"({{"headerId":1,"timestamp":"2026-01-02T03:04:05.000Z","version":"3.0.0",)"
+                    R"("manufacturer":"KIT","serialNumber":"{}","connectionState":"OFFLINE"}})",
+                    serial),
+        true);
   }
 };
 
@@ -135,7 +144,7 @@ TEST_F(OnATerminal, WatchAlignsWideNamesAndKeepsItsColumns) {
   }
   // The widest name goes; the columns stay where they are.
   robots.back()->Signal();
-  ASSERT_TRUE(terminal.Await("OFFLINE"));
+  ASSERT_TRUE(terminal.Await("3 online"));
   EXPECT_EQ(Fleetpub({"pause", "KIT/0001"}).exit_code, 0);
   ASSERT_TRUE(terminal.Await("yes"));
   EXPECT_EQ(FindRow("TARGET", terminal.Shown()), header);
@@ -143,9 +152,7 @@ TEST_F(OnATerminal, WatchAlignsWideNamesAndKeepsItsColumns) {
 
 TEST_F(OnATerminal, NoColourStandsAlone) {
   const auto robot = Robot({"KIT/0001", "--state-interval", "50ms"});
-  const auto gone = Robot({"KIT/0002"});
-  gone->Signal();
-  EXPECT_EQ(gone->Wait(), 0);
+  LeaveOffline("0002");
   const std::string line = Line({"watch"});
   Terminal coloured(AndTellTheEnd(line), 100, 8);
   ASSERT_TRUE(coloured.Await("2 robots, 1 online"));
@@ -195,9 +202,7 @@ class Progress : public OnATerminal {
  protected:
   // Six robots that have gone: each gets its pause, and a warning for its name.
   Progress() {
-    const auto robots = Robot({"KIT/r~0001", "--count", "6"});
-    robots->Signal();
-    EXPECT_EQ(robots->Wait(), 0);
+    for (int i = 1; i <= 6; ++i) LeaveOffline(fmt::format("r~000{}", i));
   }
   [[nodiscard]] std::string PauseAll() const {
     return Line({"pause", "--all", "--rate", "3", "--discover", "60"});

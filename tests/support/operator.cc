@@ -91,6 +91,14 @@ std::vector<std::string> Lines(std::string_view text) {
   return lines;
 }
 
+void EndToEnd::Say(const std::string& topic, const std::string& payload, bool retained) const {
+  Command command{.arguments = {"mosquitto_pub", "-h", "127.0.0.1", "-p",
+                                std::to_string(broker_.port()), "-q", "1", "-s", "-t", topic},
+                  .input = payload};
+  if (retained) command.arguments.emplace_back("-r");
+  EXPECT_EQ(testing::Run(std::move(command)).exit_code, 0);
+}
+
 std::unique_ptr<Process> EndToEnd::Robot(std::vector<std::string> arguments) const {
   arguments.insert(arguments.begin(), "simulate");
   auto robot = std::make_unique<Process>(operator_.Prepare(std::move(arguments)));

@@ -85,6 +85,8 @@ class EndToEnd : public ::testing::Test {
   }
   /// `fleetpub simulate ARGUMENTS…`, online when this returns.
   [[nodiscard]] std::unique_ptr<Process> Robot(std::vector<std::string> arguments) const;
+  /// Publishes what a robot that the test plays by hand says.
+  void Say(const std::string& topic, const std::string& payload, bool retained) const;
 
   Mosquitto broker_;
   Operator operator_;

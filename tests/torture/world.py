@@ -186,7 +186,7 @@ class World:
     def start(self, state, options=(), targets=("KIT/0001",), before=(), extra=None, **popen):
         """Starts `fleetpub pause TARGET… OPTIONS` with its ledger in `state`. `before`: a command in front of it."""
         action_id = f"t{next(self.numbers)}"
-        command = [*before, self.binary, "action", "startPause", *targets, "-o", "json", "-P", f"call={action_id}", *options]
+        command = [*before, self.binary, "action", "startPause", *targets, "--vda", "3.0", "--no-check", "-o", "json", "-P", f"call={action_id}", *options]
         if len(targets) == 1:
             command += ["--id", action_id]
         process = subprocess.Popen(command, env={**self._environment(state), **(extra or {})}, stdin=subprocess.DEVNULL,

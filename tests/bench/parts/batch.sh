@@ -4,6 +4,6 @@ for robot in {1001..1100}; do printf '{"target":"KIT/%s","action":"startPause"}\
 for _ in {1..1000}; do cat "$home/robots.jsonl"; done >"$home/batch.jsonl"
 yes "$message" | head -n 100000 >"$home/ready.jsonl" || true
 compare 10 'batch, 100000 commands to 100 robots' \
-  fleetpub sh -c "exec $fleetpub batch $home/batch.jsonl >$home/results.jsonl" -- \
+  fleetpub sh -c "exec $fleetpub batch --vda 3.0 --no-check $home/batch.jsonl >$home/results.jsonl" -- \
   'mosquitto_pub -l' "<$home/ready.jsonl" mosquitto_pub -h 127.0.0.1 -p "$broker_port" -t "$topic" -l
 rm "$home/batch.jsonl" "$home/ready.jsonl"

@@ -4,7 +4,7 @@
 # confirmed COUNT RUNS FIGURE OPTION…
 confirmed() {
   compare "$2" "$3" \
-    fleetpub "<$(names "$1")" $fleetpub pause - --wait --quiet "${@:4}" -- \
+    fleetpub "<$(names "$1")" $fleetpub pause - --wait --vda 3.0 --no-check --quiet "${@:4}" -- \
     'raw socket' build/release/tests/bench/raw_commander "$broker_port" "$1"
 }
 heading 'Commanded and confirmed FINISHED by virtual robots, beside a raw socket without ledger or validation' fleetpub 'raw socket'
@@ -21,7 +21,7 @@ for count in 10 100 1000 10000 30000 100000; do
   case $count in 10 | 100) times=50 ;; 1000) times=20 ;; 100000) times=3 ;; *) times=7 ;; esac
   for qos in 0 1; do
     compare $times "$count robots, sent at QoS $qos" \
-      fleetpub "<$(names $count)" $fleetpub pause - --quiet -q $qos -- \
+      fleetpub "<$(names $count)" $fleetpub pause - --vda 3.0 --no-check --quiet -q $qos -- \
       'raw socket' build/release/tests/bench/raw_commander "$broker_port" $count $qos
   done
 done

@@ -6,6 +6,6 @@ counted() {
     { cat "$home/valgrind" >&2; return 1; }
   python3 tests/bench/stages.py "$home/callgrind" "$1" "$2" "$folder/$part.csv"
 }
-counted 'one shot' 1 $fleetpub pause KIT/000001 --quiet
-counted '10,000 robots, sent at QoS 0' 10000 $fleetpub pause - --quiet
-with_robots 10000 counted '10,000 robots, confirmed' 10000 $fleetpub pause - --wait --no-check --quiet
+counted 'one shot' 1 $fleetpub pause KIT/000001 --vda 3.0 --no-check --quiet
+counted '10,000 robots, sent at QoS 0' 10000 $fleetpub pause - --vda 3.0 --no-check --quiet
+with_robots 10000 counted '10,000 robots, confirmed' 10000 $fleetpub pause - --wait --vda 3.0 --no-check --quiet

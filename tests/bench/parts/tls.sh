@@ -9,7 +9,7 @@ await_helper $fleetpub ping -b "mqtts://localhost:$tls_port" --cafile "$home/bro
 heading 'One shot over TLS, the broker verified' fleetpub mosquitto_pub
 for qos in 0 1; do
   compare 100 "one shot over TLS, QoS $qos" \
-    fleetpub $fleetpub pause KIT/0001 --quiet -q $qos -b "mqtts://localhost:$tls_port" --cafile "$home/broker.pem" -- \
+    fleetpub $fleetpub pause KIT/0001 --vda 3.0 --no-check --quiet -q $qos -b "mqtts://localhost:$tls_port" --cafile "$home/broker.pem" -- \
     mosquitto_pub mosquitto_pub -h localhost -p "$tls_port" --cafile "$home/broker.pem" -t "$topic" -m "$message" -q $qos
 done
 end_helper
