@@ -86,7 +86,7 @@ constexpr auto kSettings = std::to_array<Setting>({
     {"schema_dir", kPath, ""},
     {"qos", kWhole, "0", CheckOneOf<kQos>},
     {"tidy", kFlag, "false"},
-    {"vda", kText, "3.0.0, assumed", CheckVda},
+    {"vda", kText, "auto", CheckVda},
     {"interface", kText, "uagv up to 2.x, vda5050 from 3.0"},
     {"topic_template", kText, "{interface}/{major}/{manufacturer}/{serial}/{topic}"},
     {"soar_source", kText, "fleetpub"},

@@ -46,9 +46,7 @@ void DeclareVdaOptions(OptionSet& set, app::VdaOptions& o) {
   const auto add = [&](const char* names, ValueKind kind, const char* type, const char* help) {
     return set.AddOption(names, std::move(kind), help).Type(type).Group(kVda);
   };
-  add("--vda", VdaVersion(o.version), "V",
-      "Version to speak: {}: the robot's own [3.0.0, assumed; "
-      "auto for robots found by a pattern]")
+  add("--vda", VdaVersion(o.version), "V", "Version to speak: {}: the robot's own [auto]")
       .Variable("FLEETPUB_VDA");
   add("--interface", Text(o.interface_name), "NAME",
       "First topic level [uagv up to 2.x, vda5050 from 3.0]")
