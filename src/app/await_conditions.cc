@@ -60,7 +60,7 @@ Status CheckWords(const AwaitRequest& request, Log& log) {
     if (!doubt) return Fail(doubt.error());
     if (!doubt->empty()) log.Warn(*doubt);
   }
-  const auto topics = vda5050::AllTopics();
+  const auto& topics = vda5050::kTopicNames;
   if (std::find(topics.begin(), topics.end(), request.topic) != topics.end()) return {};
   if (const auto nearest = base::Nearest(request.topic, topics)) {
     log.Warn(fmt::format("VDA 5050 has no topic {}: did you mean {}?",

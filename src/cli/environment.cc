@@ -32,7 +32,7 @@ app::Environment MakeEnvironment(const Context& context) {
   const GlobalOptions& o = context.options;
   return {.config = context.config,
           .schema_directory = o.schema_directory,
-          .names_broker = !o.brokers.empty() || !o.host.empty() || !o.port.empty(),
+          .names_broker = !o.brokers.empty() || !o.host.empty() || o.port.has_value(),
           .site = FormatSite(context),
           .connection = [context]() -> Result<app::Connection> {
             auto options = MakeConnectOptions(context);

@@ -48,8 +48,6 @@ Result<ExitCode> SendInstantAction(const InstantSendingOptions& options, std::st
   const auto action = BuildInstantAction(options.instant, type, std::move(parameters),
                                          targets->IsSet() ? 2 : targets->include.robots.size());
   if (!action) return Fail(action.error());
-  const auto header_id = HeaderIdOf(options.instant.header_id);
-  if (!header_id) return Fail(header_id.error());
   const auto settings = ParseSendingOptions(options.sending);
   if (!settings) return Fail(settings.error());
   return SendToRobots(
@@ -57,7 +55,7 @@ Result<ExitCode> SendInstantAction(const InstantSendingOptions& options, std::st
        .resolver = *std::move(resolver),
        .title = std::string(type),
        .needs_consent = app::DecideConsent(type),
-       .header_id = *header_id,
+       .header_id = options.instant.header_id,
        .make_message =
            [&] { return app::MakeInstantMessage(*action, options.instant.id.has_value()); },
        .waiting = *waiting},

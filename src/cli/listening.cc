@@ -5,8 +5,6 @@
 #include <algorithm>
 #include <chrono>
 
-#include "base/text.h"
-#include "base/time.h"
 #include "cli/parser/option_set.h"
 
 namespace fleetpub::cli {
@@ -31,44 +29,40 @@ void DeclareFleetOptions(OptionSet& set, FleetOptions& options) {
   DeclareTopicOptions(set, options.vda);
 }
 
-Result<mqtt::Deadline> ParseEnd(const std::string& duration) {
-  if (duration.empty()) return mqtt::Deadline::max();
-  const auto time = base::ParseDuration(duration);
-  if (!time) return Fail(time.error());
-  return std::chrono::steady_clock::now() + *time;
+mqtt::Deadline FindEnd(std::optional<milliseconds> duration) {
+  return duration ? std::chrono::steady_clock::now() + *duration : mqtt::Deadline::max();
 }
 
-Result<delivery::RetainedOptions> ParseDiscover(const std::string& text) {
-  const auto quiet = base::ParseDuration(text, milliseconds(1));
-  if (!quiet) return Fail(quiet.error());
+void DeclareDiscover(OptionSet& set, milliseconds& quiet, std::string_view more_help) {
+  set.AddOption("--discover", Duration(quiet, milliseconds(1)),
+                fmt::format("Silence in ms after which a retained message is not there [300]{}",
+                            more_help))
+      .Type("MS")
+      .Group("Waiting");
+}
+
+delivery::RetainedOptions MakeRetainedOptions(milliseconds quiet) {
   delivery::RetainedOptions options;
-  options.quiet = *quiet;
-  options.most = std::max(options.most, *quiet);
+  options.quiet = quiet;
+  options.most = std::max(options.most, quiet);
   return options;
 }
 
 void DeclareFleetDiscoveryOptions(OptionSet& set, FleetDiscoveryOptions& options) {
   DeclareFleetOptions(set, options.fleet);
-  set.AddOption("--state-wait", options.state_wait,
-                fmt::format("How long to wait for the states of robots that are online [{}]",
-                            options.state_wait))
-      .Type("TIME")
+  const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(options.state_wait);
+  set.AddOption("--state-wait", Duration(options.state_wait),
+                fmt::format("How long to wait for the states of robots that are online [{}s]",
+                            seconds.count()))
       .Group("Waiting");
-  set.AddOption("--discover", options.discover,
-                "Silence in ms after which a retained message is not there [300]")
-      .Type("MS")
-      .Group("Waiting");
+  DeclareDiscover(set, options.discover);
 }
 
-Result<app::FleetRequest> ParseFleetDiscoveryOptions(const FleetDiscoveryOptions& options) {
-  auto discover = ParseDiscover(options.discover);
-  if (!discover) return Fail(std::move(discover.error()));
-  const auto state_wait = base::ParseDuration(options.state_wait);
-  if (!state_wait) return Fail(state_wait.error());
-  return app::FleetRequest{.words = options.fleet.words,
-                           .vda = options.fleet.vda,
-                           .discover = *discover,
-                           .state_wait = *state_wait};
+app::FleetRequest MakeFleetRequest(const FleetDiscoveryOptions& options) {
+  return {.words = options.fleet.words,
+          .vda = options.fleet.vda,
+          .discover = MakeRetainedOptions(options.discover),
+          .state_wait = options.state_wait};
 }
 
 }  // namespace fleetpub::cli

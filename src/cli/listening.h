@@ -26,23 +26,23 @@ struct FleetOptions {
 /// The robots and the topics' options.
 void DeclareFleetOptions(OptionSet& set, FleetOptions& options);
 
-/// `--discover`: a number of milliseconds. Errors: ErrorKind::kUsage.
-[[nodiscard]] Result<delivery::RetainedOptions> ParseDiscover(const std::string& text);
+/// `--discover`.
+void DeclareDiscover(OptionSet& set, std::chrono::milliseconds& quiet,
+                     std::string_view more_help = "");
+[[nodiscard]] delivery::RetainedOptions MakeRetainedOptions(std::chrono::milliseconds quiet);
 
-/// `--for`: when to stop listening; empty: never. Errors: ErrorKind::kUsage.
-[[nodiscard]] Result<mqtt::Deadline> ParseEnd(const std::string& duration);
+/// `--for`: when to stop listening. Nothing: never.
+[[nodiscard]] mqtt::Deadline FindEnd(std::optional<std::chrono::milliseconds> duration);
 
 /// Options of those that look around once.
 struct FleetDiscoveryOptions {
   FleetOptions fleet;
-  std::string discover = "300";
-  std::string state_wait = "2s";
+  std::chrono::milliseconds discover{300};
+  std::chrono::milliseconds state_wait = std::chrono::seconds(2);
 };
 
 void DeclareFleetDiscoveryOptions(OptionSet& set, FleetDiscoveryOptions& options);
 
-/// Errors: ErrorKind::kUsage.
-[[nodiscard]] Result<app::FleetRequest> ParseFleetDiscoveryOptions(
-    const FleetDiscoveryOptions& options);
+[[nodiscard]] app::FleetRequest MakeFleetRequest(const FleetDiscoveryOptions& options);
 
 }  // namespace fleetpub::cli

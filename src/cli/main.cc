@@ -23,15 +23,6 @@
 namespace fleetpub::cli {
 namespace {
 
-Result<Output::Settings> OutputSettings(const GlobalOptions& options) {
-  if (options.format != "text" && options.format != "json") {
-    return Fail(ErrorKind::kUsage, fmt::format("--output takes text or json, not '{}'",
-                                               base::Printable(options.format)));
-  }
-  return Output::Settings{options.format == "json" ? Format::kJson : Format::kText, options.quiet,
-                          options.verbose || options.debug};
-}
-
 // What a script asked for, even if its command line cannot be read.
 Format FindFormat(const std::vector<std::string>& arguments, const GlobalOptions& options) {
   const auto asks = [&](std::size_t i) {
@@ -112,10 +103,11 @@ ExitCode RunMain(const std::vector<std::string>& arguments, const BuildInfo& bui
   if (const auto configured = call->Configure(); !configured) {
     return EndBefore(configured.error(), arguments, call->options);
   }
-  const auto settings = OutputSettings(call->options);
-  if (!settings) return EndBefore(settings.error(), arguments, call->options);
-  Output output(*settings);
-  return Finish(call->run(Context{call->options, output, call->config}), output);
+  const GlobalOptions& options = call->options;
+  Output output({.format = options.format == "json" ? Format::kJson : Format::kText,
+                 .quiet = options.quiet,
+                 .verbose = options.verbose || options.debug});
+  return Finish(call->run(Context{options, output, call->config}), output);
 }
 
 // One that is closed would be the number of the next file that is opened: a result would be written

@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
+#include <vector>
 
 #include "base/text.h"
 #include "base/time.h"
@@ -14,10 +14,19 @@
 namespace fleetpub::config {
 namespace {
 
-template <std::size_t N>
-Status CheckOneOf(const std::array<std::string_view, N>& words, const std::string& value) {
-  if (std::find(words.begin(), words.end(), value) != words.end()) return {};
-  const std::vector<std::string> known(words.begin(), words.end());
+std::string_view GetText(std::string_view word) { return word; }
+template <class T>
+std::string_view GetText(const base::Choice<T>& choice) {
+  return choice.text;
+}
+
+template <const auto& kTable>
+Status CheckOneOf(const std::string& value) {
+  std::vector<std::string> known;
+  for (const auto& each : kTable) {
+    if (base::EqualsIgnoringCase(GetText(each), value)) return {};
+    known.emplace_back(GetText(each));
+  }
   return Fail(ErrorKind::kUsage,
               fmt::format("takes {}, not '{}'", base::Join(known, ", "), base::Printable(value)));
 }
@@ -49,26 +58,6 @@ Status CheckLedger(const std::string& value) {
   return ledger::IsUrl(value) ? ledger::CheckPostgresUrl(value) : Status();
 }
 
-Status CheckOutput(const std::string& value) {
-  return CheckOneOf(std::to_array<std::string_view>({"text", "json"}), value);
-}
-
-Status CheckQos(const std::string& value) {
-  return CheckOneOf(std::to_array<std::string_view>({"0", "1", "2"}), value);
-}
-
-Status CheckMqttVersion(const std::string& value) {
-  return CheckOneOf(std::to_array<std::string_view>({"3.1.1", "5"}), value);
-}
-
-Status CheckStart(const std::string& value) {
-  return CheckOneOf(std::to_array<std::string_view>({"zero", "epoch"}), value);
-}
-
-Status CheckActionsKey(const std::string& value) {
-  return CheckOneOf(std::to_array<std::string_view>({"actions", "instantActions"}), value);
-}
-
 using enum SettingType;
 
 constexpr auto kSettings = std::to_array<Setting>({
@@ -77,7 +66,7 @@ constexpr auto kSettings = std::to_array<Setting>({
     {"password_file", kPath, ""},
     {"client_id", kText, "a random one"},
     {"keep_alive", kWhole, "60"},
-    {"mqtt_version", kTextOrWhole, "3.1.1", CheckMqttVersion},
+    {"mqtt_version", kTextOrWhole, "3.1.1", CheckOneOf<kMqttVersions>},
     {"user_property", kTexts, ""},
     {"message_expiry", kText, "", CheckDuration},
     {"connect_timeout", kText, "10s", CheckDuration},
@@ -90,12 +79,12 @@ constexpr auto kSettings = std::to_array<Setting>({
     {"ciphers", kText, "OpenSSL's"},
     {"tls_alpn", kTexts, ""},
     {"insecure", kFlag, "false"},
-    {"output", kText, "text", CheckOutput},
+    {"output", kText, "text", CheckOneOf<kOutputs>},
     {"ledger", kPath, "see the manual, \"Files\"", CheckLedger},
     {"no_history", kFlag, "false"},
-    {"header_id_start", kText, "zero", CheckStart},
+    {"header_id_start", kText, "zero", CheckOneOf<kHeaderIdStarts>},
     {"schema_dir", kPath, ""},
-    {"qos", kWhole, "0", CheckQos},
+    {"qos", kWhole, "0", CheckOneOf<kQos>},
     {"tidy", kFlag, "false"},
     {"vda", kText, "auto", CheckVda},
     {"interface", kText, "uagv up to 2.x, vda5050 from 3.0"},
@@ -109,7 +98,7 @@ constexpr auto kRobotSettings = std::to_array<Setting>({
     {"vda", kText, "", CheckVda},
     {"interface", kText, ""},
     {"topic_template", kText, ""},
-    {"actions_key", kText, "", CheckActionsKey},
+    {"actions_key", kText, "", CheckOneOf<kActionsKeys>},
     {"header_version", kText, ""},
     {"header_manufacturer", kText, ""},
     {"header_serial", kText, ""},

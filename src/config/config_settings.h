@@ -1,13 +1,38 @@
 // The keys that a configuration file may have, and what each may hold.
 #pragma once
 
+#include <array>
 #include <span>
 #include <string>
 #include <string_view>
 
+#include "base/choice.h"
 #include "base/result.h"
+#include "ledger/options.h"
+#include "mqtt/transport.h"
 
 namespace fleetpub::config {
+
+// What a setting of few values may be; the options that stand for it read the same tables.
+
+inline constexpr auto kOutputs = std::to_array<std::string_view>({"text", "json"});
+inline constexpr auto kActionsKeys = std::to_array<std::string_view>({"actions", "instantActions"});
+inline constexpr auto kQos = std::to_array<base::Choice<mqtt::Qos>>({
+    {"0", mqtt::Qos::kAtMostOnce},
+    {"1", mqtt::Qos::kAtLeastOnce},
+    {"2", mqtt::Qos::kExactlyOnce},
+});
+inline constexpr auto kMqttVersions = std::to_array<base::Choice<mqtt::ProtocolVersion>>({
+    {"3.1.1", mqtt::ProtocolVersion::k311},
+    {"311", mqtt::ProtocolVersion::k311},
+    {"4", mqtt::ProtocolVersion::k311},
+    {"5", mqtt::ProtocolVersion::k5},
+    {"5.0", mqtt::ProtocolVersion::k5},
+});
+inline constexpr auto kHeaderIdStarts = std::to_array<base::Choice<ledger::HeaderIdStart>>({
+    {"zero", ledger::HeaderIdStart::kZero},
+    {"epoch", ledger::HeaderIdStart::kEpoch},
+});
 
 enum class SettingType {
   kText,

@@ -28,7 +28,7 @@ constexpr ProtocolTerms Up21(Version version, mqtt::Qos connection_qos) {
 }
 
 // §6.2 of 1.1 asks for QoS 0 on every topic, from 2.0 on `connection` has 1.
-constexpr std::array kWords = {Up21(Version::k110, mqtt::Qos::kAtMostOnce),
+constexpr std::array kTerms = {Up21(Version::k110, mqtt::Qos::kAtMostOnce),
                                Up21(Version::k200, mqtt::Qos::kAtLeastOnce),
                                Up21(Version::k210, mqtt::Qos::kAtLeastOnce),
                                ProtocolTerms{.version = Version::k300,
@@ -52,7 +52,7 @@ constexpr std::array kWords = {Up21(Version::k110, mqtt::Qos::kAtMostOnce),
 }  // namespace
 
 const ProtocolTerms& GetTerms(Version version) {
-  return kWords.at(static_cast<std::size_t>(version));
+  return kTerms.at(static_cast<std::size_t>(version));
 }
 
 }  // namespace fleetpub::simulator

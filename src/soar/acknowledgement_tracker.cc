@@ -94,9 +94,9 @@ class MessageTracker : public message::ResponseTracker {
       return std::string(GetName(highest->second));
     }
     std::vector<std::string> parts;
-    for (const Level level : AllLevels()) {
+    for (const auto& [name, level] : kLevels) {
       if (Count(level) == 0 || level > options_.wait_for) continue;
-      parts.push_back(fmt::format("{} of {} {}", Count(level), options_.count, GetName(level)));
+      parts.push_back(fmt::format("{} of {} {}", Count(level), options_.count, name));
     }
     return base::Join(parts, ", ");
   }

@@ -9,37 +9,28 @@
 namespace fleetpub::soar {
 namespace {
 
-constexpr std::array kTypes = {MessageType::kAcknowledgement, MessageType::kMissionPlan,
-                               MessageType::kObservation, MessageType::kPlanningConfiguration,
-                               MessageType::kPlatformStatus};
-constexpr std::array<std::string_view, 5> kTypeNames = {
-    "acknowledgement", "mission_plan", "observation", "planning_configuration", "platform_status"};
-
-constexpr std::array kLevels = {Level::kC2Received, Level::kOperatorApprovedAndSent,
-                                Level::kExecuted};
-constexpr std::array<std::string_view, 3> kLevelNames = {"c2_received",
-                                                         "operator_approved_and_sent", "executed"};
-
-template <typename Kind, std::size_t N>
-std::optional<Kind> Parse(const std::array<Kind, N>& kinds,
-                          const std::array<std::string_view, N>& names, std::string_view name) {
-  const auto* const found = std::find(names.begin(), names.end(), name);
-  if (found == names.end()) return std::nullopt;
-  return kinds[static_cast<std::size_t>(found - names.begin())];
+// In a message, names count as they are written.
+template <class Kind, std::size_t N>
+std::optional<Kind> Parse(const std::array<base::Choice<Kind>, N>& choices, std::string_view name) {
+  for (const auto& choice : choices) {
+    if (choice.text == name) return choice.value;
+  }
+  return std::nullopt;
 }
 
 }  // namespace
 
-std::span<const MessageType> AllMessageTypes() { return kTypes; }
-
-std::string_view GetName(MessageType type) { return kTypeNames[static_cast<std::size_t>(type)]; }
+std::string_view GetName(MessageType type) {
+  return kMessageTypes[static_cast<std::size_t>(type)].text;
+}
 
 std::optional<MessageType> ParseMessageType(std::string_view name) {
-  return Parse(kTypes, kTypeNames, name);
+  return Parse(kMessageTypes, name);
 }
 
 std::string MessageTypeNames() {
-  const std::vector<std::string> names(kTypeNames.begin(), kTypeNames.end());
+  std::vector<std::string> names;
+  for (const auto& type : kMessageTypes) names.emplace_back(type.text);
   return base::Join(names, ", ");
 }
 
@@ -49,10 +40,8 @@ std::string_view GetDirection(MessageType type) {
   return told ? "to_platform" : "from_platform";
 }
 
-std::span<const Level> AllLevels() { return kLevels; }
+std::string_view GetName(Level level) { return kLevels[static_cast<std::size_t>(level)].text; }
 
-std::string_view GetName(Level level) { return kLevelNames[static_cast<std::size_t>(level)]; }
-
-std::optional<Level> ParseLevel(std::string_view name) { return Parse(kLevels, kLevelNames, name); }
+std::optional<Level> ParseLevel(std::string_view name) { return Parse(kLevels, name); }
 
 }  // namespace fleetpub::soar

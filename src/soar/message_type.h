@@ -1,10 +1,12 @@
 // The five payloads of the SoAR backbone, named as the format spells them.
 #pragma once
 
+#include <array>
 #include <optional>
-#include <span>
 #include <string>
 #include <string_view>
+
+#include "base/choice.h"
 
 namespace fleetpub::soar {
 
@@ -17,8 +19,13 @@ enum class MessageType {
   kPlatformStatus,
 };
 
-[[nodiscard]] std::span<const MessageType> AllMessageTypes();
-
+inline constexpr auto kMessageTypes = std::to_array<base::Choice<MessageType>>({
+    {"acknowledgement", MessageType::kAcknowledgement},
+    {"mission_plan", MessageType::kMissionPlan},
+    {"observation", MessageType::kObservation},
+    {"planning_configuration", MessageType::kPlanningConfiguration},
+    {"platform_status", MessageType::kPlatformStatus},
+});
 /// `mission_plan`
 [[nodiscard]] std::string_view GetName(MessageType type);
 /// The type of exactly this name.
@@ -33,7 +40,11 @@ enum class MessageType {
 /// How far a message has come, in order.
 enum class Level { kC2Received, kOperatorApprovedAndSent, kExecuted };
 
-[[nodiscard]] std::span<const Level> AllLevels();
+inline constexpr auto kLevels = std::to_array<base::Choice<Level>>({
+    {"c2_received", Level::kC2Received},
+    {"operator_approved_and_sent", Level::kOperatorApprovedAndSent},
+    {"executed", Level::kExecuted},
+});
 /// `c2_received`
 [[nodiscard]] std::string_view GetName(Level level);
 [[nodiscard]] std::optional<Level> ParseLevel(std::string_view name);

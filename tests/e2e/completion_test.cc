@@ -83,6 +83,13 @@ TEST_F(Completion, KnowsCommandsOptionsAndTheirValues) {
   EXPECT_THAT(Candidates({"-b", "mqtt://x", "schema", ""}), ElementsAre("list", "show"));
   EXPECT_THAT(Candidates({"pause", "KIT/1", "--wait-"}), ElementsAre("--wait-for"));
   EXPECT_THAT(Candidates({"pause", "--wait-for", ""}), ElementsAre("accepted", "finished"));
+  EXPECT_THAT(Candidates({"pause", "--blocking-type", ""}), ElementsAre("NONE"));
+  EXPECT_THAT(Candidates({"pause", "--vda", "2.1", "--blocking-type", ""}),
+              ElementsAre("NONE", "SOFT", "HARD"));
+  EXPECT_THAT(Candidates({"simulate", "--mode", "TEACH"}), ElementsAre("TEACH_IN"));
+  EXPECT_THAT(Candidates({"simulate", "--vda", "1.1", "--mode", "TEACH"}), ElementsAre("TEACHIN"));
+  EXPECT_THAT(Candidates({"simulate", "--vda", "a"}), ElementsAre());
+  EXPECT_THAT(Candidates({"publish", "o"}), ElementsAre("order"));
   EXPECT_THAT(Candidates({"pause", "--output=j"}), ElementsAre("--output=json"));
   EXPECT_THAT(Candidates({"pause", "-o", "j"}), ElementsAre("json"));
   EXPECT_THAT(Candidates({"pause", "--cafile", ""}), ElementsAre(":files"));

@@ -198,7 +198,7 @@ TEST_F(Wait, UsageOfWaiting) {
   EXPECT_EQ(Fleetpub({"pause", "KIT/0001", "--wait-for", "done"}).exit_code, 2);
   EXPECT_EQ(Fleetpub({"pause", "KIT/0001", "--check", "--no-check"}).exit_code, 2);
   EXPECT_THAT(Fleetpub({"pause", "KIT/0001", "--wait", "-W", "soon"}).errors,
-              AllOf(HasSubstr("not a duration"), Not(HasSubstr("terminate"))));
+              AllOf(HasSubstr("takes a duration"), Not(HasSubstr("terminate"))));
 }
 
 }  // namespace

@@ -36,7 +36,7 @@ TEST(SoarFields, AreFoundByAnyNameThatPeopleSay) {
 // Each name and type is held against the schema, so that a slip in the table is found.
 TEST(SoarFields, AreThoseOfTheSchema) {
   schema::Registry registry;
-  for (const MessageType type : AllMessageTypes()) {
+  for (const auto& [name, type] : kMessageTypes) {
     const auto document = base::ParseJson(registry.Text("soar/1.0/messages").value());
     const auto& schemas = (*document)["components"]["schemas"];
     for (const Field& field : ListFields(type)) {

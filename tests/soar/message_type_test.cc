@@ -6,7 +6,7 @@ namespace fleetpub::soar {
 namespace {
 
 TEST(MessageType, HasAName) {
-  for (const MessageType type : AllMessageTypes()) {
+  for (const auto& [name, type] : kMessageTypes) {
     EXPECT_EQ(ParseMessageType(GetName(type)), type);
   }
   EXPECT_EQ(GetName(MessageType::kPlanningConfiguration), "planning_configuration");
@@ -19,7 +19,7 @@ TEST(MessageType, HasAName) {
 TEST(Level, HasAnOrderAndAName) {
   EXPECT_LT(Level::kC2Received, Level::kOperatorApprovedAndSent);
   EXPECT_LT(Level::kOperatorApprovedAndSent, Level::kExecuted);
-  for (const Level level : AllLevels()) EXPECT_EQ(ParseLevel(GetName(level)), level);
+  for (const auto& [name, level] : kLevels) EXPECT_EQ(ParseLevel(GetName(level)), level);
   EXPECT_FALSE(ParseLevel("EXECUTED"));
 }
 

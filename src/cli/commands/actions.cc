@@ -72,8 +72,7 @@ Result<ExitCode> RunActions(const std::string& version_text, const Context& cont
 
 Run DeclareActions(OptionSet& set) {
   const auto version = std::make_shared<std::string>("3.0.0");
-  set.AddOption("--vda", *version, "Version: 1.1.0, 2.0.0, 2.1.0, 3.0.0 [3.0.0]")
-      .Type("V")
+  set.AddOption("--vda", VdaVersion(*version, Automatic::kNo), "Version: {} [3.0.0]")
       .Variable("FLEETPUB_VDA")
       .Group("VDA 5050");
   return [version](const Context& context) { return RunActions(*version, context); };

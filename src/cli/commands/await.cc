@@ -19,7 +19,7 @@ struct Options {
   std::string target;
   std::string topic;
   std::vector<std::string> conditions;
-  std::string timeout = "10m";
+  std::chrono::milliseconds timeout = std::chrono::minutes(10);
   app::VdaOptions vda;
 };
 
@@ -29,15 +29,13 @@ Result<app::AwaitRequest> ParseAwaitOptions(const Options& o) {
                 "await needs a robot, a topic and what a message must say. try: "
                 "fleetpub await KIT/0001 state paused=true");
   }
-  app::AwaitRequest request{.target = o.target, .topic = o.topic, .conditions = {}, .vda = o.vda};
+  app::AwaitRequest request{
+      .target = o.target, .topic = o.topic, .conditions = {}, .timeout = o.timeout, .vda = o.vda};
   for (const std::string& text : o.conditions) {
     auto condition = vda5050::ParseCondition(text);
     if (!condition) return Fail(std::move(condition.error()));
     request.conditions.push_back(*std::move(condition));
   }
-  const auto timeout = base::ParseDuration(o.timeout);
-  if (!timeout) return Fail(timeout.error());
-  request.timeout = *timeout;
   return request;
 }
 
@@ -71,12 +69,10 @@ Run DeclareAwait(OptionSet& set) {
       .Type("TARGET");
   set.AddOption("topic", options->topic, "state, connection, factsheet ...").Type("TOPIC");
   set.AddOption("conditions", options->conditions, "What one message must say").Type("CONDITION");
-  set.AddOption("-W,--timeout", options->timeout, "How long to wait [10m]")
-      .Type("TIME")
+  set.AddOption("-W,--timeout", Duration(options->timeout), "How long to wait [10m]")
       .Group("Waiting");
-  set.AddOption("--vda", options->vda.version,
+  set.AddOption("--vda", VdaVersion(options->vda.version),
                 "Listen to this version's topic only [auto: whichever the robot uses]")
-      .Type("V")
       .Variable("FLEETPUB_VDA")
       .Group("VDA 5050");
   DeclareTopicOptions(set, options->vda);

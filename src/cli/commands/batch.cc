@@ -26,7 +26,7 @@ namespace {
 
 struct Options {
   std::string file = "-";
-  std::string reconnect = "60s";
+  std::chrono::milliseconds reconnect = std::chrono::seconds(60);
   bool stop_on_error = false;
   std::string prefix = "soar";
   std::string source = "fleetpub";
@@ -90,13 +90,13 @@ Status ParseDefaults(const Options& options, const config::Config& config,
     return resolver.Resolve(*std::move(robot));
   };
   WaitingOptions waiting_options = options.waiting;
-  waiting_options.timeout.clear();  // it also holds for lines that wait on their own account
+  waiting_options.timeout.reset();  // it also holds for lines that wait on their own account
   const auto waiting = ParseWaitingOptions(waiting_options);
   if (!waiting) return Fail(waiting.error());
   request.defaults.wait_for = waiting->wait_for;
   request.defaults.check = waiting->check;
   request.discover = waiting->discover;
-  request.defaults.names_end = !options.waiting.wait_for.empty();
+  request.defaults.names_end = options.waiting.wait_for.has_value();
   SoarOptions soar;
   soar.prefix = options.prefix;
   soar.source = options.source;
@@ -109,17 +109,11 @@ Status ParseDefaults(const Options& options, const config::Config& config,
 Result<app::BatchRequest> ParseBatchOptions(const Options& options, const config::Config& config) {
   app::BatchRequest request{.stop_on_error = options.stop_on_error};
   if (auto ok = ParseDefaults(options, config, request); !ok) return Fail(std::move(ok.error()));
-  if (!options.waiting.timeout.empty()) {
-    const auto total = base::ParseDuration(options.waiting.timeout);
-    if (!total) return Fail(total.error());
-    request.wait.total = *total;
-  }
+  request.wait.total = options.waiting.timeout;
   const auto settings = ParseSendingOptions(options.sending);
   if (!settings) return Fail(settings.error());
   request.settings = *settings;
-  const auto reconnect = base::ParseDuration(options.reconnect);
-  if (!reconnect) return Fail(reconnect.error());
-  request.reconnect = *reconnect;
+  request.reconnect = options.reconnect;
   return request;
 }
 
@@ -155,9 +149,8 @@ Run DeclareBatch(OptionSet& set) {
   set.AddFlag("--stop-on-error", options->stop_on_error,
               "Read no further line once a result is an error")
       .Group("Sending");
-  set.AddOption("--reconnect", options->reconnect,
+  set.AddOption("--reconnect", Duration(options->reconnect),
                 "How long to try to connect again when the connection is lost [60s]")
-      .Type("TIME")
       .Group("Sending");
   DeclareSendingOptions(set, options->sending);
   DeclareOffline(set, options->sending);

@@ -86,32 +86,21 @@ end
 complete -c fleetpub -f -k -a '(__fleetpub_complete)'
 )sh";
 
-struct Shell {
-  std::string_view name;
-  std::string_view script;
-};
+constexpr auto kShells = std::to_array<base::Choice<std::string_view>>(
+    {{"bash", kBash}, {"zsh", kZsh}, {"fish", kFish}});
 
-constexpr auto kShells = std::to_array<Shell>({{"bash", kBash}, {"zsh", kZsh}, {"fish", kFish}});
-
-Result<ExitCode> RunCompletion(const std::string& name, const Context& context) {
-  const auto* shell = std::find_if(kShells.begin(), kShells.end(),
-                                   [&](const Shell& one) { return one.name == name; });
-  if (shell == kShells.end()) {
-    return Fail(ErrorKind::kUsage,
-                name.empty() ? std::string("name the shell: bash, zsh or fish")
-                             : fmt::format("completion is for bash, zsh or fish, not '{}'",
-                                           base::Printable(name)));
-  }
-  context.output.Line(shell->script.substr(0, shell->script.size() - 1));
+Result<ExitCode> RunCompletion(std::string_view script, const Context& context) {
+  if (script.empty()) return Fail(ErrorKind::kUsage, "name the shell: bash, zsh or fish");
+  context.output.Line(script.substr(0, script.size() - 1));
   return ExitCode::kDone;
 }
 
 }  // namespace
 
 Run DeclareCompletion(OptionSet& set) {
-  const auto shell = std::make_shared<std::string>();
-  set.AddOption("shell", *shell, "bash, zsh or fish").Type("SHELL");
-  return [shell](const Context& context) { return RunCompletion(*shell, context); };
+  const auto script = std::make_shared<std::string_view>();
+  set.AddOption("shell", OneOf(*script, kShells), "{}").Type("SHELL");
+  return [script](const Context& context) { return RunCompletion(*script, context); };
 }
 
 }  // namespace fleetpub::cli

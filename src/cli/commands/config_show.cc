@@ -11,6 +11,7 @@
 #include "cli/options/password.h"
 #include "cli/options/sending_options.h"
 #include "cli/options/soar_options.h"
+#include "cli/options/vda_options.h"
 #include "cli/parser/option_set.h"
 #include "cli/parser/subcommand.h"
 #include "config/config_files.h"
@@ -26,10 +27,8 @@ constexpr std::string_view kMask = "********";
 
 // What other commands take, so that its variables are seen here too.
 struct Options {
-  std::string qos;
-  std::string vda;
-  std::string interface_name;
-  std::string topic_template;
+  mqtt::Qos qos = mqtt::Qos::kAtMostOnce;
+  app::VdaOptions vda;
   std::string source;
   std::string prefix;
 };
@@ -66,7 +65,7 @@ std::string MaskedLedger(const std::string& text) {
   return may_be_shown ? text : ledger::FormatPlace(text);
 }
 
-Row MakeRow(const ConfigBindings::Effective& setting) {
+Row MakeRow(const OptionSet::Setting& setting) {
   Row row{std::string(setting.key), {}, setting.origin};
   if (setting.texts.empty()) {
     row.value = FindStandard(setting.key);
@@ -138,7 +137,7 @@ void Show(const std::vector<Row>& rows, Output& output) {
 
 Result<ExitCode> RunConfigShow(OptionSet& set, const Context& context) {
   std::vector<Row> rows = {ProfileRow(set, context)};
-  for (const auto& setting : set.bindings().All(set, context.config)) {
+  for (const auto& setting : set.Settings(context.config)) {
     const bool is_place = setting.key == "host" || setting.key == "port";
     if (is_place && setting.texts.empty()) continue;
     rows.push_back(MakeRow(setting));
@@ -165,16 +164,14 @@ Result<ExitCode> RunConfigShow(OptionSet& set, const Context& context) {
 Run DeclareConfigShow(OptionSet& set) {
   const auto options = std::make_shared<Options>();
   DeclareQos(set, options->qos);
-  const auto add = [&](const char* key, const char* name, std::string& value, const char* variable,
-                       const char* help) {
-    const Option option = set.AddOption(name, value, help).Type("TEXT").Group("VDA 5050");
-    if (*variable != '\0') option.Variable(variable);
-    set.bindings().Bind(key, option, &value);
+  const auto add = [&](const char* key, const char* name, ValueKind kind, const char* help) {
+    return set.AddOption(name, std::move(kind), help).Group("VDA 5050").Key(key);
   };
-  add("vda", "--vda", options->vda, "FLEETPUB_VDA", "Version to speak");
-  add("interface", "--interface", options->interface_name, "FLEETPUB_INTERFACE",
-      "First topic level");
-  add("topic_template", "--topic-template", options->topic_template, "", "The topic");
+  add("vda", "--vda", VdaVersion(options->vda.version), "Version to speak")
+      .Variable("FLEETPUB_VDA");
+  add("interface", "--interface", Text(options->vda.interface_name), "First topic level")
+      .Variable("FLEETPUB_INTERFACE");
+  add("topic_template", "--topic-template", Text(options->vda.topic_template), "The topic");
   DeclareSource(set, options->source);
   DeclarePrefix(set, options->prefix);
   return [options, &set](const Context& context) { return RunConfigShow(set, context); };

@@ -31,9 +31,8 @@ void Show(const FleetView& view, Output& output) {
 }
 
 Result<ExitCode> RunFleet(const FleetDiscoveryOptions& options, const Context& context) {
-  const auto asked = ParseFleetDiscoveryOptions(options);
-  if (!asked) return Fail(asked.error());
-  const auto view = app::DiscoverFleet(*asked, MakeEnvironment(context), context.output);
+  const auto view =
+      app::DiscoverFleet(MakeFleetRequest(options), MakeEnvironment(context), context.output);
   if (!view) return Fail(view.error());
   for (const RobotView* robot : view->robots()) {
     if (robot->also_at.empty()) continue;

@@ -24,7 +24,7 @@ using vda5050::RobotAddress;
 
 // What both commands take.
 struct UserMessageOptions {
-  std::string header_id;
+  std::optional<std::uint32_t> header_id;
   app::VdaOptions vda;
   SendingOptions sending;
   WaitingOptions waiting;
@@ -37,16 +37,19 @@ struct PublishOptions : UserMessageOptions {
   bool restamp = false;
 };
 
+constexpr auto kGrants =
+    std::to_array<std::string_view>({"GRANTED", "QUEUED", "REVOKED", "REJECTED"});
+
 struct RespondOptions : UserMessageOptions {
   std::string target;
   std::string request;
   std::string grant;
-  std::string lease_expiry;
+  std::optional<base::WallTime> lease_expiry;
 };
 
 void DeclareUserMessage(OptionSet& set, UserMessageOptions& options) {
-  set.AddOption("--header-id", options.header_id, "The headerId, above the topic's last [the next]")
-      .Type("N")
+  set.AddOption("--header-id", WholeNumber(options.header_id),
+                "The headerId, above the topic's last [the next]")
       .Group("Message");
   DeclareSendingOptions(set, options.sending);
   DeclareManyOptions(set, options.sending);
@@ -59,8 +62,8 @@ Result<ExitCode> Send(std::string_view topic, const TargetOptions& target_option
                       const UserMessageOptions& options, const Context& context) {
   WaitingOptions waiting_options = options.waiting;
   // An order may take hours: that the robot has it is what one usually waits for.
-  if (topic == "order" && waiting_options.wait && waiting_options.wait_for.empty()) {
-    waiting_options.wait_for = "accepted";
+  if (topic == "order" && waiting_options.wait && !waiting_options.wait_for) {
+    waiting_options.wait_for = vda5050::WaitFor::kAccepted;
   }
   auto waiting = ParseWaitingOptions(waiting_options);
   if (!waiting) return Fail(std::move(waiting.error()));
@@ -71,8 +74,6 @@ Result<ExitCode> Send(std::string_view topic, const TargetOptions& target_option
   auto resolver = app::DialectResolver::For(options.vda, context.config);
   if (!resolver) return Fail(std::move(resolver.error()));
   if (const auto said = vda5050::VersionSaidBy(message)) resolver->Assume(said->version);
-  const auto header_id = HeaderIdOf(options.header_id);
-  if (!header_id) return Fail(header_id.error());
   const auto settings = ParseSendingOptions(options.sending);
   if (!settings) return Fail(settings.error());
 
@@ -89,7 +90,7 @@ Result<ExitCode> Send(std::string_view topic, const TargetOptions& target_option
                        .resolver = *std::move(resolver),
                        .title = std::string(topic),
                        .needs_consent = app::NeedsConsent::kYes,
-                       .header_id = *header_id,
+                       .header_id = options.header_id,
                        .make_message = [=] { return app::MakeUserMessage(topic, shared, foreign); },
                        .waiting = *waiting},
                       *settings, context);
@@ -111,8 +112,6 @@ Result<ExitCode> RunPublish(const PublishOptions& options, const Context& contex
     return Fail(ErrorKind::kUsage,
                 "name the topic and the robots: fleetpub publish order KIT/0001 -f order.json");
   }
-  const auto topic = vda5050::PublishedTopic(options.topic);
-  if (!topic) return Fail(topic.error());
   if (options.file.empty()) {
     return Fail(ErrorKind::kUsage,
                 "name the file with the message: --file FILE, or - for standard "
@@ -127,17 +126,7 @@ Result<ExitCode> RunPublish(const PublishOptions& options, const Context& contex
   if (!message) return Fail(std::move(message.error()));
   const auto foreign =
       options.restamp ? vda5050::HeaderMismatch::kReplace : vda5050::HeaderMismatch::kRefuse;
-  return Send(*topic, options.targets, std::move(*message), foreign, options, context);
-}
-
-// `30s` from now, or a time.
-Result<base::WallTime> LeaseOf(const std::string& text) {
-  if (const auto time = base::ParseDateTime(text)) return *time;
-  const auto duration = base::ParseDuration(text);
-  if (duration) return base::WallTime::clock::now() + *duration;
-  return Fail(ErrorKind::kUsage, fmt::format("--lease-expiry takes a duration such as 30s, or a "
-                                             "time such as 2026-11-22T20:15:00Z, not '{}'",
-                                             base::Printable(text)));
+  return Send(options.topic, options.targets, std::move(*message), foreign, options, context);
 }
 
 Result<ExitCode> RunRespond(const RespondOptions& options, const Context& context) {
@@ -146,25 +135,12 @@ Result<ExitCode> RunRespond(const RespondOptions& options, const Context& contex
                 "name the robot, its request and the answer: fleetpub respond KIT/0001 request-1 "
                 "GRANTED; fleetpub requests lists the requests");
   }
-  std::string grant;
-  for (const std::string_view known : {"GRANTED", "QUEUED", "REVOKED", "REJECTED"}) {
-    if (base::EqualsIgnoringCase(known, options.grant)) grant = known;
-  }
-  if (grant.empty()) {
-    return Fail(ErrorKind::kUsage, fmt::format("the answer is GRANTED, QUEUED, REVOKED or "
-                                               "REJECTED, not '{}'",
-                                               base::Printable(options.grant)));
-  }
   if (!base::IsUtf8(options.request)) {
     return Fail(ErrorKind::kInvalid, "the requestId is not valid UTF-8");
   }
-  vda5050::RequestResponse response{
-      .request_id = options.request, .grant_type = grant, .lease_expiry = {}};
-  if (!options.lease_expiry.empty()) {
-    const auto lease = LeaseOf(options.lease_expiry);
-    if (!lease) return Fail(lease.error());
-    response.lease_expiry = *lease;
-  }
+  const vda5050::RequestResponse response{.request_id = options.request,
+                                          .grant_type = options.grant,
+                                          .lease_expiry = options.lease_expiry};
   const auto robot = app::ResolveRobot(options.target, context.config);  // request ids are its own
   if (!robot) return Fail(robot.error());
   TargetOptions target;
@@ -177,8 +153,7 @@ Result<ExitCode> RunRespond(const RespondOptions& options, const Context& contex
 
 Run DeclarePublish(OptionSet& set) {
   const auto options = std::make_shared<PublishOptions>();
-  set.AddOption("topic", options->topic, "order, instantActions, zoneSet or responses")
-      .Type("TOPIC");
+  set.AddOption("topic", OneOf(options->topic, vda5050::kCommandTopics), "{}").Type("TOPIC");
   DeclareTargetOptions(set, options->targets);
   set.AddOption("-f,--file", options->file, "The message as JSON; - reads standard input")
       .Type("FILE")
@@ -196,10 +171,9 @@ Run DeclareRespond(OptionSet& set) {
       .Type("TARGET");
   set.AddOption("request", options->request, "Its requestId, as fleetpub requests lists it")
       .Type("REQUEST");
-  set.AddOption("grant", options->grant, "GRANTED, QUEUED, REVOKED or REJECTED").Type("ANSWER");
-  set.AddOption("--lease-expiry", options->lease_expiry,
+  set.AddOption("grant", OneOf(options->grant, kGrants), "{}").Type("ANSWER");
+  set.AddOption("--lease-expiry", PointInTime(options->lease_expiry, Direction::kAhead),
                 "Until when it is granted: 30s from now, or a time")
-      .Type("TIME")
       .Group("Message");
   DeclareUserMessage(set, *options);
   return [options](const Context& context) { return RunRespond(*options, context); };

@@ -49,9 +49,8 @@ std::string About(const RobotRequest& request) {
 }
 
 Result<ExitCode> RunRequests(const FleetDiscoveryOptions& options, const Context& context) {
-  const auto asked = ParseFleetDiscoveryOptions(options);
-  if (!asked) return Fail(asked.error());
-  const auto view = app::DiscoverFleet(*asked, MakeEnvironment(context), context.output);
+  const auto view =
+      app::DiscoverFleet(MakeFleetRequest(options), MakeEnvironment(context), context.output);
   if (!view) return Fail(view.error());
   std::vector<Row> rows;
   for (const vda5050::RobotView* robot : view->robots()) {
@@ -86,7 +85,7 @@ Result<ExitCode> RunRequests(const FleetDiscoveryOptions& options, const Context
 Run DeclareRequests(OptionSet& set) {
   const auto options = std::make_shared<FleetDiscoveryOptions>();
   // Requests stand in states only, which a robot may send no more often than every 30 s.
-  options->state_wait = "35s";
+  options->state_wait = std::chrono::seconds(35);
   DeclareFleetDiscoveryOptions(set, *options);
   return [options](const Context& context) { return RunRequests(*options, context); };
 }

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <csignal>
 #include <memory>
 
@@ -11,11 +10,11 @@
 #include "base/text.h"
 #include "base/time.h"
 #include "cli/commands/soar_simulate.h"
-#include "cli/commands/soar_validate.h"
 #include "cli/options/soar_options.h"
 #include "cli/options/vda_options.h"
 #include "cli/parser/option_set.h"
 #include "cli/parser/subcommand.h"
+#include "config/config_settings.h"
 #include "simulator/runner.h"
 #include "vda5050/catalogue/catalogue.h"
 #include "vda5050/reports/discovery.h"
@@ -26,45 +25,22 @@ namespace {
 using vda5050::RobotAddress;
 using vda5050::Version;
 
-constexpr std::size_t kMostRobots = 100'000;
-
 struct Options {
   std::vector<std::string> targets;
-  std::string version;
-  std::string interface_name;
-  std::string topic_template;
-  std::string actions_key;
-  std::string count = "1";
-  std::string duration;
-  std::string state_interval = "30s";
+  app::VdaOptions vda;
+  std::size_t count = 1;
+  std::optional<std::chrono::milliseconds> duration;
   std::string mode;
-  bool with_order = false;
-  std::string order_time;
-  std::string list_limit = "0";
-  std::string delay = "0";
+  simulator::Settings settings;
   std::vector<std::string> fail;
   std::vector<std::string> reject;
-  std::string reject_style;
   std::vector<std::string> retriable;
-  bool silent = false;
-  std::string drop = "0";
-  std::string seed = "1";
   bool force = false;
 
-  std::string protocol = "vda5050";
+  bool is_soar = false;
   std::string prefix = "soar";
-  std::string stop_at;
+  std::optional<soar::Level> stop_at;
 };
-
-// A number from 0 to `most`.
-Result<std::uint32_t> NumberOf(const std::string& text, std::string_view option,
-                               std::uint32_t most) {
-  std::uint32_t number = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-  if (error == std::errc() && end == text.data() + text.size() && number <= most) return number;
-  return Fail(ErrorKind::kUsage, fmt::format("{} takes a whole number up to {}, not '{}'", option,
-                                             most, base::Printable(text)));
-}
 
 struct Mode {
   std::string_view name;
@@ -83,26 +59,22 @@ constexpr std::array kModes = {
     Mode{"TEACH_IN", Version::k300, Version::k300},
 };
 
-Result<std::string> ModeOf(const std::string& text, Version version) {
-  if (text.empty()) return std::string("AUTOMATIC");
-  std::vector<std::string> names;
-  for (const Mode& mode : kModes) {
-    if (version < mode.first || version > mode.last) continue;
-    if (base::EqualsIgnoringCase(mode.name, text)) return std::string(mode.name);
-    names.emplace_back(mode.name);
-  }
-  return Fail(ErrorKind::kUsage, fmt::format("--mode takes one of {}, not '{}'",
-                                             base::Join(names, ", "), base::Printable(text)));
+constexpr auto kModeNames = [] {
+  std::array<std::string_view, kModes.size()> names;
+  std::transform(kModes.begin(), kModes.end(), names.begin(), [](const Mode& m) { return m.name; });
+  return names;
+}();
+
+bool HasMode(std::string_view name, Version version) {
+  return std::any_of(kModes.begin(), kModes.end(), [&](const Mode& mode) {
+    return mode.name == name && version >= mode.first && version <= mode.last;
+  });
 }
 
-Result<simulator::RejectStyle> StyleOf(const std::string& text) {
-  using simulator::RejectStyle;
-  if (text.empty()) return RejectStyle::kAsTheVersionSays;
-  if (text == "state") return RejectStyle::kState;
-  if (text == "error") return RejectStyle::kError;
-  return Fail(ErrorKind::kUsage,
-              fmt::format("--reject-style is state or error, not '{}'", base::Printable(text)));
-}
+constexpr auto kRejectStyles = std::to_array<base::Choice<simulator::RejectStyle>>({
+    {"state", simulator::RejectStyle::kState},
+    {"error", simulator::RejectStyle::kError},
+});
 
 // `pause` → `startPause`; a manufacturer's own type stays as it is.
 void AddTypes(const std::vector<std::string>& words, Version version,
@@ -113,78 +85,34 @@ void AddTypes(const std::vector<std::string>& words, Version version,
   }
 }
 
-Status SetTime(const std::string& text, std::chrono::milliseconds& time) {
-  if (text.empty()) return {};
-  const auto parsed = base::ParseDuration(text);
-  if (!parsed) return Fail(parsed.error());
-  time = *parsed;
-  return {};
-}
-
-Status SetTimes(const Options& o, simulator::Settings& settings) {
-  if (auto ok = SetTime(o.delay, settings.delay); !ok) return ok;
-  if (auto ok = SetTime(o.order_time, settings.order_time); !ok) return ok;
-  if (auto ok = SetTime(o.state_interval, settings.state_interval); !ok) return ok;
-  if (settings.state_interval.count() == 0) {
-    return Fail(ErrorKind::kUsage, "--state-interval must be above zero");
-  }
-  return {};
-}
-
-Status SetDrop(const Options& o, simulator::Settings& settings) {
-  const std::string text = o.drop.ends_with('%') ? o.drop.substr(0, o.drop.size() - 1) : o.drop;
-  const auto percent = NumberOf(text, "--drop", 100);
-  if (!percent) return Fail(percent.error());
-  settings.drop = *percent / 100.0;
-  const auto seed = NumberOf(o.seed, "--seed", std::numeric_limits<std::uint32_t>::max());
-  if (!seed) return Fail(seed.error());
-  settings.drop_seed = *seed;
-  return {};
-}
-
 // As this robot, or each of them, is configured; never `auto`, which is for robots that are there.
 app::VdaOptions SpokenBy(const std::vector<RobotAddress>& robots, const Options& o,
                          const config::Config& config) {
-  const app::VdaOptions given{.version = o.version,
-                              .interface_name = o.interface_name,
-                              .topic_template = o.topic_template,
-                              .actions_key = o.actions_key};
-  app::VdaOptions vda = robots.size() == 1 ? app::Configured(given, config, robots.front())
-                                           : app::Configured(given, config);
+  app::VdaOptions vda = robots.size() == 1 ? app::Configured(o.vda, config, robots.front())
+                                           : app::Configured(o.vda, config);
   if (vda.IsAutomatic()) vda.version.clear();
   return vda;
 }
 
 Result<simulator::Settings> MakeSettings(const Options& o, const app::VdaOptions& vda) {
-  if (o.version == "auto") {
-    return Fail(ErrorKind::kUsage, "--vda auto is for robots that are there: name a version");
-  }
   const auto dialect = app::ParseDialect(vda);
   if (!dialect) return Fail(dialect.error());
-  simulator::Settings settings;
+  simulator::Settings settings = o.settings;
   settings.version = dialect->version;
   settings.topics = dialect->topics;
   settings.actions_key = dialect->actions_key;
-  const auto mode = ModeOf(o.mode, settings.version);
-  if (!mode) return Fail(mode.error());
-  settings.operating_mode = *mode;
-  const auto style = StyleOf(o.reject_style);
-  if (!style) return Fail(style.error());
-  settings.reject_style = *style;
-  settings.with_order = o.with_order;
-  settings.silent = o.silent;
-  if (auto ok = SetTimes(o, settings); !ok) return Fail(ok.error());
-  if (auto ok = SetDrop(o, settings); !ok) return Fail(ok.error());
+  if (!o.mode.empty() && !HasMode(o.mode, settings.version)) {
+    return Fail(ErrorKind::kUsage, fmt::format("--mode: VDA 5050 {} has no mode {}",
+                                               vda5050::GetFacts(settings.version).name, o.mode));
+  }
+  if (!o.mode.empty()) settings.operating_mode = o.mode;
   AddTypes(o.fail, settings.version, settings.fail);
   AddTypes(o.reject, settings.version, settings.reject);
   AddTypes(o.retriable, settings.version, settings.retriable);
   if (!settings.retriable.empty() && settings.version < Version::k300) {
     return Fail(ErrorKind::kUsage, "--retriable: RETRIABLE exists from version 3.0.0 on");
   }
-  const auto limit = NumberOf(o.list_limit, "--list-limit", 10'000);
-  if (!limit) return Fail(limit.error());
-  settings.list_limit = *limit;
-  if (*limit > 0 && settings.version < Version::k300) {
+  if (settings.list_limit > 0 && settings.version < Version::k300) {
     return Fail(ErrorKind::kUsage,
                 "--list-limit: ended actions stay until they are cleared from version 3.0.0 on");
   }
@@ -192,14 +120,11 @@ Result<simulator::Settings> MakeSettings(const Options& o, const app::VdaOptions
 }
 
 Result<std::vector<RobotAddress>> Robots(const Options& o, const Context& context) {
-  const auto count = NumberOf(o.count, "--count", kMostRobots);
-  if (!count) return Fail(count.error());
-  if (*count == 0) return Fail(ErrorKind::kUsage, "--count must be above zero");
   const auto targets = app::ResolveRobots(o.targets, context.config, context.output);
   if (!targets) return Fail(targets.error());
   std::vector<RobotAddress> robots;
   for (const RobotAddress& target : *targets) {
-    auto some = simulator::CountUp(target, *count);
+    auto some = simulator::CountUp(target, o.count);
     if (!some) return Fail(std::move(some.error()));
     robots.insert(robots.end(), some->begin(), some->end());
   }
@@ -229,12 +154,13 @@ void Show(std::string_view robot, const simulator::Event& event, Output& output)
 // What only robots have, and was asked of platforms.
 Status RefuseRobotOptions(const Options& o) {
   const Options none;
-  const bool any = o.interface_name != none.interface_name ||
-                   o.topic_template != none.topic_template || o.actions_key != none.actions_key ||
-                   o.count != none.count || o.mode != none.mode || o.with_order ||
-                   o.order_time != none.order_time || o.list_limit != none.list_limit ||
-                   !o.fail.empty() || !o.reject.empty() || !o.reject_style.empty() || o.force ||
-                   !o.retriable.empty() || o.drop != none.drop;
+  const bool any = !o.vda.interface_name.empty() || !o.vda.topic_template.empty() ||
+                   !o.vda.actions_key.empty() || o.count != none.count || !o.mode.empty() ||
+                   o.settings.with_order || o.settings.order_time != none.settings.order_time ||
+                   o.settings.list_limit != none.settings.list_limit || !o.fail.empty() ||
+                   !o.reject.empty() || !o.retriable.empty() || o.force ||
+                   o.settings.reject_style != none.settings.reject_style ||
+                   o.settings.drop != none.settings.drop;
   if (!any) return {};
   return Fail(ErrorKind::kUsage,
               "with --protocol soar there are --prefix, --delay, --stop-at, --silent, "
@@ -246,10 +172,10 @@ Result<ExitCode> RunPlatforms(const Options& o, const Context& context) {
   return RunSoarSimulation({.destinations = o.targets,
                             .prefix = o.prefix,
                             .stop_at = o.stop_at,
-                            .delay = o.delay,
-                            .status_interval = o.state_interval,
+                            .delay = o.settings.delay,
+                            .status_interval = o.settings.state_interval,
                             .duration = o.duration,
-                            .silent = o.silent,
+                            .silent = o.settings.silent,
                             .stopped = [] { return g_stopped != 0; },
                             .on_ready = StopOnSignals},
                            context);
@@ -283,10 +209,8 @@ Result<std::vector<std::string>> ConnectionFilters(const vda5050::TopicScheme& t
 }
 
 Result<ExitCode> RunSimulate(const Options& o, const Context& context) {
-  const auto is_soar = IsSoar(o.protocol);
-  if (!is_soar) return Fail(is_soar.error());
-  if (*is_soar) return RunPlatforms(o, context);
-  if (!o.stop_at.empty()) return Fail(ErrorKind::kUsage, "--stop-at belongs to --protocol soar");
+  if (o.is_soar) return RunPlatforms(o, context);
+  if (o.stop_at) return Fail(ErrorKind::kUsage, "--stop-at belongs to --protocol soar");
   Output& output = context.output;
   const auto robots = Robots(o, context);
   if (!robots) return Fail(robots.error());
@@ -305,11 +229,7 @@ Result<ExitCode> RunSimulate(const Options& o, const Context& context) {
 
   simulator::RunOptions run{.connect = *std::move(connect)};
   run.connect.properties = {};  // they are a command's; what a robot is does not expire
-  if (!o.duration.empty()) {
-    auto duration = base::ParseDuration(o.duration);
-    if (!duration) return Fail(std::move(duration.error()));
-    run.duration = *duration;
-  }
+  run.duration = o.duration;
   if (robots->size() > simulator::kMostWills) {
     output.Debug(fmt::format("more than {} robots: they have no last will", simulator::kMostWills));
   }
@@ -339,58 +259,67 @@ Result<ExitCode> RunSimulate(const Options& o, const Context& context) {
 
 void DeclareRobots(OptionSet& set, Options& o) {
   constexpr const char* kRobots = "Robots";
-  const auto add = [&](const char* names, std::string& value, const char* type, const char* help) {
-    return set.AddOption(names, value, help).Type(type).Group(kRobots);
+  const auto add = [&](const char* names, ValueKind kind, const char* type, const char* help) {
+    return set.AddOption(names, std::move(kind), help).Type(type).Group(kRobots);
   };
   set.AddOption("targets", o.targets, "Robots: manufacturer/serialNumber; platforms")
       .Type("TARGET");
-  add("--count", o.count, "N", "So many per target, counting up the number at its end [1]");
-  add("--vda", o.version, "V", "Version that they speak [3.0.0]").Variable("FLEETPUB_VDA");
-  add("--interface", o.interface_name, "NAME",
+  add("--count", WholeNumber(o.count, 1, 100'000), "N",
+      "So many per target, counting up the number at its end [1]");
+  add("--vda", VdaVersion(o.vda.version, Automatic::kNo), "V", "Version that they speak [3.0.0]")
+      .Variable("FLEETPUB_VDA");
+  add("--interface", Text(o.vda.interface_name), "NAME",
       "First topic level [uagv up to 2.x, vda5050 from 3.0]")
       .Variable("FLEETPUB_INTERFACE");
-  add("--topic-template", o.topic_template, "TEMPLATE",
+  add("--topic-template", Text(o.vda.topic_template), "TEMPLATE",
       "The topic, with its placeholders in braces (see the manual)");
-  add("--actions-key", o.actions_key, "KEY", "actions or instantActions: what they expect");
-  add("--state-interval", o.state_interval, "TIME",
+  add("--actions-key", OneOf(o.vda.actions_key, config::kActionsKeys), "KEY",
+      "{}: what they expect");
+  add("--state-interval", Interval(o.settings.state_interval), "TIME",
       "Longest time between two states or statuses [30s]");
-  add("--mode", o.mode, "MODE", "Their operatingMode [AUTOMATIC]");
-  set.AddFlag("--with-order", o.with_order, "They are under way with an order").Group(kRobots);
-  add("--order-time", o.order_time, "TIME", "An order takes so long [until it is cancelled]");
-  add("--for", o.duration, "TIME", "End after this time [on Ctrl-C]");
+  ValueKind mode = OneOf(o.mode, kModeNames);
+  mode.exists_in = HasMode;
+  add("--mode", std::move(mode), "MODE", "Their operatingMode [AUTOMATIC]");
+  set.AddFlag("--with-order", o.settings.with_order, "They are under way with an order")
+      .Group(kRobots);
+  add("--order-time", Duration(o.settings.order_time), "TIME",
+      "An order takes so long [until it is cancelled]");
+  add("--for", Duration(o.duration), "TIME", "End after this time [on Ctrl-C]");
   set.AddFlag("--force", o.force, "Take the place of a robot that is ONLINE").Group(kRobots);
 }
 
 void DeclarePlatforms(OptionSet& set, Options& o) {
-  set.AddOption("--protocol", o.protocol, "vda5050, or soar: the targets are platforms [vda5050]")
+  set.AddOption("--protocol", OneOf(o.is_soar, kProtocols),
+                "{}: with soar the targets are platforms [vda5050]")
       .Type("NAME")
       .Group("SoAR");
   DeclarePrefix(set, o.prefix);
-  set.AddOption("--stop-at", o.stop_at,
-                "Acknowledge no further than c2_received, operator_approved_and_sent, executed")
+  set.AddOption("--stop-at", OneOf(o.stop_at, soar::kLevels), "Acknowledge no further than {}")
       .Type("LEVEL")
       .Group("SoAR");
 }
 
 void DeclareFaults(OptionSet& set, Options& o) {
   constexpr const char* kFaults = "Faults";
-  const auto add = [&](const char* names, std::string& value, const char* type, const char* help) {
-    set.AddOption(names, value, help).Type(type).Group(kFaults);
+  const auto add = [&](const char* names, ValueKind kind, const char* type, const char* help) {
+    set.AddOption(names, std::move(kind), help).Type(type).Group(kFaults);
   };
   const auto add_types = [&](const char* name, std::vector<std::string>& types, const char* help) {
     set.AddOption(name, types, help).Type("TYPE").OneValueEach().Group(kFaults);
   };
-  add("--delay", o.delay, "TIME", "An action takes so long; a platform, from level to level [0]");
+  add("--delay", Duration(o.settings.delay), "TIME",
+      "An action takes so long; a platform, from level to level [0]");
   add_types("--fail", o.fail, "Actions of this type end FAILED; repeatable");
   add_types("--reject", o.reject, "Actions of this type are refused; repeatable");
-  add("--reject-style", o.reject_style, "STYLE",
+  add("--reject-style", OneOf(o.settings.reject_style, kRejectStyles), "STYLE",
       "state: an action state FAILED and an error; error: an error only [state from 3.0]");
   add_types("--retriable", o.retriable, "Actions of this type become RETRIABLE; repeatable");
-  add("--list-limit", o.list_limit, "N",
+  add("--list-limit", WholeNumber(o.settings.list_limit, 0, 10'000), "N",
       "So many ended instant actions fit into the list (3.0) [20, then the oldest go]");
-  set.AddFlag("--silent", o.silent, "Never report a state; a platform says nothing").Group(kFaults);
-  add("--drop", o.drop, "PERCENT", "Ignore this share of the messages [0]");
-  add("--seed", o.seed, "N", "Another choice of what is dropped [1]");
+  set.AddFlag("--silent", o.settings.silent, "Never report a state; a platform says nothing")
+      .Group(kFaults);
+  add("--drop", Percentage(o.settings.drop), "PERCENT", "Ignore this share of the messages [0]");
+  add("--seed", WholeNumber(o.settings.drop_seed), "N", "Another choice of what is dropped [1]");
 }
 
 }  // namespace

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include "base/text.h"
-#include "base/time.h"
 #include "simulator/platform_runner.h"
 #include "soar/message.h"
 
@@ -15,22 +14,9 @@ Result<simulator::PlatformSettings> MakeSettings(const SoarSimulation& simulatio
   auto prefix = soar::ParsePrefix(simulation.prefix);
   if (!prefix) return Fail(std::move(prefix.error()));
   settings.prefix = *std::move(prefix);
-  settings.stop_at = soar::ParseLevel(simulation.stop_at);
-  if (!simulation.stop_at.empty() && !settings.stop_at) {
-    return Fail(ErrorKind::kUsage,
-                fmt::format("--stop-at takes c2_received, operator_approved_and_sent or executed, "
-                            "not '{}'",
-                            base::Printable(simulation.stop_at)));
-  }
-  const auto delay = base::ParseDuration(simulation.delay);
-  if (!delay) return Fail(delay.error());
-  settings.delay = *delay;
-  const auto interval = base::ParseDuration(simulation.status_interval);
-  if (!interval) return Fail(interval.error());
-  if (interval->count() == 0) {
-    return Fail(ErrorKind::kUsage, "--state-interval must be above zero");
-  }
-  settings.status_interval = *interval;
+  settings.stop_at = simulation.stop_at;
+  settings.delay = simulation.delay;
+  settings.status_interval = simulation.status_interval;
   settings.silent = simulation.silent;
   return settings;
 }
@@ -64,11 +50,7 @@ Result<ExitCode> RunSoarSimulation(const SoarSimulation& simulation, const Conte
 
   simulator::RunOptions run{.connect = *std::move(connect)};
   run.connect.properties = {};  // they are a command's; where a platform is does not expire
-  if (!simulation.duration.empty()) {
-    const auto duration = base::ParseDuration(simulation.duration);
-    if (!duration) return Fail(duration.error());
-    run.duration = *duration;
-  }
+  run.duration = simulation.duration;
   run.stopped = simulation.stopped;
   run.on_lost = [&](const Error& error) { output.Lost(error); };
   run.on_ready = [&] {

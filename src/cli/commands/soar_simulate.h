@@ -1,23 +1,26 @@
 // `fleetpub simulate --protocol soar DESTINATION…`: virtual platforms that acknowledge.
 #pragma once
 
+#include <chrono>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "base/result.h"
 #include "cli/options/global_options.h"
 #include "cli/output/exit_code.h"
+#include "soar/message_type.h"
 
 namespace fleetpub::cli {
 
 struct SoarSimulation {
   std::vector<std::string> destinations;
   std::string prefix = "soar";
-  std::string stop_at;
-  std::string delay;
-  std::string status_interval;
-  std::string duration;  ///< empty: until `stopped`
+  std::optional<soar::Level> stop_at;
+  std::chrono::milliseconds delay{};
+  std::chrono::milliseconds status_interval{};
+  std::optional<std::chrono::milliseconds> duration;  ///< nothing: until `stopped`
   bool silent = false;
   std::function<bool()> stopped;
   std::function<void()> on_ready;  ///< called before it is told that they are there

@@ -11,12 +11,14 @@
 #include "base/json.h"
 #include "base/line_reader.h"
 #include "base/text.h"
-#include "cli/commands/soar_validate.h"
 #include "cli/commands/validate_live.h"
+#include "cli/options/soar_options.h"
 #include "cli/parser/option_set.h"
 #include "cli/parser/subcommand.h"
 #include "schema/schema.h"
 #include "schema/schema_files.h"
+#include "soar/message.h"
+#include "soar/text_rules.h"
 #include "vda5050/messages/user_message.h"
 #include "vda5050/rules/conformance.h"
 
@@ -30,8 +32,8 @@ struct Options {
   std::string version;
   std::string topic;
   std::string schema_file;
-  std::string protocol = "vda5050";
-  std::string message_type;
+  bool is_soar = false;
+  std::optional<soar::MessageType> message_type;
   bool lines = false;
   bool strict = false;
   LiveOptions live;
@@ -74,7 +76,7 @@ class Validator {
   // Errors: the options or the schema, not a message.
   Status Prepare() {
     if (!options_.schema_file.empty()) return LoadFile();
-    if (auto soar = PrepareSoar(); !soar || soar_) return soar;
+    if (auto soar = CheckSoarOptions(); !soar || options_.is_soar) return soar;
     if (!options_.version.empty()) {
       const auto version = vda5050::ParseVersion(options_.version);
       if (!version) return Fail(version.error());
@@ -92,8 +94,8 @@ class Validator {
     const auto message = base::ParseJson(text);
     if (!message) return OneError(message.error().message);
     if (own_schema_) return delivery::Check(*message, *own_schema_, {});
-    if (soar_) {
-      Findings findings = soar_->Check(*message, registry_);
+    if (options_.is_soar) {
+      Findings findings = CheckSoar(*message);
       if (options_.strict) delivery::Harden(findings);
       return findings;
     }
@@ -109,20 +111,36 @@ class Validator {
   }
 
  private:
-  Status PrepareSoar() {
-    const auto is_soar = IsSoar(options_.protocol);
-    if (!is_soar) return Fail(is_soar.error());
-    if (!*is_soar && options_.message_type.empty()) return {};
-    if (!*is_soar) return Fail(ErrorKind::kUsage, "--message-type belongs to --protocol soar");
-    if (!options_.topic.empty()) {
+  [[nodiscard]] Status CheckSoarOptions() const {
+    if (!options_.is_soar && options_.message_type) {
+      return Fail(ErrorKind::kUsage, "--message-type belongs to --protocol soar");
+    }
+    if (options_.is_soar && !options_.topic.empty()) {
       return Fail(ErrorKind::kUsage, "--topic belongs to VDA 5050: name a --message-type");
     }
-    const auto validator =
-        SoarValidator::Make(options_.message_type,
-                            options_.strict ? soar::Strictness::kRefuse : soar::Strictness::kWarn);
-    if (!validator) return Fail(validator.error());
-    soar_ = *validator;
     return {};
+  }
+
+  // A whole message; when a type was named, of that type, or a payload of it alone.
+  Findings CheckSoar(const base::JsonValue& message) {
+    const auto& type = options_.message_type;
+    const bool whole = !type || base::FindMember(message, "payload") != nullptr;
+    const auto schema =
+        registry_.Find(whole ? std::string(soar::kMessageSchema) : soar::PayloadSchema(*type));
+    if (!schema) return OneError(schema.error().message);
+    const auto strictness = options_.strict ? soar::Strictness::kRefuse : soar::Strictness::kWarn;
+    Findings findings = delivery::Check(message, **schema, [strictness](const auto& checked) {
+      return soar::CheckMessage(checked, strictness);
+    });
+    if (!findings.satisfies_schema || !type) return findings;
+    const auto& payload = whole ? *base::FindMember(message, "payload") : message;
+    const std::string_view found = base::StringMember(payload, "message_type");
+    if (found != GetName(*type)) {
+      findings.errors.push_back(
+          {whole ? "/payload/message_type" : "/message_type",
+           fmt::format("is {}, not {}", base::Printable(found), GetName(*type))});
+    }
+    return findings;
   }
 
   Status LoadFile() {
@@ -164,7 +182,6 @@ class Validator {
   schema::Registry registry_;
   std::optional<vda5050::Version> version_;
   std::optional<schema::Schema> own_schema_;
-  std::optional<SoarValidator> soar_;
 };
 
 std::string ListJson(const std::vector<schema::Violation>& violations) {
@@ -212,8 +229,7 @@ Result<ExitCode> CheckLines(Validator& validator, const std::string& file, const
 }
 
 Result<ExitCode> RunLive(const Options& options, const Context& context) {
-  if (options.lines || !options.schema_file.empty() || options.protocol != "vda5050" ||
-      !options.message_type.empty()) {
+  if (options.lines || !options.schema_file.empty() || options.is_soar || options.message_type) {
     return Fail(ErrorKind::kUsage,
                 "--live goes with none of --lines, --schema, --protocol and --message-type");
   }
@@ -227,7 +243,7 @@ Result<ExitCode> RunLive(const Options& options, const Context& context) {
 
 Result<ExitCode> RunValidate(const Options& options, const Context& context) {
   if (options.live.live) return RunLive(options, context);
-  if (!options.live.duration.empty() || options.live.count != 0) {
+  if (options.live.duration || options.live.count) {
     return Fail(ErrorKind::kUsage, "--for and --count belong to --live");
   }
   Validator validator(options, context);
@@ -245,16 +261,18 @@ Result<ExitCode> RunValidate(const Options& options, const Context& context) {
 
 Run DeclareValidate(OptionSet& set) {
   const auto options = std::make_shared<Options>();
-  const auto add = [&](const char* names, std::string& value, const char* type, const char* help) {
-    return set.AddOption(names, value, help).Type(type).Group("Checking");
+  const auto add = [&](const char* names, ValueKind kind, const char* type, const char* help) {
+    return set.AddOption(names, std::move(kind), help).Type(type).Group("Checking");
   };
   set.AddOption("file", options->file, "The message; - or nothing: standard input").Type("FILE");
-  add("--vda", options->version, "V", "Version [what the header says]").Variable("FLEETPUB_VDA");
-  add("--topic", options->topic, "TOPIC", "order, state, instantActions … [told from the message]");
-  add("--protocol", options->protocol, "NAME", "vda5050 or soar [vda5050]");
-  add("--message-type", options->message_type, "TYPE",
+  add("--vda", VdaVersion(options->version, Automatic::kNo), "V", "Version [what the header says]")
+      .Variable("FLEETPUB_VDA");
+  add("--topic", Text(options->topic), "TOPIC",
+      "order, state, instantActions … [told from the message]");
+  add("--protocol", OneOf(options->is_soar, kProtocols), "NAME", "{} [vda5050]");
+  add("--message-type", OneOf(options->message_type, soar::kMessageTypes), "TYPE",
       "With --protocol soar: the payload must be of this type, and may stand alone");
-  add("--schema", options->schema_file, "FILE", "A JSON Schema of your own (draft-07)");
+  add("--schema", Text(options->schema_file), "FILE", "A JSON Schema of your own (draft-07)");
   set.AddFlag("--lines", options->lines, "One message per line (JSON Lines)").Group("Checking");
   set.AddFlag("--strict", options->strict, "Rules of the specification's text are errors too")
       .Group("Checking");

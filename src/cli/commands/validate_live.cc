@@ -121,12 +121,10 @@ void DeclareLive(OptionSet& set, LiveOptions& options) {
   set.AddFlag("--live", options.live,
               "Check what robots and fleet controls publish; FILE is a PATTERN of robots then")
       .Group(kLive);
-  set.AddOption("--for", options.duration, "End after this time [on Ctrl-C]")
-      .Type("TIME")
+  set.AddOption("--for", Duration(options.duration), "End after this time [on Ctrl-C]")
       .Group(kLive);
-  set.AddOption("--count", options.count, "End after so many messages")
-      .Type("N")
-      .InRange(1, 1'000'000'000'000)
+  set.AddOption("--count", WholeNumber(options.count, 1, 1'000'000'000'000),
+                "End after so many messages")
       .Group(kLive);
   DeclareTopicOptions(set, options.vda);
 }
@@ -134,14 +132,11 @@ void DeclareLive(OptionSet& set, LiveOptions& options) {
 Result<ExitCode> ValidateLive(const LiveOptions& options, const Context& context) {
   auto conformance = ParseConformance(options);
   if (!conformance) return Fail(std::move(conformance.error()));
-  const auto end = ParseEnd(options.duration);
-  if (!end) return Fail(end.error());
   Printer printer(context.output);
-  const auto summary = app::ValidateLive(
-      {.conformance = *std::move(conformance),
-       .end = *end,
-       .count = options.count == 0 ? SIZE_MAX : static_cast<std::size_t>(options.count)},
-      MakeEnvironment(context), printer, context.output);
+  const auto summary = app::ValidateLive({.conformance = *std::move(conformance),
+                                          .end = FindEnd(options.duration),
+                                          .count = options.count.value_or(SIZE_MAX)},
+                                         MakeEnvironment(context), printer, context.output);
   if (!summary) return Fail(summary.error());
   ShowSummary(*summary, context.output);
   if (summary->all.messages == 0) {

@@ -1,7 +1,8 @@
 // `fleetpub validate --live`: listens, and holds whatever is published against the schemas.
 #pragma once
 
-#include <cstdint>
+#include <chrono>
+#include <optional>
 #include <string>
 
 #include "base/result.h"
@@ -15,9 +16,9 @@ class OptionSet;
 
 struct LiveOptions {
   bool live = false;
-  std::string duration;
-  std::int64_t count = 0;  ///< 0: no end
-  app::VdaOptions vda;     ///< interface and topic template
+  std::optional<std::chrono::milliseconds> duration;
+  std::optional<std::size_t> count;
+  app::VdaOptions vda;  ///< interface and topic template
   // What `validate` is told besides.
   std::string pattern;  ///< empty: everybody
   std::string version;  ///< empty: as each header says

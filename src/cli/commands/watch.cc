@@ -32,7 +32,7 @@ constexpr seconds kLongestStill{1};  // ages grow while nothing happens
 
 struct Options {
   FleetOptions fleet;
-  std::string duration;
+  std::optional<std::chrono::milliseconds> duration;
 };
 
 class LineDisplay final : public app::FleetDisplay {
@@ -166,10 +166,8 @@ std::unique_ptr<app::FleetDisplay> MakeDisplay(const Options& o, const mqtt::Bro
 }
 
 Result<ExitCode> RunWatch(const Options& o, const Context& context) {
-  const auto end = ParseEnd(o.duration);
-  if (!end) return Fail(end.error());
   const auto watched = app::WatchFleet(
-      {.words = o.fleet.words, .vda = o.fleet.vda}, *end, MakeEnvironment(context),
+      {.words = o.fleet.words, .vda = o.fleet.vda}, FindEnd(o.duration), MakeEnvironment(context),
       [&](const mqtt::BrokerUrl& broker) { return MakeDisplay(o, broker, context); },
       context.output);
   if (!watched) return Fail(watched.error());
@@ -181,8 +179,7 @@ Result<ExitCode> RunWatch(const Options& o, const Context& context) {
 Run DeclareWatch(OptionSet& set) {
   const auto options = std::make_shared<Options>();
   DeclareFleetOptions(set, options->fleet);
-  set.AddOption("--for", options->duration, "End after this time [on q or Ctrl-C]")
-      .Type("TIME")
+  set.AddOption("--for", Duration(options->duration), "End after this time [on q or Ctrl-C]")
       .Group("Waiting");
   return [options](const Context& context) { return RunWatch(*options, context); };
 }

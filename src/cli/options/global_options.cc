@@ -5,11 +5,10 @@
 #include <algorithm>
 #include <array>
 #include <cassert>
-#include <charconv>
+#include <chrono>
 #include <tuple>
 
 #include "base/text.h"
-#include "base/time.h"
 #include "cli/broker_guard.h"
 #include "cli/options/identity.h"
 #include "cli/options/password.h"
@@ -29,7 +28,7 @@ constexpr const char* kFiles = "Files";
 constexpr const char* kConfig = "Configuration";
 
 // The key of a setting is its option's long name: `-i,--client-id` → client_id.
-std::string_view KeyOf(std::string_view names) {
+std::string_view FindKey(std::string_view names) {
   const std::string_view name = names.substr(names.find("--") + 2);
   for (const std::string_view key : {"host", "port"}) {
     if (key == name) return key;  // no settings, but shown with them
@@ -43,65 +42,68 @@ std::string_view KeyOf(std::string_view names) {
   return setting->key;
 }
 
+// Declares the options of one group, each under its setting's key.
+struct Group {
+  OptionSet& set;
+  const char* name;
+
+  template <class V>
+  Option Add(const char* names, V&& value, const char* type, const char* help) const {
+    return set.AddOption(names, std::forward<V>(value), help)
+        .Type(type)
+        .Group(name)
+        .Key(FindKey(names));
+  }
+};
+
 void DeclareBroker(OptionSet& set, GlobalOptions& o) {
-  ConfigBindings& bindings = set.bindings();
-  bindings.Bind("broker",
-                set.AddOption("-b,--broker", o.brokers,
-                              "Broker as URL, mqtt|mqtts|ws|wss://[user@]host[:port]; repeat for "
-                              "failover [mqtt://localhost:1883]")
-                    .Type("URL")
-                    .Variable("FLEETPUB_BROKER")
-                    .OneValueEach()
-                    .Group(kBrokerGroup),
-                &o.brokers);
-  const auto add = [&](const char* names, std::string& value, const char* type, const char* env,
-                       const char* help) {
-    const Option option = set.AddOption(names, value, help).Type(type).Group(kBrokerGroup);
-    if (*env != '\0') option.Variable(env);
-    bindings.Bind(KeyOf(names), option, &value);
-  };
-  add("--host", o.host, "NAME", "FLEETPUB_HOST", "Broker's host, instead of a URL");
-  add("-p,--port", o.port, "PORT", "FLEETPUB_PORT", "Broker's port, with --host [1883]");
-  add("-u,--username", o.username, "USER", "FLEETPUB_USERNAME", "User name to log in with");
-  add("--password-file", o.password_file, "FILE", "FLEETPUB_PASSWORD_FILE",
-      "File whose first line is the password (or set FLEETPUB_PASSWORD)");
+  const Group group{set, kBrokerGroup};
+  group
+      .Add("-b,--broker", o.brokers, "URL",
+           "Broker as URL, mqtt|mqtts|ws|wss://[user@]host[:port]; repeat for failover "
+           "[mqtt://localhost:1883]")
+      .Variable("FLEETPUB_BROKER")
+      .OneValueEach();
+  group.Add("--host", o.host, "NAME", "Broker's host, instead of a URL").Variable("FLEETPUB_HOST");
+  group
+      .Add("-p,--port", WholeNumber(o.port, 1, 65'535), "PORT", "Broker's port, with --host [1883]")
+      .Variable("FLEETPUB_PORT");
+  group.Add("-u,--username", o.username, "USER", "User name to log in with")
+      .Variable("FLEETPUB_USERNAME");
+  group
+      .Add("--password-file", o.password_file, "FILE",
+           "File whose first line is the password (or set FLEETPUB_PASSWORD)")
+      .Variable("FLEETPUB_PASSWORD_FILE");
   set.AddFlag("--ask-password", o.ask_password, "Ask for the password on the terminal")
       .Group(kBrokerGroup);
-  add("-i,--client-id", o.client_id, "ID", "FLEETPUB_CLIENT_ID", "MQTT client id [a random one]");
-  add("-k,--keep-alive", o.keep_alive, "S", "", "MQTT keep-alive in seconds [60]");
-  add("-V,--mqtt-version", o.mqtt_version, "V", "FLEETPUB_MQTT_VERSION", "3.1.1 or 5 [3.1.1]");
-  add("--connect-timeout", o.connect_timeout, "TIME", "FLEETPUB_CONNECT_TIMEOUT",
-      "To connect, and for the broker to acknowledge at QoS 1 and 2 [10s]");
-  add("--proxy", o.proxy, "URL", "FLEETPUB_PROXY",
-      "HTTP proxy; the variables http_proxy and https_proxy are ignored");
-}
-
-void DeclareProperties(OptionSet& set, GlobalOptions& o) {
-  set.bindings().Bind("user_property",
-                      set.AddOption("--user-property", o.user_properties,
-                                    "MQTT 5: a property to send with each message; repeatable")
-                          .Type("NAME=VALUE")
-                          .OneValueEach()
-                          .Group(kBrokerGroup),
-                      &o.user_properties);
-  set.bindings().Bind(
-      "message_expiry",
-      set.AddOption(
-             "--message-expiry", o.message_expiry,
-             "MQTT 5: how long a broker may keep a message for a robot that is offline [no limit]")
-          .Type("TIME")
-          .Variable("FLEETPUB_MESSAGE_EXPIRY")
-          .Group(kBrokerGroup),
-      &o.message_expiry);
+  group.Add("-i,--client-id", o.client_id, "ID", "MQTT client id [a random one]")
+      .Variable("FLEETPUB_CLIENT_ID");
+  group.Add("-k,--keep-alive", WholeNumber(o.keep_alive, 0, 65'535), "S",
+            "MQTT keep-alive in seconds [60]");
+  group.Add("-V,--mqtt-version", OneOf(o.mqtt_version, config::kMqttVersions), "V", "{} [3.1.1]")
+      .Variable("FLEETPUB_MQTT_VERSION");
+  group
+      .Add("--connect-timeout", Duration(o.connect_timeout), "TIME",
+           "To connect, and for the broker to acknowledge at QoS 1 and 2 [10s]")
+      .Variable("FLEETPUB_CONNECT_TIMEOUT");
+  group
+      .Add("--proxy", o.proxy, "URL",
+           "HTTP proxy; the variables http_proxy and https_proxy are ignored")
+      .Variable("FLEETPUB_PROXY");
+  group
+      .Add("--user-property", o.user_properties, "NAME=VALUE",
+           "MQTT 5: a property to send with each message; repeatable")
+      .OneValueEach();
+  group
+      .Add("--message-expiry", Duration(o.message_expiry), "TIME",
+           "MQTT 5: how long a broker may keep a message for a robot that is offline [no limit]")
+      .Variable("FLEETPUB_MESSAGE_EXPIRY");
 }
 
 void DeclareTls(OptionSet& set, GlobalOptions& o) {
+  const Group group{set, kTls};
   const auto add = [&](const char* names, std::string& value, const char* type, const char* env,
-                       const char* help) {
-    set.bindings().Bind(KeyOf(names),
-                        set.AddOption(names, value, help).Type(type).Variable(env).Group(kTls),
-                        &value);
-  };
+                       const char* help) { group.Add(names, value, type, help).Variable(env); };
   add("--cafile", o.ca_file, "FILE", "FLEETPUB_CAFILE", "Authorities to trust, PEM [the system's]");
   add("--capath", o.ca_path, "FOLDER", "FLEETPUB_CAPATH", "Folder of authorities to trust");
   add("--cert", o.cert_file, "FILE", "FLEETPUB_CERT", "Our own certificate, PEM");
@@ -110,29 +112,19 @@ void DeclareTls(OptionSet& set, GlobalOptions& o) {
       "File whose first line is the key's password");
   add("--ciphers", o.ciphers, "LIST", "FLEETPUB_CIPHERS",
       "Ciphers to offer, as OpenSSL names them");
-  set.bindings().Bind(
-      "tls_alpn",
-      set.AddOption("--tls-alpn", o.alpn, "Application protocol to offer; repeatable")
-          .Type("NAME")
-          .OneValueEach()
-          .Group(kTls),
-      &o.alpn);
-  set.bindings().Bind(
-      "insecure",
-      set.AddFlag("--insecure", o.insecure,
-                  "Do not verify the broker's certificate: anyone could be the broker")
-          .Group(kTls),
-      &o.insecure);
+  group.Add("--tls-alpn", o.alpn, "NAME", "Application protocol to offer; repeatable")
+      .OneValueEach();
+  set.AddFlag("--insecure", o.insecure,
+              "Do not verify the broker's certificate: anyone could be the broker")
+      .Group(kTls)
+      .Key("insecure");
 }
 
 void DeclareOutput(OptionSet& set, GlobalOptions& o) {
-  set.bindings().Bind(
-      "output",
-      set.AddOption("-o,--output", o.format, "text, or json: one object per line [text]")
-          .Type("FORMAT")
-          .Variable("FLEETPUB_OUTPUT")
-          .Group(kOutput),
-      &o.format);
+  Group{set, kOutput}
+      .Add("-o,--output", OneOf(o.format, config::kOutputs), "FORMAT",
+           "{}: one object per line [text]")
+      .Variable("FLEETPUB_OUTPUT");
   set.AddFlag("--quiet", o.quiet, "No result lines and no warnings; errors stay").Group(kOutput);
   set.AddFlag("-v,--verbose", o.verbose, "Tell what is done, and the details of errors")
       .Group(kOutput);
@@ -140,29 +132,19 @@ void DeclareOutput(OptionSet& set, GlobalOptions& o) {
 }
 
 void DeclareFiles(OptionSet& set, GlobalOptions& o) {
-  ConfigBindings& bindings = set.bindings();
-  bindings.Bind(
-      "ledger",
-      set.AddOption(
-             "--ledger", o.ledger,
-             "Header ids and history: a file, or postgresql://... [see the manual, \"Files\"]")
-          .Type("PLACE")
-          .Variable("FLEETPUB_LEDGER")
-          .Group(kFiles),
-      &o.ledger);
-  bindings.Bind(
-      "no_history",
-      set.AddFlag("--no-history", o.no_history, "Keep header ids only, no row of what was sent")
-          .Group(kFiles),
-      &o.no_history);
-  bindings.Bind("header_id_start", Option(), &o.header_id_start);
-  bindings.Bind("schema_dir",
-                set.AddOption("--schema-dir", o.schema_directory,
-                              "Schemas that stand before the built-in ones")
-                    .Type("FOLDER")
-                    .Variable("FLEETPUB_SCHEMA_DIR")
-                    .Group(kFiles),
-                &o.schema_directory);
+  const Group group{set, kFiles};
+  group
+      .Add("--ledger", o.ledger, "PLACE",
+           "Header ids and history: a file, or postgresql://... [see the manual, \"Files\"]")
+      .Variable("FLEETPUB_LEDGER");
+  set.AddFlag("--no-history", o.no_history, "Keep header ids only, no row of what was sent")
+      .Group(kFiles)
+      .Key("no_history");
+  set.AddSetting("header_id_start", OneOf(o.header_id_start, config::kHeaderIdStarts));
+  group
+      .Add("--schema-dir", o.schema_directory, "FOLDER",
+           "Schemas that stand before the built-in ones")
+      .Variable("FLEETPUB_SCHEMA_DIR");
 }
 
 void DeclareConfig(OptionSet& set, GlobalOptions& o) {
@@ -182,11 +164,16 @@ bool HasUserName(const std::string& broker) { return broker.find('@') != std::st
 // What a flag says of the broker goes before what the environment says of it in the other form.
 void PreferFlags(const OptionSet& set, GlobalOptions& o) {
   const bool by_url = set.IsByFlag("--broker");
-  if (set.IsByFlag("--host") && !by_url) o.brokers.clear();
+  if (set.IsByFlag("--host") && !by_url) {
+    o.brokers.clear();
+    set.Find("--broker").Forget();
+  }
   const bool by_host = set.IsByFlag("--host") || set.IsByFlag("--port");
   if (by_url && !by_host) {
     o.host.clear();
-    o.port.clear();
+    o.port.reset();
+    set.Find("--host").Forget();
+    set.Find("--port").Forget();
   }
   o.is_broker_by_flag = by_url;
   o.is_host_by_flag = by_host;
@@ -198,16 +185,6 @@ Status CheckProxy(const OptionSet& set, const GlobalOptions& o) {
   return Fail(ErrorKind::kUsage,
               "a proxy's login does not stand in the arguments, which every user of this machine "
               "can read: set FLEETPUB_PROXY");
-}
-
-Result<int> ParseWhole(std::string_view text, int least, int most, std::string_view option) {
-  int value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error == std::errc() && end == text.data() + text.size() && value >= least && value <= most) {
-    return value;
-  }
-  return Fail(ErrorKind::kUsage, fmt::format("{} takes a whole number from {} to {}, not '{}'",
-                                             option, least, most, base::Printable(text)));
 }
 
 // Who names an authority expects to be encrypted. A configuration may do so for other brokers.
@@ -253,13 +230,6 @@ Result<mqtt::TlsOptions> MakeTlsOptions(const Context& context) {
   return tls;
 }
 
-Result<mqtt::ProtocolVersion> MqttVersionOf(std::string_view text) {
-  if (text == "3.1.1" || text == "311" || text == "4") return mqtt::ProtocolVersion::k311;
-  if (text == "5" || text == "5.0") return mqtt::ProtocolVersion::k5;
-  return Fail(ErrorKind::kUsage,
-              fmt::format("--mqtt-version takes 3.1.1 or 5, not '{}'", base::Printable(text)));
-}
-
 Result<std::pair<std::string, std::string>> ParseUserProperty(const std::string& text) {
   const std::size_t equals = text.find('=');
   if (equals == 0 || equals == std::string::npos) {
@@ -276,29 +246,22 @@ Result<std::pair<std::string, std::string>> ParseUserProperty(const std::string&
   return std::pair(text.substr(0, equals), text.substr(equals + 1));
 }
 
-Result<std::chrono::seconds> ExpiryOf(std::string_view text) {
-  const auto time = base::ParseDuration(text);
-  if (!time) return Fail(time.error());
-  const auto expiry = std::chrono::ceil<std::chrono::seconds>(*time);
-  if (expiry.count() >= 1 && expiry.count() <= UINT32_MAX) return expiry;
-  return Fail(ErrorKind::kUsage, "--message-expiry takes a time of at least a second");
-}
-
-Result<mqtt::PublishProperties> ParseProperties(const GlobalOptions& o,
-                                                mqtt::ProtocolVersion version) {
+Result<mqtt::PublishProperties> ParseProperties(const GlobalOptions& o) {
   mqtt::PublishProperties properties;
   for (const std::string& text : o.user_properties) {
     auto property = ParseUserProperty(text);
     if (!property) return Fail(std::move(property.error()));
     properties.user.push_back(std::move(*property));
   }
-  if (!o.message_expiry.empty()) {
-    const auto expiry = ExpiryOf(o.message_expiry);
-    if (!expiry) return Fail(expiry.error());
-    properties.expiry = *expiry;
+  if (o.message_expiry) {
+    const auto expiry = std::chrono::ceil<std::chrono::seconds>(*o.message_expiry);
+    if (expiry.count() < 1 || expiry.count() > UINT32_MAX) {
+      return Fail(ErrorKind::kUsage, "--message-expiry takes a time of at least a second");
+    }
+    properties.expiry = expiry;
   }
   const bool any = properties.expiry || !properties.user.empty();
-  if (any && version != mqtt::ProtocolVersion::k5) {
+  if (any && o.mqtt_version != mqtt::ProtocolVersion::k5) {
     return Fail(ErrorKind::kUsage,
                 fmt::format("{} needs MQTT 5, and 3.1.1 is to be spoken: add --mqtt-version 5",
                             properties.expiry ? "--message-expiry" : "--user-property"));
@@ -315,7 +278,6 @@ bool IsGlobalGroup(std::string_view group) {
 
 void DeclareGlobalOptions(OptionSet& set, GlobalOptions& options) {
   DeclareBroker(set, options);
-  DeclareProperties(set, options);
   DeclareTls(set, options);
   DeclareOutput(set, options);
   DeclareFiles(set, options);
@@ -327,20 +289,22 @@ Status ApplyConfig(const config::Config& config, OptionSet& set, GlobalOptions& 
   ForgetVariable("FLEETPUB_PROXY");
   PreferFlags(set, options);
   std::vector<std::string_view> except;
-  if (!options.host.empty() || !options.port.empty()) except.emplace_back("broker");
+  if (!options.host.empty() || options.port) except.emplace_back("broker");
   if (!options.brokers.empty()) except.insert(except.end(), {"host", "port"});
   if (options.ask_password || HasPasswordInEnvironment()) except.emplace_back("password_file");
   if (!options.brokers.empty() &&
       std::all_of(options.brokers.begin(), options.brokers.end(), HasUserName)) {
     except.emplace_back("username");
   }
-  options.configured = set.bindings().Apply(config, std::move(except));
+  auto configured = set.Configure(config, std::move(except));
+  if (!configured) return Fail(std::move(configured.error()));
+  options.configured = *std::move(configured);
   return {};
 }
 
 Result<std::vector<mqtt::BrokerUrl>> ParseBrokers(const GlobalOptions& o) {
   std::vector<mqtt::BrokerUrl> brokers;
-  const bool by_host = !o.host.empty() || !o.port.empty();
+  const bool by_host = !o.host.empty() || o.port;
   if (by_host && !o.brokers.empty()) {
     return Fail(ErrorKind::kUsage,
                 "say where the broker is with --broker (FLEETPUB_BROKER) or with --host and --port "
@@ -349,9 +313,7 @@ Result<std::vector<mqtt::BrokerUrl>> ParseBrokers(const GlobalOptions& o) {
   if (by_host) {
     mqtt::BrokerUrl broker;
     broker.host = o.host.empty() ? "localhost" : o.host;
-    const auto port = ParseWhole(o.port.empty() ? "1883" : o.port, 1, 65'535, "--port");
-    if (!port) return Fail(port.error());
-    broker.port = static_cast<std::uint16_t>(*port);
+    broker.port = o.port.value_or(1883);
     brokers.push_back(broker);
     return brokers;
   }
@@ -371,13 +333,7 @@ Result<mqtt::ConnectOptions> MakeConnectOptions(const Context& context) {
   if (auto ok = CheckSite(context, *brokers); !ok) return Fail(std::move(ok.error()));
   if (auto ok = CheckLogin(context, *brokers); !ok) return Fail(std::move(ok.error()));
   if (auto ok = CheckEncryption(context, *brokers); !ok) return Fail(std::move(ok.error()));
-  const auto version = MqttVersionOf(o.mqtt_version);
-  if (!version) return Fail(version.error());
-  const auto keep_alive = ParseWhole(o.keep_alive, 0, 65'535, "--keep-alive");
-  if (!keep_alive) return Fail(keep_alive.error());
-  const auto timeout = base::ParseDuration(o.connect_timeout);
-  if (!timeout) return Fail(timeout.error());
-  auto properties = ParseProperties(o, *version);
+  auto properties = ParseProperties(o);
   if (!properties) return Fail(std::move(properties.error()));
   auto tls = MakeTlsOptions(context);
   if (!tls) return Fail(std::move(tls.error()));
@@ -389,10 +345,10 @@ Result<mqtt::ConnectOptions> MakeConnectOptions(const Context& context) {
   connect.client_id = o.client_id;
   connect.username = o.username;
   connect.password = std::move(*password);
-  connect.keep_alive = std::chrono::seconds(*keep_alive);
-  connect.version = *version;
+  connect.keep_alive = std::chrono::seconds(o.keep_alive);
+  connect.version = o.mqtt_version;
   connect.properties = std::move(*properties);
-  connect.connect_timeout = *timeout;
+  connect.connect_timeout = o.connect_timeout;
   connect.tls = std::move(*tls);
   connect.proxy = o.proxy;
   if (connect.password && connect.username.empty() && connect.brokers.front().username.empty()) {
@@ -411,7 +367,7 @@ void Describe(const Context& context, ledger::Options& options) {
   options.user = UserName();
   options.host = HostName();
   options.profile = context.config.profile;
-  if (context.options.header_id_start == "epoch") options.start = ledger::HeaderIdStart::kEpoch;
+  options.start = context.options.header_id_start;
 }
 
 Result<std::unique_ptr<ledger::Ledger>> OpenPostgres(const Context& context,
@@ -422,9 +378,7 @@ Result<std::unique_ptr<ledger::Ledger>> OpenPostgres(const Context& context,
   ledger::PostgresOptions options;
   Describe(context, options);
   options.url = context.options.ledger;
-  const auto timeout = base::ParseDuration(context.options.connect_timeout);
-  if (!timeout) return Fail(timeout.error());
-  options.connect_timeout = *timeout;
+  options.connect_timeout = context.options.connect_timeout;
   auto password = FindLedgerPassword(context.output);
   if (!password) return Fail(std::move(password.error()));
   options.password = std::move(*password);

@@ -23,16 +23,16 @@ class OptionSet;
 struct GlobalOptions {
   std::vector<std::string> brokers;
   std::string host;
-  std::string port;
+  std::optional<std::uint16_t> port;
   std::string username;
   std::string password_file;
   bool ask_password = false;
   std::string client_id;
-  std::string keep_alive = "60";
-  std::string mqtt_version = "3.1.1";
+  int keep_alive = 60;  ///< seconds
+  mqtt::ProtocolVersion mqtt_version = mqtt::ProtocolVersion::k311;
   std::vector<std::string> user_properties;
-  std::string message_expiry;
-  std::string connect_timeout = "10s";
+  std::optional<std::chrono::milliseconds> message_expiry;
+  std::chrono::milliseconds connect_timeout = std::chrono::seconds(10);
   std::string proxy;
   std::string ca_file;
   std::string ca_path;
@@ -51,7 +51,7 @@ struct GlobalOptions {
   std::string ledger;
   bool no_history = false;
   std::string schema_directory;
-  std::string header_id_start = "zero";  ///< zero, epoch
+  ledger::HeaderIdStart header_id_start = ledger::HeaderIdStart::kZero;
 
   std::optional<std::string> config_file;
   std::optional<std::string> profile;        ///< empty text: none

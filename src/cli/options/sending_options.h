@@ -1,7 +1,7 @@
 // The options of everything that sends: dry run, quality of service, consent and rate.
 #pragma once
 
-#include <string>
+#include <optional>
 
 #include "app/deliver.h"
 #include "base/result.h"
@@ -13,9 +13,9 @@ class OptionSet;
 struct SendingOptions {
   bool dry_run = false;
   bool offline = false;
-  std::string qos = "0";
-  bool yes = false;  ///< many robots may be commanded unasked
-  std::string rate;  ///< messages per second; empty: no limit
+  mqtt::Qos qos = mqtt::Qos::kAtMostOnce;
+  bool yes = false;            ///< many robots may be commanded unasked
+  std::optional<double> rate;  ///< messages per second; nothing: no limit
 };
 
 void DeclareSendingOptions(OptionSet& set, SendingOptions& options);
@@ -24,7 +24,7 @@ void DeclareOffline(OptionSet& set, SendingOptions& options);
 void DeclareManyOptions(OptionSet& set, SendingOptions& options);
 void DeclareRate(OptionSet& set, SendingOptions& options);
 /// `--qos` alone.
-void DeclareQos(OptionSet& set, std::string& qos);
+void DeclareQos(OptionSet& set, mqtt::Qos& qos);
 
 /// Errors: ErrorKind::kUsage.
 [[nodiscard]] Result<app::SendSettings> ParseSendingOptions(const SendingOptions& options);

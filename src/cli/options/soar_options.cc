@@ -3,12 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 
 #include "base/file.h"
 #include "base/json.h"
 #include "base/text.h"
-#include "base/time.h"
 #include "cli/parser/option_set.h"
 
 namespace fleetpub::cli {
@@ -16,7 +14,6 @@ namespace {
 
 constexpr const char* kSoar = "SoAR";
 constexpr const char* kAcknowledging = "Waiting";
-constexpr std::size_t kMostAcknowledgements = 100'000;
 
 tl::unexpected<Error> Usage(std::string message) {
   return Fail(ErrorKind::kUsage, std::move(message));
@@ -50,32 +47,6 @@ std::string OptionName(const soar::Field& field) {
   return name;
 }
 
-Result<std::optional<soar::Level>> WaitForOf(const SoarWaitingOptions& options) {
-  using Level = std::optional<soar::Level>;
-  if (options.wait_for.empty()) return options.wait ? Level(soar::Level::kExecuted) : Level();
-  if (const auto level = soar::ParseLevel(options.wait_for)) return Level(level);
-  std::vector<std::string> names;
-  for (const soar::Level level : soar::AllLevels()) names.emplace_back(soar::GetName(level));
-  return Usage(fmt::format("--wait-for takes one of {}, not '{}'", base::Join(names, ", "),
-                           base::Printable(options.wait_for)));
-}
-
-Result<std::size_t> CountOf(const std::string& text, const soar::Destination& destination) {
-  if (text.empty()) return 1;
-  std::size_t count = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), count);
-  if (error != std::errc() || end != text.data() + text.size() || count == 0 ||
-      count > kMostAcknowledgements) {
-    return Usage(fmt::format("--acks takes a whole number from 1 to {}, not '{}'",
-                             kMostAcknowledgements, base::Printable(text)));
-  }
-  if (count > 1 && destination.platform) {
-    return Usage(fmt::format("--acks {}: {} is one platform, which acknowledges once", count,
-                             base::Printable(destination.name)));
-  }
-  return count;
-}
-
 // A topic filter; dots are taken for slashes where there are none.
 Result<std::string> ParseFilter(std::string filter) {
   if (filter.find('/') == std::string::npos) std::replace(filter.begin(), filter.end(), '.', '/');
@@ -98,22 +69,17 @@ Result<std::string> ParseFilter(std::string filter) {
 }  // namespace
 
 void DeclarePrefix(OptionSet& set, std::string& prefix) {
-  set.bindings().Bind(
-      "soar_prefix",
-      set.AddOption("--prefix", prefix, "What all topics of the backbone begin with [soar]")
-          .Type("TEXT")
-          .Variable("FLEETPUB_SOAR_PREFIX")
-          .Group(kSoar),
-      &prefix);
+  set.AddOption("--prefix", prefix, "What all topics of the backbone begin with [soar]")
+      .Variable("FLEETPUB_SOAR_PREFIX")
+      .Group(kSoar)
+      .Key("soar_prefix");
 }
 
 void DeclareSource(OptionSet& set, std::string& source) {
-  set.bindings().Bind("soar_source",
-                      set.AddOption("--source", source, "Who sends [fleetpub]")
-                          .Type("TEXT")
-                          .Variable("FLEETPUB_SOAR_SOURCE")
-                          .Group(kSoar),
-                      &source);
+  set.AddOption("--source", source, "Who sends [fleetpub]")
+      .Variable("FLEETPUB_SOAR_SOURCE")
+      .Group(kSoar)
+      .Key("soar_source");
 }
 
 void DeclareSoarOptions(OptionSet& set, SoarOptions& o) {
@@ -132,13 +98,14 @@ void DeclareSoarOptions(OptionSet& set, SoarOptions& o) {
 void DeclareSoarWaiting(OptionSet& set, SoarWaitingOptions& o) {
   set.AddFlag("-w,--wait", o.wait, "Wait until it is acknowledged as executed")
       .Group(kAcknowledging);
-  const auto add = [&](const char* names, std::string& value, const char* type, const char* help) {
-    set.AddOption(names, value, help).Type(type).Group(kAcknowledging);
+  const auto add = [&](const char* names, ValueKind kind, const char* type, const char* help) {
+    set.AddOption(names, std::move(kind), help).Type(type).Group(kAcknowledging);
   };
-  add("--wait-for", o.wait_for, "LEVEL",
-      "Wait for c2_received, operator_approved_and_sent or executed");
-  add("-W,--timeout", o.timeout, "TIME", "How long to wait in total [35s to be seen, then 10m]");
-  add("--acks", o.acknowledgements, "N", "So many must acknowledge a broadcast [1]");
+  add("--wait-for", OneOf(o.wait_for, soar::kLevels), "LEVEL", "Wait for {}");
+  add("-W,--timeout", Duration(o.timeout), "TIME",
+      "How long to wait in total [35s to be seen, then 10m]");
+  add("--acks", WholeNumber(o.acknowledgements, 1, 100'000), "N",
+      "So many must acknowledge a broadcast [1]");
   set.AddOption("--ack-topic", o.topics,
                 "Where acknowledgements come back, + and # allowed; repeatable "
                 "[the destination's from_platform.acknowledgement]")
@@ -176,22 +143,18 @@ Result<soar::Destination> ParseDestination(const SoarOptions& options, const soa
 Result<SoarWaiting> ParseSoarWaiting(const SoarWaitingOptions& options,
                                      const soar::Destination& destination) {
   SoarWaiting waiting;
-  const auto wait_for = WaitForOf(options);
-  if (!wait_for) return Fail(wait_for.error());
-  waiting.wait_for = *wait_for;
-  const bool more =
-      !options.timeout.empty() || !options.acknowledgements.empty() || !options.topics.empty();
+  waiting.wait_for = options.wait_for;
+  if (!waiting.wait_for && options.wait) waiting.wait_for = soar::Level::kExecuted;
+  const bool more = options.timeout || options.acknowledgements || !options.topics.empty();
   if (!waiting.wait_for && more) {
     return Usage("--timeout, --acks and --ack-topic belong to waiting: add --wait");
   }
-  if (!options.timeout.empty()) {
-    const auto total = base::ParseDuration(options.timeout);
-    if (!total) return Fail(total.error());
-    waiting.wait.total = *total;
+  waiting.wait.total = options.timeout;
+  waiting.count = options.acknowledgements.value_or(1);
+  if (waiting.count > 1 && destination.platform) {
+    return Usage(fmt::format("--acks {}: {} is one platform, which acknowledges once",
+                             waiting.count, base::Printable(destination.name)));
   }
-  const auto count = CountOf(options.acknowledgements, destination);
-  if (!count) return Fail(count.error());
-  waiting.count = *count;
   for (const std::string& topic : options.topics) {
     auto filter = ParseFilter(topic);
     if (!filter) return Fail(std::move(filter.error()));
@@ -208,7 +171,15 @@ void FieldOptions::Declare(OptionSet& set, std::span<const soar::Field> fields) 
     if (name != field.name && field.parent.empty()) names += fmt::format(",--{}", field.name);
     Given& given = given_.emplace_back();
     given.field = &field;
-    given.option = set.AddOption(names, given.text, std::string(field.meaning))
+    ValueKind kind = Text(given.text);
+    if (!field.choices[0].empty()) {
+      kind.choices = [&field] {
+        std::vector<std::string_view> choices(field.choices.begin(), field.choices.end());
+        std::erase(choices, "");
+        return choices;
+      };
+    }
+    given.option = set.AddOption(names, std::move(kind), std::string(field.meaning))
                        .Type(TypeName(field.type))
                        .Group("Payload");
   }

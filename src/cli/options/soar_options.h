@@ -2,12 +2,14 @@
 // acknowledgement is waited for; and options made from the tables of a payload's fields.
 #pragma once
 
+#include <array>
 #include <deque>
 #include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "base/choice.h"
 #include "base/result.h"
 #include "cli/options/global_options.h"
 #include "cli/parser/option.h"
@@ -30,11 +32,16 @@ struct SoarOptions {
 
 struct SoarWaitingOptions {
   bool wait = false;
-  std::string wait_for;  ///< a level; empty: as `wait` says
-  std::string timeout;   ///< in total; empty: 35 s to be seen, 10 min to be done
-  std::string acknowledgements;
+  std::optional<soar::Level> wait_for;  ///< nothing: as `wait` says
+  /// In total; nothing: 35 s to be seen, 10 min to be done.
+  std::optional<std::chrono::milliseconds> timeout;
+  std::optional<std::size_t> acknowledgements;
   std::vector<std::string> topics;
 };
+
+/// Of `--protocol`: whether it is SoAR.
+inline constexpr auto kProtocols =
+    std::to_array<base::Choice<bool>>({{"vda5050", false}, {"soar", true}});
 
 void DeclareSoarOptions(OptionSet& set, SoarOptions& options);
 void DeclareSoarWaiting(OptionSet& set, SoarWaitingOptions& options);

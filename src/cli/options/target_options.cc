@@ -1,6 +1,5 @@
 #include "cli/options/target_options.h"
 
-#include "base/time.h"
 #include "cli/parser/option_set.h"
 
 namespace fleetpub::cli {
@@ -40,23 +39,20 @@ void DeclareTargetOptions(OptionSet& set, TargetOptions& o) {
       .Type("CONDITION")
       .OneValueEach()
       .Group(kTargets);
-  set.AddOption("--state-wait", o.state_wait,
+  set.AddOption("--state-wait", Duration(o.state_wait),
                 "How long --where waits for the states of robots that are online [35s]")
-      .Type("TIME")
       .Group(kTargets);
 }
 
 Result<app::TargetRequest> ParseTargetOptions(const TargetOptions& options) {
   auto where = ParseConditions(options.where);
   if (!where) return Fail(std::move(where.error()));
-  const auto state_wait = base::ParseDuration(options.state_wait);
-  if (!state_wait) return Fail(state_wait.error());
   return app::TargetRequest{.words = options.words,
                             .patterns = options.patterns,
                             .all = options.all,
                             .except = options.except,
                             .where = *std::move(where),
-                            .state_wait = *state_wait};
+                            .state_wait = options.state_wait};
 }
 
 }  // namespace fleetpub::cli

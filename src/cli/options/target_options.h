@@ -1,6 +1,7 @@
 // The options that say which robots a command is for.
 #pragma once
 
+#include <chrono>
 #include <string>
 #include <vector>
 
@@ -17,7 +18,7 @@ struct TargetOptions {
   bool all = false;
   std::vector<std::string> except;
   std::vector<std::string> where;
-  std::string state_wait = "35s";
+  std::chrono::milliseconds state_wait = std::chrono::seconds(35);
 };
 
 void DeclareTargetOptions(OptionSet& set, TargetOptions& options);

@@ -21,7 +21,7 @@ struct InstantOptions {
   std::optional<std::string> id;
   std::string descriptor;
   std::string blocking_type;
-  std::string header_id;
+  std::optional<std::uint32_t> header_id;
   app::VdaOptions vda;
 };
 
@@ -33,8 +33,5 @@ void DeclareInstantOptions(OptionSet& set, InstantOptions& options);
 [[nodiscard]] Result<vda5050::InstantAction> BuildInstantAction(
     const InstantOptions& options, std::string_view type,
     std::vector<vda5050::Parameter> parameters, std::size_t targets);
-
-/// `--header-id`; nothing when it was not given.
-[[nodiscard]] Result<std::optional<std::uint32_t>> HeaderIdOf(const std::string& text);
 
 }  // namespace fleetpub::cli

@@ -1,7 +1,8 @@
 // The options of waiting for the robot's word, and of checking beforehand.
 #pragma once
 
-#include <string>
+#include <chrono>
+#include <optional>
 
 #include "app/command_factory.h"
 #include "base/result.h"
@@ -12,13 +13,14 @@ class OptionSet;
 
 struct WaitingOptions {
   bool wait = false;
-  std::string wait_for;  ///< accepted, finished; empty: as `wait` says
-  std::string timeout;   ///< in total; empty: 35 s to be seen, 10 min to be done
+  std::optional<vda5050::WaitFor> wait_for;  ///< nothing: as `wait` says
+  /// In total; nothing: 35 s to be seen, 10 min to be done.
+  std::optional<std::chrono::milliseconds> timeout;
   int resend = 0;
   bool check = false;  ///< the default, said outright
   bool no_check = false;
   bool tidy = false;
-  std::string discover = "300";
+  std::chrono::milliseconds discover{300};
 };
 
 /// `--wait`, `--wait-for` and `--timeout` alone.

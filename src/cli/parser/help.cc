@@ -83,7 +83,7 @@ std::string ActionLines() {
     for (const std::string_view other : vda5050::ListShortNames(type)) {
       name += fmt::format(", {}", other);
     }
-    const auto* action = vda5050::FindAction(vda5050::Version::k300, type);
+    const auto* action = vda5050::FindAction(vda5050::kVersions.back(), type);
     text += TwoColumns(name, action->summary);
   }
   return text;
@@ -101,7 +101,7 @@ std::string CommandLines(HelpGroup group) {
 
 std::string ActionSummary(std::string_view name) {
   const std::string_view type = vda5050::ActionCalled(name).value_or(name);
-  const auto* action = vda5050::FindAction(vda5050::Version::k300, type);
+  const auto* action = vda5050::FindAction(vda5050::kVersions.back(), type);
   const std::string versions = vda5050::VersionsWithInstant(type);
   if (versions.empty()) return fmt::format("{} is never an instant action.", type);
   return fmt::format("{}: {} (VDA 5050 {}).", type, action->summary, versions);

@@ -4,44 +4,59 @@
 
 namespace fleetpub::cli {
 
-Option Option::Type(const std::string& name) const {
-  option_->type_name(name);
+Option Option::Type(std::string_view name) const {
+  if (record_->option != nullptr) record_->option->type_name(std::string(name));
   return *this;
 }
 
 Option Option::Group(const std::string& name) const {
-  option_->group(name);
+  if (record_->option != nullptr) record_->option->group(name);
   return *this;
 }
 
 Option Option::Variable(const std::string& name) const {
-  option_->envname(name);
+  if (record_->option != nullptr) record_->option->envname(name);
   return *this;
 }
 
 Option Option::OneValueEach() const {
-  option_->allow_extra_args(false);
+  if (record_->option != nullptr) record_->option->allow_extra_args(false);
   return *this;
 }
 
-Option Option::InRange(std::int64_t least, std::int64_t most) const {
-  option_->check(CLI::Range(least, most));
+Option Option::Key(std::string_view key) const {
+  record_->key = key;
   return *this;
 }
 
-bool Option::IsGiven() const { return option_ != nullptr && !option_->empty(); }
-bool Option::IsPositional() const { return option_->get_positional(); }
-bool Option::TakesValue() const { return option_->get_items_expected_max() > 0; }
-bool Option::IsRepeatable() const { return option_->get_items_expected_max() > 1; }
-const std::vector<std::string>& Option::short_names() const { return option_->get_snames(); }
-const std::vector<std::string>& Option::long_names() const { return option_->get_lnames(); }
-std::string Option::position_name() const { return option_->get_name(true); }
-std::string Option::type() const {
-  const std::string type = option_->get_type_name();
-  return type.substr(0, type.find(':'));  // CLI11 adds its validators
+bool Option::IsGiven() const {
+  return record_ != nullptr && record_->option != nullptr && !record_->option->empty();
 }
-const std::string& Option::group() const { return option_->get_group(); }
-const std::string& Option::description() const { return option_->get_description(); }
-std::string Option::variable() const { return option_->get_envname(); }
+bool Option::IsPositional() const { return record_->option->get_positional(); }
+bool Option::TakesValue() const { return record_->option->get_items_expected_max() > 0; }
+bool Option::IsRepeatable() const { return record_->option->get_items_expected_max() > 1; }
+const std::vector<std::string>& Option::short_names() const {
+  return record_->option->get_snames();
+}
+const std::vector<std::string>& Option::long_names() const { return record_->option->get_lnames(); }
+std::string Option::position_name() const { return record_->option->get_name(true); }
+std::string Option::type() const { return record_->option->get_type_name(); }
+const std::string& Option::group() const { return record_->option->get_group(); }
+const std::string& Option::description() const { return record_->option->get_description(); }
+std::string Option::variable() const { return record_->option->get_envname(); }
+const std::vector<std::string>& Option::texts() const { return record_->option->results(); }
+
+std::vector<std::string_view> Option::Choices(std::optional<vda5050::Version> version) const {
+  const ValueKind& kind = record_->kind;
+  auto choices = kind.choices ? kind.choices() : std::vector<std::string_view>();
+  if (kind.exists_in != nullptr && version) {
+    std::erase_if(choices, [&](std::string_view one) { return !kind.exists_in(one, *version); });
+  }
+  return choices;
+}
+
+void Option::Forget() const {
+  if (IsGiven()) record_->option->clear();
+}
 
 }  // namespace fleetpub::cli

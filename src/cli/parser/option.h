@@ -1,9 +1,11 @@
 // One option of the command line.
 #pragma once
 
-#include <cstdint>
 #include <string>
+#include <string_view>
 #include <vector>
+
+#include "cli/parser/value_kind.h"
 
 namespace CLI {
 class Option;
@@ -15,14 +17,21 @@ namespace fleetpub::cli {
 /// set.
 class Option {
  public:
-  /// No option: nobody gave it, and nothing else may be asked of it.
+  /// What the set keeps of it.
+  struct Record {
+    ValueKind kind = {};
+    CLI::Option* option = nullptr;  ///< null: left out, so nobody gave it
+    std::string_view key = {};
+  };
+
+  /// No option.
   Option() = default;
-  explicit Option(CLI::Option* option) : option_(option) {}
+  explicit Option(Record* record) : record_(record) {}
 
   // Declaring, in any order.
 
   /// What stands for its value in the help: `FILE`.
-  Option Type(const std::string& name) const;
+  Option Type(std::string_view name) const;
   /// Its heading in the help.
   Option Group(const std::string& name) const;
   /// The environment variable that gives it: `FLEETPUB_` and the long name in capitals, perhaps
@@ -30,8 +39,8 @@ class Option {
   Option Variable(const std::string& name) const;
   /// Repeatable, with one value each time: what follows the value is not its own.
   Option OneValueEach() const;
-  /// A whole number between these, both included; others are a usage error.
-  Option InRange(std::int64_t least, std::int64_t most) const;
+  /// The setting of the configuration that stands for it. The key must outlive the set.
+  Option Key(std::string_view key) const;
 
   // Asking.
 
@@ -46,11 +55,19 @@ class Option {
   [[nodiscard]] const std::string& group() const;
   [[nodiscard]] const std::string& description() const;
   [[nodiscard]] std::string variable() const;
+  /// As they were given.
+  [[nodiscard]] const std::vector<std::string>& texts() const;
+  /// Of its kind, those that this version has; without a version all.
+  [[nodiscard]] std::vector<std::string_view> Choices(
+      std::optional<vda5050::Version> version) const;
+
+  /// Something else was given instead of it.
+  void Forget() const;
 
  private:
   friend class OptionSet;
 
-  CLI::Option* option_ = nullptr;
+  Record* record_ = nullptr;
 };
 
 }  // namespace fleetpub::cli

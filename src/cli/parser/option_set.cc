@@ -5,8 +5,6 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <cstdint>
-#include <optional>
 #include <vector>
 
 #include "base/text.h"
@@ -46,35 +44,20 @@ Error UnknownArguments(const CLI::App& app, const std::string& command) {
           fmt::format("{}: '{}' is not understood: {}", command, base::Printable(first), hint)};
 }
 
-// CLI11's sentence names the option somewhere; ours says what it was given.
-Error NotTaken(const CLI::App& app, const std::string& command, std::string_view what) {
-  for (const CLI::Option* option : app.get_options()) {
-    const std::string name = option->get_name();
-    if (name.empty() || what.find(name) == std::string_view::npos) continue;
-    const std::string given = base::Printable(base::Join(option->results(), " "));
-    const std::string why = option->get_expected_max() == 0
-                                ? "takes no value"
-                                : fmt::format("does not take '{}'", given);
-    return {ErrorKind::kUsage,
-            fmt::format("{0}: {1} {2}: fleetpub {0} --help says what it takes", command, name, why),
-            std::string(what)};
-  }
-  return {ErrorKind::kUsage,
-          fmt::format("{0}: the arguments are not understood: fleetpub {0} --help", command),
-          std::string(what)};
+Error Refusal(const ValueKind& kind, std::string_view name, const std::vector<std::string>& texts) {
+  return {ErrorKind::kUsage, fmt::format("{} takes {}, not '{}'", name, kind.Takes(),
+                                         base::Printable(base::Join(texts, " ")))};
 }
 
 }  // namespace
 
 OptionSet::OptionSet(Extent extent, std::span<const std::string> arguments)
-    : app_(std::make_unique<CLI::App>()),
-      all_(extent == Extent::kAll),
-      unmentioned_(std::make_unique<CLI::App>()),
-      nobody_(unmentioned_->add_option("--unmentioned")) {
+    : app_(std::make_unique<CLI::App>()), all_(extent == Extent::kAll) {
   app_->set_help_flag();
   if (all_) {
-    app_->set_help_flag("-h,--help", "Print this help")->group("Output");
-    app_->set_version_flag("--version", std::string(), "Print the version")->group("Output");
+    Declare(app_->set_help_flag("-h,--help", "Print this help"), {}).Group("Output");
+    Declare(app_->set_version_flag("--version", std::string(), "Print the version"), {})
+        .Group("Output");
   }
   for (const std::string& argument : arguments) Mention(argument);
   for (char** variable = environ; variable != nullptr && *variable != nullptr; ++variable) {
@@ -90,24 +73,40 @@ OptionSet::OptionSet(Extent extent, std::span<const std::string> arguments)
 
 OptionSet::~OptionSet() = default;
 
-template <class T>
-Option OptionSet::AddOption(const std::string& names, T& value, const std::string& help) {
-  return Option(IsMentioned(names) ? app_->add_option(names, value, help) : nobody_);
+Option OptionSet::Declare(CLI::Option* option, ValueKind kind) {
+  return Option(&records_.emplace_back(Option::Record{std::move(kind), option}));
+}
+
+Option OptionSet::AddOption(const std::string& names, ValueKind kind, std::string help) {
+  const Option option = Declare(nullptr, std::move(kind));
+  if (!IsMentioned(names)) return option;
+  Option::Record& record = *option.record_;
+  if (const auto place = help.find("{}"); place != std::string::npos) {
+    help.replace(place, 2, record.kind.Takes());
+  }
+  record.option = app_->add_option(
+      names,
+      [this, option](const std::vector<std::string>&) {
+        const ValueKind& taker = option.record_->kind;
+        // Whatever is refused, the others are stored: they say how errors are shown.
+        if (!taker.store(option.texts()) && !refused_) {
+          refused_ = Refusal(taker, FormatGiver(option), option.texts());
+        }
+        return true;
+      },
+      help);
+  record.option->type_name(std::string(record.kind.type));
+  if (record.kind.is_list) record.option->expected(CLI::detail::expected_max_vector_size);
+  return option;
 }
 
 Option OptionSet::AddFlag(const std::string& names, bool& value, const std::string& help) {
-  return Option(IsMentioned(names) ? app_->add_flag(names, value, help) : nobody_);
+  return Declare(IsMentioned(names) ? app_->add_flag(names, value, help) : nullptr, Flag(value));
 }
 
-// What the subcommands' options are.
-template Option OptionSet::AddOption(const std::string&, std::string&, const std::string&);
-template Option OptionSet::AddOption(const std::string&, std::vector<std::string>&,
-                                     const std::string&);
-template Option OptionSet::AddOption(const std::string&, std::optional<std::string>&,
-                                     const std::string&);
-template Option OptionSet::AddOption(const std::string&, int&, const std::string&);
-template Option OptionSet::AddOption(const std::string&, std::int64_t&, const std::string&);
-template Option OptionSet::AddOption(const std::string&, std::uint64_t&, const std::string&);
+void OptionSet::AddSetting(std::string_view key, ValueKind kind) {
+  Declare(nullptr, std::move(kind)).Key(key);
+}
 
 void OptionSet::Mention(std::string_view argument) {
   if (argument.starts_with("--")) {
@@ -132,31 +131,41 @@ Result<OptionSet::Asked> OptionSet::Parse(const std::string& command,
     return Fail(ErrorKind::kUsage,
                 fmt::format("{}: {} {}", command, base::Printable(what.substr(0, what.find(':'))),
                             too_many ? "is given more than once" : "needs a value"));
-  } catch (const CLI::ParseError& error) {
-    return Fail(NotTaken(*app_, command, error.what()));
+  } catch (const CLI::ParseError& error) {  // `--quiet=maybe`
+    return Fail(ErrorKind::kUsage, fmt::format("{}: a flag takes no value: {}", command,
+                                               base::Printable(error.what())));
   }
   auto left = app_->remaining(true);
   std::erase(left, "--");  // behind it, words may begin with a dash
   if (!left.empty()) return Fail(UnknownArguments(*app_, command));
+  if (refused_) return Fail(*refused_);
   return Asked::kRun;
 }
 
 std::vector<Option> OptionSet::options() const {
   std::vector<Option> options;
-  for (CLI::Option* option : app_->get_options()) options.emplace_back(option);
+  for (Option::Record& record : records_) {
+    if (record.option != nullptr) options.emplace_back(&record);
+  }
   return options;
 }
 
 Option OptionSet::Find(const std::string& name) const {
-  return Option(app_->get_option_no_throw(name));
+  const CLI::Option* const wanted = app_->get_option_no_throw(name);
+  for (const Option& option : options()) {
+    if (option.record_->option == wanted) return option;
+  }
+  return {};
 }
 
-bool OptionSet::IsDeclared(const std::string& name) const { return Find(name).option_ != nullptr; }
+bool OptionSet::IsDeclared(const std::string& name) const {
+  return app_->get_option_no_throw(name) != nullptr;
+}
 
 // What the environment sets, CLI11 does not count as parsed.
 bool OptionSet::IsByFlag(const Option& option) const {
   const auto& parsed = app_->parse_order();
-  return std::find(parsed.begin(), parsed.end(), option.option_) != parsed.end();
+  return std::find(parsed.begin(), parsed.end(), option.record_->option) != parsed.end();
 }
 
 bool OptionSet::IsByFlag(const std::string& name) const {
@@ -166,6 +175,50 @@ bool OptionSet::IsByFlag(const std::string& name) const {
 std::string OptionSet::Origin(const Option& option) const {
   if (!IsByFlag(option)) return fmt::format("environment variable {}", option.variable());
   return fmt::format("flag --{}", option.long_names().front());
+}
+
+std::string OptionSet::FormatGiver(const Option& option) const {
+  if (option.IsPositional()) return option.type();
+  return IsByFlag(option) ? "--" + option.long_names().front() : option.variable();
+}
+
+bool OptionSet::IsExcepted(std::string_view key) const {
+  return std::find(except_.begin(), except_.end(), key) != except_.end();
+}
+
+Result<std::vector<std::string_view>> OptionSet::Configure(const config::Config& config,
+                                                           std::vector<std::string_view> except) {
+  except_ = std::move(except);
+  std::vector<std::string_view> set;
+  for (Option::Record& record : records_) {
+    if (record.key.empty() || Option(&record).IsGiven() || IsExcepted(record.key)) continue;
+    const config::ConfigValue* const value = config.Find(record.key);
+    if (value == nullptr) continue;
+    if (!record.kind.store(value->texts)) {
+      return Fail(
+          Refusal(record.kind, fmt::format("{}: {}", value->Origin(), record.key), value->texts));
+    }
+    set.push_back(record.key);
+  }
+  return set;
+}
+
+std::vector<OptionSet::Setting> OptionSet::Settings(const config::Config& config) const {
+  std::vector<Setting> all;
+  for (Option::Record& record : records_) {
+    const Option option(&record);
+    if (record.key.empty()) continue;
+    if (option.IsGiven() && option.texts() != std::vector<std::string>{""}) {
+      all.push_back({record.key, option.texts(), Origin(option)});
+    } else if (IsExcepted(record.key)) {
+      continue;
+    } else if (const config::ConfigValue* value = config.Find(record.key)) {
+      all.push_back({record.key, value->texts, value->Origin()});
+    } else {
+      all.push_back({record.key, {}, "default"});
+    }
+  }
+  return all;
 }
 
 bool OptionSet::IsMentioned(std::string_view names) const {

@@ -7,7 +7,9 @@
 #pragma once
 
 #include <bitset>
+#include <deque>
 #include <memory>
+#include <optional>
 #include <set>
 #include <span>
 #include <string>
@@ -15,13 +17,12 @@
 #include <vector>
 
 #include "base/result.h"
-#include "cli/parser/config_bindings.h"
 #include "cli/parser/option.h"
+#include "config/config.h"
 
 namespace CLI {
 class App;
-class Option;
-}  // namespace CLI
+}
 
 namespace fleetpub::cli {
 
@@ -37,11 +38,17 @@ class OptionSet {
   ~OptionSet();
 
   /// `names` as in `-b,--broker`, or a name without dashes for the words that are no options, which
-  /// are always declared. `value` must outlive the set. Nobody has given an option that is left
-  /// out.
+  /// are always declared. Nobody has given an option that is left out. In `help`, {} stands for the
+  /// kind's choices.
+  Option AddOption(const std::string& names, ValueKind kind, std::string help);
+  /// Any text.
   template <class T>
-  Option AddOption(const std::string& names, T& value, const std::string& help);
+  Option AddOption(const std::string& names, T& value, std::string help) {
+    return AddOption(names, Text(value), std::move(help));
+  }
   Option AddFlag(const std::string& names, bool& value, const std::string& help);
+  /// What only the configuration sets.
+  void AddSetting(std::string_view key, ValueKind kind);
 
   /// Once. The arguments of this command, without its name. Errors: kUsage.
   [[nodiscard]] Result<Asked> Parse(const std::string& command,
@@ -58,21 +65,35 @@ class OptionSet {
   /// Who gave an option that is given: `flag --qos`, `environment variable FLEETPUB_QOS`.
   [[nodiscard]] std::string Origin(const Option& option) const;
 
-  /// The options that the configuration may set too.
-  [[nodiscard]] ConfigBindings& bindings() { return bindings_; }
+  /// Takes from the configuration what nobody gave, but for the keys of `except`: something else was
+  /// given instead. The keys that were set. Errors: kUsage.
+  [[nodiscard]] Result<std::vector<std::string_view>> Configure(
+      const config::Config& config, std::vector<std::string_view> except);
+
+  struct Setting {
+    std::string_view key;
+    std::vector<std::string> texts;  ///< empty: the default
+    std::string origin;              ///< `flag --qos`, `profile north of FILE:3`, `default`
+  };
+  /// After Configure, all that the configuration may set. What was replaced by something else is
+  /// left out.
+  [[nodiscard]] std::vector<Setting> Settings(const config::Config& config) const;
 
  private:
   void Mention(std::string_view argument);
   [[nodiscard]] bool IsMentioned(std::string_view names) const;
   [[nodiscard]] bool IsByFlag(const Option& option) const;
+  Option Declare(CLI::Option* option, ValueKind kind);
+  [[nodiscard]] std::string FormatGiver(const Option& option) const;
+  [[nodiscard]] bool IsExcepted(std::string_view key) const;
 
   std::unique_ptr<CLI::App> app_;
   bool all_;
   std::set<std::string, std::less<>> long_names_;
   std::bitset<256> letters_;
-  std::unique_ptr<CLI::App> unmentioned_;
-  CLI::Option* nobody_;  ///< stands for every option that is left out
-  ConfigBindings bindings_;
+  mutable std::deque<Option::Record> records_;  ///< which the options point to
+  std::optional<Error> refused_;                ///< the first value that its kind does not take
+  std::vector<std::string_view> except_;
 };
 
 }  // namespace fleetpub::cli

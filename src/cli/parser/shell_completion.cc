@@ -14,9 +14,9 @@
 #include "cli/output/output.h"
 #include "cli/parser/command_line.h"
 #include "ledger/postgres/postgres_url.h"
-#include "message/command_status.h"
 #include "schema/schema.h"
 #include "vda5050/catalogue/catalogue.h"
+#include "vda5050/model/robot_address.h"
 
 namespace fleetpub::cli {
 namespace {
@@ -35,26 +35,6 @@ void Fixed(const Typed& /*typed*/, Candidates& found) {
   for (const std::string_view word : kWords) found.words.push_back({std::string(word), ""});
 }
 
-constexpr auto kVersions = std::to_array<std::string_view>({"1.1", "2.0", "2.1", "3.0", "auto"});
-constexpr auto kQos = std::to_array<std::string_view>({"0", "1", "2"});
-constexpr auto kFormats = std::to_array<std::string_view>({"text", "json"});
-constexpr auto kMqttVersions = std::to_array<std::string_view>({"3.1.1", "5"});
-constexpr auto kEnds = std::to_array<std::string_view>({"accepted", "finished"});
-constexpr auto kSoarEnds =
-    std::to_array<std::string_view>({"c2_received", "operator_approved_and_sent", "executed"});
-constexpr auto kBlocking = std::to_array<std::string_view>({"NONE", "SINGLE", "SOFT", "HARD"});
-constexpr auto kProtocols = std::to_array<std::string_view>({"vda5050", "soar"});
-constexpr auto kShells = std::to_array<std::string_view>({"bash", "zsh", "fish"});
-constexpr auto kSent =
-    std::to_array<std::string_view>({"order", "instantActions", "zoneSet", "responses"});
-constexpr auto kHeard =
-    std::to_array<std::string_view>({"state", "connection", "factsheet", "visualization"});
-constexpr auto kTopicNames =
-    std::to_array<std::string_view>({"connection", "factsheet", "instantActions", "order",
-                                     "responses", "state", "visualization", "zoneSet"});
-constexpr auto kAnswers =
-    std::to_array<std::string_view>({"GRANTED", "QUEUED", "REVOKED", "REJECTED"});
-
 void Files(const Typed& /*typed*/, Candidates& found) { found.files = true; }
 
 void Profiles(const Typed& typed, Candidates& found) {
@@ -66,7 +46,7 @@ void Profiles(const Typed& typed, Candidates& found) {
 void ActionTypes(const Typed& /*typed*/, Candidates& found) {
   for (const std::string_view type : vda5050::AllActionNames()) {
     if (!vda5050::IsEverInstant(type)) continue;
-    const auto* action = vda5050::FindAction(vda5050::Version::k300, type);
+    const auto* action = vda5050::FindAction(vda5050::kVersions.back(), type);
     found.words.push_back({std::string(type), std::string(action->summary)});
   }
 }
@@ -133,22 +113,12 @@ struct Slot {
   Source source;
 };
 
-// The first that fits counts.
+// Beside the options that list their choices. The first that fits counts.
 constexpr auto kOptionValues = std::to_array<Slot>({
-    {"", "vda", Fixed<kVersions>},
-    {"", "qos", Fixed<kQos>},
-    {"", "output", Fixed<kFormats>},
-    {"", "mqtt-version", Fixed<kMqttVersions>},
-    {"soar acknowledge", "status", Fixed<kSoarEnds>},
-    {"history", "status", Fixed<message::kRecordedStatuses>},
     {"simulate", "reject", ActionTypes},
     {"simulate", "fail", ActionTypes},
     {"simulate", "retriable", ActionTypes},
-    {"soar", "wait-for", Fixed<kSoarEnds>},
-    {"", "wait-for", Fixed<kEnds>},
-    {"", "blocking-type", Fixed<kBlocking>},
-    {"", "protocol", Fixed<kProtocols>},
-    {"", "topic", Fixed<kTopicNames>},
+    {"", "topic", Fixed<vda5050::kTopicNames>},
     {"", "profile", Profiles},
     {"", "target", Robots},
     {"", "except", TargetNames},
@@ -157,10 +127,7 @@ constexpr auto kOptionValues = std::to_array<Slot>({
 });
 
 constexpr auto kPositions = std::to_array<Slot>({
-    {"publish", "topic", Fixed<kSent>},
-    {"await", "topic", Fixed<kHeard>},
-    {"completion", "shell", Fixed<kShells>},
-    {"respond", "grant", Fixed<kAnswers>},
+    {"await", "topic", Fixed<vda5050::kReportTopics>},
     {"schema show", "name", SchemaNames},
     {"action", "type", ActionTypes},
     {"", "targets", TargetNames},
@@ -169,6 +136,27 @@ constexpr auto kPositions = std::to_array<Slot>({
     {"", "file", Files},
     {"", "place", Files},
 });
+
+// The version that the typed command would speak; none: it is not known yet.
+std::optional<vda5050::Version> FindVersion(const Typed& typed) {
+  const OptionSet& set = typed.call.set();
+  const config::ConfigValue* const configured = typed.call.config.Find("vda");
+  const auto parse = [](std::string_view text) -> std::optional<vda5050::Version> {
+    const auto version = vda5050::ParseVersion(text);
+    return version ? std::optional(*version) : std::nullopt;
+  };
+  if (const Option option = set.Find("--vda"); option.IsGiven()) {
+    return parse(option.texts().front());
+  }
+  return configured != nullptr ? parse(configured->texts.front()) : vda5050::kVersions.back();
+}
+
+// Of an option that lists its choices; false: it has none.
+bool ListChoices(const Option& option, const Typed& typed, Candidates& found) {
+  const auto choices = option.Choices(FindVersion(typed));
+  for (const std::string_view choice : choices) found.words.push_back({std::string(choice), ""});
+  return !choices.empty();
+}
 
 bool Fits(const Slot& slot, std::string_view command, std::string_view name) {
   return slot.name == name && (slot.command.empty() || command == slot.command ||
@@ -224,6 +212,7 @@ void OptionNames(const Typed& typed, Candidates& found) {
 }
 
 void OptionValues(const Option& option, const Typed& typed, Candidates& found) {
+  if (ListChoices(option, typed, found)) return;
   const std::string type = option.type();
   if (type == "FILE" || type == "FOLDER") return Files(typed, found);
   if (!option.long_names().empty()) {
@@ -244,6 +233,7 @@ void Words(const Typed& typed, Candidates& found) {
   for (const Option& option : set.options()) {
     if (!option.IsPositional()) continue;
     if (place == 0 || option.IsRepeatable()) {
+      if (ListChoices(option, typed, found)) return;
       return Ask(kPositions, option.position_name(), typed, found);
     }
     --place;

@@ -2,7 +2,9 @@
 // "topic levels").
 #pragma once
 
+#include <array>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 
@@ -10,6 +12,13 @@
 #include "vda5050/model/version.h"
 
 namespace fleetpub::vda5050 {
+
+/// The topics of all versions: those that robots publish, then those that fleet control does.
+inline constexpr auto kTopicNames =
+    std::to_array<std::string_view>({"state", "connection", "factsheet", "visualization",
+                                     "instantActions", "order", "zoneSet", "responses"});
+inline constexpr auto kReportTopics = std::span(kTopicNames).first<4>();
+inline constexpr auto kCommandTopics = std::span(kTopicNames).last<4>();
 
 struct RobotAddress {
   std::string manufacturer;

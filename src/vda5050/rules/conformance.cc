@@ -21,10 +21,6 @@ using base::StringMember;
 using Value = base::JsonValue;
 using schema::Violation;
 
-constexpr std::array<std::string_view, 8> kTopics = {"state",         "connection",     "factsheet",
-                                                     "visualization", "instantActions", "order",
-                                                     "zoneSet",       "responses"};
-
 // 1.1's text has v2 in its example, and there are robots that follow it.
 bool MatchesLevel(Version version, std::string_view major) {
   return major.empty() || major == GetFacts(version).major ||
@@ -53,8 +49,6 @@ void CheckTimestamp(const Value& message, std::vector<Violation>& warnings) {
 
 }  // namespace
 
-std::span<const std::string_view> AllTopics() { return kTopics; }
-
 delivery::Findings CheckMessage(const Value& message, Version version, std::string_view topic_name,
                                 bool strict, schema::Registry& registry,
                                 std::vector<Violation> header) {
@@ -73,9 +67,9 @@ Conformance::Conformance(ConformanceOptions options, schema::Registry& registry)
 
 Result<std::vector<std::string>> Conformance::Filters() const {
   if (options_.topic.empty()) {
-    return DiscoveryFilters(options_.scheme, options_.pattern.Filter(), kTopics);
+    return DiscoveryFilters(options_.scheme, options_.pattern.Filter(), kTopicNames);
   }
-  if (std::find(kTopics.begin(), kTopics.end(), options_.topic) == kTopics.end()) {
+  if (std::find(kTopicNames.begin(), kTopicNames.end(), options_.topic) == kTopicNames.end()) {
     return Fail(ErrorKind::kUsage,
                 fmt::format("'{}' is no topic of VDA 5050: state, connection, factsheet, "
                             "visualization, instantActions, order, zoneSet or responses",
@@ -89,7 +83,7 @@ std::optional<ValidationResult> Conformance::Validate(std::string_view topic,
                                                       std::string_view payload) const {
   const auto levels = ReadTopic(options_.scheme, topic);
   if (!levels || !options_.pattern.Matches(levels->robot)) return std::nullopt;
-  if (std::find(kTopics.begin(), kTopics.end(), levels->topic_name) == kTopics.end()) {
+  if (std::find(kTopicNames.begin(), kTopicNames.end(), levels->topic_name) == kTopicNames.end()) {
     return std::nullopt;
   }
   const bool may_be_deleted =

@@ -17,9 +17,6 @@
 
 namespace fleetpub::vda5050 {
 
-/// All topics of all versions: what robots publish, then what fleet control does.
-[[nodiscard]] std::span<const std::string_view> AllTopics();
-
 struct ConformanceOptions {
   TopicScheme scheme;
   RobotPattern pattern;

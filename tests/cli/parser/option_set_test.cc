@@ -13,8 +13,11 @@
 namespace fleetpub::cli {
 namespace {
 
+using testing::AllOf;
 using testing::AnyOf;
 using testing::Contains;
+using testing::HasSubstr;
+using testing::UnorderedElementsAre;
 
 struct Declared {
   GlobalOptions options;
@@ -78,6 +81,53 @@ TEST(OptionSet, WordsAreAlwaysDeclared) {
   set.AddOption("target", target, "");
   ASSERT_TRUE(set.Parse("pause", {"KIT/0001"}));
   EXPECT_EQ(target, "KIT/0001");
+}
+
+TEST(OptionSet, SaysWhoGaveWhatAnOptionDoesNotTake) {
+  const std::vector<std::string> flag = {"ping", "--keep-alive", "99999"};
+  Declared by_flag(OptionSet::Extent::kMentioned, flag);
+  const auto refused = by_flag.set.Parse("ping", {flag.begin() + 1, flag.end()});
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().kind, ErrorKind::kUsage);
+  EXPECT_THAT(refused.error().message, AllOf(HasSubstr("--keep-alive"), HasSubstr("99999")));
+
+  const EnvironmentVariable variable("FLEETPUB_MQTT_VERSION", "4.0");
+  Declared by_variable(OptionSet::Extent::kMentioned, {"ping"});
+  const auto also_refused = by_variable.set.Parse("ping", {});
+  ASSERT_FALSE(also_refused);
+  EXPECT_THAT(also_refused.error().message, HasSubstr("FLEETPUB_MQTT_VERSION"));
+}
+
+TEST(OptionSet, ReadsTheConfigurationAsItReadsFlags) {
+  Declared declared(OptionSet::Extent::kMentioned, {"ping"});
+  ASSERT_TRUE(declared.set.Parse("ping", {}));
+  config::Config config;
+  config.settings["connect_timeout"].texts = {"250ms"};
+  config.settings["insecure"].texts = {"true"};
+  EXPECT_THAT(declared.set.Configure(config, {}).value(),
+              UnorderedElementsAre("connect_timeout", "insecure"));
+  EXPECT_EQ(declared.options.connect_timeout, std::chrono::milliseconds(250));
+  EXPECT_TRUE(declared.options.insecure);
+  config.settings["keep_alive"].texts = {"99999"};
+  EXPECT_THAT(declared.set.Configure(config, {}).error().message, HasSubstr("keep_alive"));
+}
+
+// What the help names and completion offers is what the command line takes.
+TEST(OptionSet, EveryChoiceIsTaken) {
+  for (const Subcommand& subcommand : Subcommands()) {
+    Declared all(OptionSet::Extent::kAll, {});
+    static_cast<void>(subcommand.declare(all.set));
+    for (const Option& option : all.set.options()) {
+      for (const std::string_view choice : option.Choices({})) {
+        if (option.IsPositional()) continue;
+        Declared fresh(OptionSet::Extent::kAll, {});
+        static_cast<void>(subcommand.declare(fresh.set));
+        const std::string name = "--" + option.long_names().front();
+        EXPECT_TRUE(fresh.set.Parse("", {name, std::string(choice)}))
+            << subcommand.name << " " << name << " " << choice;
+      }
+    }
+  }
 }
 
 // An option whose variable were called otherwise would not be found by it.

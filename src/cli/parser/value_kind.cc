@@ -1,0 +1,150 @@
+#include "cli/parser/value_kind.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "base/text.h"
+
+namespace fleetpub::cli {
+namespace {
+
+std::string_view FindWord(std::span<const std::string_view> words, std::string_view text) {
+  const auto word = std::find_if(words.begin(), words.end(), [&](std::string_view known) {
+    return base::EqualsIgnoringCase(known, text);
+  });
+  return word == words.end() ? std::string_view() : *word;
+}
+
+std::string ListWords(const std::vector<std::string_view>& words) {
+  const std::vector<std::string> all_but_last(words.begin(), words.end() - 1);
+  return fmt::format("{} or {}", base::Join(all_but_last, ", "), words.back());
+}
+
+std::vector<std::string_view> VersionNames() {
+  std::vector<std::string_view> names;
+  for (const vda5050::Version version : vda5050::kVersions) {
+    names.push_back(vda5050::GetFacts(version).name);
+  }
+  return names;
+}
+
+}  // namespace
+
+std::string ValueKind::Takes() const { return takes ? takes() : ListWords(choices()); }
+
+ValueKind Text(std::string& value) {
+  return {"TEXT", [&value](const std::vector<std::string>& texts) {
+            value = texts.front();
+            return true;
+          }};
+}
+
+ValueKind Text(std::optional<std::string>& value) {
+  return {"TEXT", [&value](const std::vector<std::string>& texts) {
+            value = texts.front();
+            return true;
+          }};
+}
+
+ValueKind Text(std::vector<std::string>& values) {
+  return {.type = "TEXT",
+          .store =
+              [&values](const std::vector<std::string>& texts) {
+                values = texts;
+                return true;
+              },
+          .is_list = true};
+}
+
+ValueKind Flag(bool& value) {
+  return {"", [&value](const std::vector<std::string>& texts) {
+            value = texts.front() == "true";
+            return true;
+          }};
+}
+
+ValueKind Interval(std::chrono::milliseconds& value) {
+  ValueKind kind = Duration(value);
+  kind.store = [&value](const std::vector<std::string>& texts) {
+    const auto parsed = base::ParseDuration(texts.front());
+    if (!parsed || parsed->count() == 0) return false;
+    value = *parsed;
+    return true;
+  };
+  kind.takes = [] { return std::string("a duration above zero, such as 250ms, 30s or 5m"); };
+  return kind;
+}
+
+ValueKind PointInTime(std::optional<base::WallTime>& value, Direction direction) {
+  return {
+      "TIME",
+      internal::StoreOne(value,
+                         [direction](const std::string& text) {
+                           auto time = base::ParseDateTime(text);
+                           if (time) return time;
+                           const auto from_now = base::ParseDuration(text);
+                           if (from_now) {
+                             time = base::WallTime::clock::now() +
+                                    *from_now * static_cast<int>(direction);
+                           }
+                           return time;
+                         }),
+      [] { return std::string("a duration such as 24h or a time such as 2026-01-02T03:04:05Z"); }};
+}
+
+ValueKind Rate(std::optional<double>& value) {
+  return {"N",
+          internal::StoreOne(value,
+                             [](const std::string& text) { return ParseBetween(text, 1e-3, 1e6); }),
+          [] { return std::string("messages per second, from 0.001 to 1000000"); }};
+}
+
+ValueKind Percentage(double& value) {
+  return {"PERCENT",
+          internal::StoreOne(value,
+                             [](std::string text) {
+                               if (text.ends_with('%')) text.pop_back();
+                               auto percent = ParseBetween(text, 0.0, 100.0);
+                               if (percent) *percent /= 100;
+                               return percent;
+                             }),
+          [] { return std::string("a percentage from 0 to 100"); }};
+}
+
+ValueKind OneOf(std::string& value, std::span<const std::string_view> words) {
+  return {.type = "WORD",
+          .store =
+              [&value, words](const std::vector<std::string>& texts) {
+                const std::string_view word = FindWord(words, texts.front());
+                if (word.empty() && !texts.front().empty()) return false;
+                value = word;
+                return true;
+              },
+          .choices = [words] { return std::vector(words.begin(), words.end()); }};
+}
+
+ValueKind VdaVersion(std::string& value, Automatic automatic) {
+  const bool may_be_automatic = automatic == Automatic::kYes;
+  return {.type = "V",
+          .store =
+              [&value, may_be_automatic](const std::vector<std::string>& texts) {
+                const std::string& text = texts.front();
+                const bool is_right = text.empty() || (may_be_automatic && text == "auto") ||
+                                      vda5050::ParseVersion(text).has_value();
+                if (is_right) value = text;
+                return is_right;
+              },
+          .takes =
+              [may_be_automatic] {
+                return ListWords(VersionNames()) + (may_be_automatic ? ", or auto" : "");
+              },
+          .choices =
+              [may_be_automatic] {
+                auto names = VersionNames();
+                if (may_be_automatic) names.emplace_back("auto");
+                return names;
+              }};
+}
+
+}  // namespace fleetpub::cli
