@@ -77,13 +77,13 @@ TEST_F(ContradictoryStates, AStateThatCannotBeReadIsSeenInTheFleetAndInCondition
   const std::string state =
       R"({"paused":true,"x":)" + std::string(80, '[') + std::string(80, ']') + "}";
   Process fleet(operator_.Prepare({"fleet", "-o", "json", "--state-wait", "20s"}));
-  ASSERT_TRUE(broker_.AwaitLog("+/+/+/+/state"));
+  ASSERT_TRUE(broker_.AwaitSubscription("+/+/+/+/state"));
   Say(kStateTopic, state);
   EXPECT_EQ(fleet.Wait(), 0) << fleet.Errors();
   EXPECT_THAT(Json(fleet.Output())["stateFault"].GetString(), HasSubstr("64 levels"));
   Process where(operator_.Prepare({"resume", "KIT/*", "--where", "paused=true", "--discover", "100",
                                    "--state-wait", "1s", "--yes"}));
-  ASSERT_TRUE(broker_.AwaitLog("+/+/KIT/0001/state"));
+  ASSERT_TRUE(broker_.AwaitSubscription("+/+/KIT/0001/state"));
   Say(kStateTopic, state);
   EXPECT_EQ(where.Wait(), 7) << where.Output() << where.Errors();
   EXPECT_THAT(where.Output(), AllOf(HasSubstr("REFUSED"), HasSubstr("64 levels")));

@@ -35,7 +35,7 @@ TEST_F(FleetWatchAwait, AwaitsWhatAnotherProcessBringsAbout) {
   const auto robot = Simulate({"KIT/0001", "--state-interval", "200ms"});
   const auto waiting =
       Start({"await", "KIT/0001", "state", "paused=true", "battery>50", "-W", "15s", "-o", "json"});
-  ASSERT_TRUE(broker_.AwaitLog("+/+/KIT/0001/state (QoS 0)"));
+  ASSERT_TRUE(broker_.AwaitSubscription("+/+/KIT/0001/state (QoS 0)"));
   EXPECT_FALSE(waiting->Wait(std::chrono::milliseconds(400)));
   EXPECT_EQ(Fleetpub({"pause", "KIT/0001"}).exit_code, 0);
   EXPECT_EQ(waiting->Wait(), 0) << waiting->Errors();
@@ -87,7 +87,7 @@ TEST_F(FleetWatchAwait, RefusesConditionsThatCannotBeMeant) {
 
 TEST_F(FleetWatchAwait, AwaitsThroughARestartOfTheBroker) {
   const auto waiting = Start({"await", "KIT/0001", "state", "paused=true", "-W", "20s"});
-  ASSERT_TRUE(broker_.AwaitLog("KIT/0001/state"));
+  ASSERT_TRUE(broker_.AwaitSubscription("KIT/0001/state"));
   broker_.Kill();
   ASSERT_TRUE(waiting->AwaitErrors("connecting again"));
   broker_.Restart();
@@ -194,7 +194,7 @@ TEST_F(FleetWatchAwait, WritesChangesAsJsonUntilTimeIsUp) {
 
 TEST_F(FleetWatchAwait, ComesBackAfterARestartOfTheBroker) {
   const auto watch = Start({"watch"});
-  ASSERT_TRUE(broker_.AwaitLog("+/+/+/+/connection"));
+  ASSERT_TRUE(broker_.AwaitSubscription("+/+/+/+/connection"));
   broker_.Kill();
   ASSERT_TRUE(watch->AwaitErrors("was lost"));
   broker_.Restart();

@@ -78,7 +78,7 @@ TEST_F(ValidateLive, WarnsOfWhatNoSchemaStatesUnlessItIsStrict) {
 TEST_F(ValidateLive, ReportsARobotThatHasLeftNoConnectionMessage) {
   Publish("vda5050/v3/KIT/0002/connection", Connection("ONLINE", "0002"), true);
   const auto live = Start({"validate", "--live", "--strict", "--for", "10s", "-o", "json"});
-  ASSERT_TRUE(broker_.AwaitLog("+/+/+/+/responses (QoS 0)"));
+  ASSERT_TRUE(broker_.AwaitSubscription("+/+/+/+/responses (QoS 0)"));
   Publish("vda5050/v3/KIT/0001/connection", "", true);
   Publish("vda5050/v3/KIT/0001/state", "{}");
   Publish("vda5050/v3/KIT/0002/state", "{}");
@@ -105,7 +105,7 @@ TEST_F(ValidateLive, WarnsOfANameThatMeansSomethingElse) {
 
 TEST_F(ValidateLive, TellsAScriptInJson) {
   const auto live = Start({"validate", "--live", "--count", "1", "-o", "json"});
-  ASSERT_TRUE(broker_.AwaitLog("+/+/+/+/responses (QoS 0)"));
+  ASSERT_TRUE(broker_.AwaitSubscription("+/+/+/+/responses (QoS 0)"));
   Publish("vda5050/v3/KIT/0001/connection", Connection("AWAY"));
   EXPECT_EQ(live->Wait(), 3) << live->Errors();
   const auto lines = Lines(live->Output());
@@ -121,7 +121,7 @@ TEST_F(ValidateLive, TellsAScriptInJson) {
 
 TEST_F(ValidateLive, SumsUpWhenInterruptedAndOutlivesTheBroker) {
   const auto live = Start({"validate", "--live"});
-  ASSERT_TRUE(broker_.AwaitLog("+/+/+/+/responses (QoS 0)"));
+  ASSERT_TRUE(broker_.AwaitSubscription("+/+/+/+/responses (QoS 0)"));
   broker_.Kill();
   ASSERT_TRUE(live->AwaitErrors("connecting again"));
   broker_.Restart();

@@ -61,6 +61,13 @@ std::string Mosquitto::Url(std::string_view scheme, std::string_view host) const
   return std::string(scheme) + "://" + std::string(host) + ":" + std::to_string(port_);
 }
 
+bool Mosquitto::AwaitSubscription(std::string_view filter) {
+  if (!AwaitLog(filter)) return false;
+  // It answers one packet after the other: what it sends a newcomer leaves behind the SUBACK.
+  return Run({.arguments = {"mosquitto_sub", "-p", std::to_string(port_), "-t", "none", "-E"}})
+             .exit_code == 0;
+}
+
 void Mosquitto::Kill() {
   process_->Signal(SIGKILL);
   static_cast<void>(process_->Wait());

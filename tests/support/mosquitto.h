@@ -30,6 +30,9 @@ class Mosquitto {
   /// What it logged so far, all types.
   [[nodiscard]] std::string Log() const { return process_->Errors(); }
   [[nodiscard]] bool AwaitLog(std::string_view text) { return process_->AwaitErrors(text); }
+  /// Whether it logs `filter` of a subscription in time; its SUBACK has left by then. The log alone
+  /// is written before.
+  [[nodiscard]] bool AwaitSubscription(std::string_view filter);
   [[nodiscard]] Process& process() { return *process_; }
 
   /// Ends it without a word to its clients.
