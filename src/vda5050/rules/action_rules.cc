@@ -120,6 +120,13 @@ void CheckUnknownType(std::string_view type, const std::string& path, Version ve
                   base::Printable(type), meant));
 }
 
+void CheckIdCharacters(std::string_view id, const std::string& path, std::string_view name,
+                       Findings& findings) {
+  if (HasRecommendedCharacters(id)) return;
+  AddWarning(findings, fmt::format("{}/{}", path, name),
+             fmt::format("{} has characters other than the recommended A-Z a-z 0-9 _ . : -", name));
+}
+
 void CheckActionId(std::string_view id, const std::string& path, std::set<std::string_view>& ids,
                    Findings& findings) {
   if (id.empty()) return AddError(findings, path + "/actionId", "actionId must not be empty");
@@ -128,10 +135,7 @@ void CheckActionId(std::string_view id, const std::string& path, std::set<std::s
              fmt::format("actionId '{}' stands for two actions: ids must be unique",
                          base::Printable(id)));
   }
-  if (!HasRecommendedCharacters(id)) {
-    AddWarning(findings, path + "/actionId",
-               "actionId has characters other than the recommended A-Z a-z 0-9 _ . : -");
-  }
+  CheckIdCharacters(id, path, "actionId", findings);
 }
 
 }  // namespace fleetpub::vda5050

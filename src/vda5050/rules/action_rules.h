@@ -28,7 +28,12 @@ void CheckActionParameters(const ActionSpec& action, const base::JsonValue* para
 void CheckUnknownType(std::string_view type, const std::string& path, Version version,
                       Findings& findings);
 
-/// Not empty, not in `ids` yet, of the recommended characters (§6.1; warned about).
+/// Of the recommended characters (§6.1), else a warning; `path` is of the object whose member
+/// `name` the id is.
+void CheckIdCharacters(std::string_view id, const std::string& path, std::string_view name,
+                       Findings& findings);
+
+/// Not empty, not in `ids` yet, of the recommended characters.
 void CheckActionId(std::string_view id, const std::string& path, std::set<std::string_view>& ids,
                    Findings& findings);
 

@@ -126,9 +126,9 @@ void CheckActions(const Leg& leg, Version version, std::set<std::string_view>& i
 
 Findings CheckOrder(const Value& message, Version version) {
   Findings findings;
-  if (StringMember(message, "orderId").empty()) {
-    AddError(findings, "/orderId", "orderId must not be empty");
-  }
+  const std::string_view order_id = StringMember(message, "orderId");
+  if (order_id.empty()) AddError(findings, "/orderId", "orderId must not be empty");
+  CheckIdCharacters(order_id, "", "orderId", findings);
   const Value* nodes = FindArray(message, "nodes");
   const Value* edges = FindArray(message, "edges");
   if (nodes == nullptr || edges == nullptr || nodes->Empty()) {
@@ -147,7 +147,11 @@ Findings CheckOrder(const Value& message, Version version) {
   CheckReleases(legs, findings);
   CheckEnds(legs, findings);
   std::set<std::string_view> ids;
-  for (const Leg& leg : legs) CheckActions(leg, version, ids, findings);
+  for (const Leg& leg : legs) {
+    const std::string_view name = leg.is_node ? "nodeId" : "edgeId";
+    CheckIdCharacters(StringMember(leg.value, name), leg.path, name, findings);
+    CheckActions(leg, version, ids, findings);
+  }
   return findings;
 }
 

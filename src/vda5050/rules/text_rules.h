@@ -21,12 +21,12 @@ namespace fleetpub::vda5050 {
 /// Checks an order that already satisfies its schema: nodes and edges alternate, one edge fewer
 /// than nodes, sequenceIds continuous over both, each edge between its neighbours, a base that
 /// begins with a released node, ends with one and lies before the horizon (§6.6), actionIds unique,
-/// each predefined action where its table allows it, with its parameters.
+/// each predefined action where its table allows it, with its parameters. Characters of ids as above.
 [[nodiscard]] std::vector<message::TextFinding> CheckOrder(const base::JsonValue& message,
                                                            Version version);
 
 /// Checks a zoneSet (3.0 §6.4): zoneIds unique, polygons with three different vertices or more,
-/// actionIds unique.
+/// actionIds unique. Characters of ids as above.
 [[nodiscard]] std::vector<message::TextFinding> CheckZoneSet(const base::JsonValue& message);
 
 /// Checks responses (3.0 §6.4.3): at least one, no request twice, leaseExpiry only with GRANTED, as

@@ -76,9 +76,9 @@ Findings CheckZoneSet(const Value& message) {
   const Value* set = FindMember(message, "zoneSet");
   const Value* zones = set == nullptr ? nullptr : FindArray(*set, "zones");
   if (zones == nullptr) return findings;
-  if (StringMember(*set, "zoneSetId").empty()) {
-    AddError(findings, "/zoneSet/zoneSetId", "zoneSetId must not be empty");
-  }
+  const std::string_view set_id = StringMember(*set, "zoneSetId");
+  if (set_id.empty()) AddError(findings, "/zoneSet/zoneSetId", "zoneSetId must not be empty");
+  CheckIdCharacters(set_id, "/zoneSet", "zoneSetId", findings);
   std::set<std::string_view> zone_ids;
   std::set<std::string_view> action_ids;
   for (rapidjson::SizeType i = 0; i < zones->Size(); ++i) {
@@ -89,6 +89,7 @@ Findings CheckZoneSet(const Value& message) {
       AddError(findings, path + "/zoneId",
                fmt::format("zoneId '{}' stands for two zones: ids must be unique", Printable(id)));
     }
+    CheckIdCharacters(id, path, "zoneId", findings);
     if (DifferentVertices(zone) < kCornersOfAPolygon) {
       AddError(findings, path + "/vertices", "a zone is a polygon of at least three vertices");
     }

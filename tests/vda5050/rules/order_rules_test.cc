@@ -115,6 +115,25 @@ TEST(OrderRules, WantANodeAndAnId) {
               ElementsAre(StartsWith("error /orderId"), StartsWith("error /nodes")));
 }
 
+TEST(OrderRules, WarnOfUnusualCharactersInEveryId) {
+  EXPECT_THAT(Check({.id = "o 1"}), ElementsAre(StartsWith("warning /orderId: ")));
+  const auto order =
+      Parsed(R"({"orderId":"1","nodes":[{"nodeId":"Süd","sequenceId":0,"released":true},
+      {"nodeId":"n2","sequenceId":2,"released":true}],"edges":[{"edgeId":"a/b","sequenceId":1,
+      "released":true,"startNodeId":"Süd","endNodeId":"n2"}]})");
+  EXPECT_THAT(ListLines(CheckOrder(order, Version::k210)),
+              ElementsAre(StartsWith("warning /nodes/0/nodeId: "),
+                          StartsWith("warning /edges/0/edgeId: ")));
+  const auto zones = Parsed(R"({"zoneSet":{"zoneSetId":"z+","zones":[{"zoneId":"zone 1",
+      "vertices":[{"x":0,"y":0},{"x":1,"y":0},{"x":0,"y":1}]
+}]
+}
+})");
+  EXPECT_THAT(ListLines(CheckZoneSet(zones)),
+              ElementsAre(StartsWith("warning /zoneSet/zoneSetId: "),
+                          StartsWith("warning /zoneSet/zones/0/zoneId: ")));
+}
+
 TEST(OrderRules, WantActionIdsOnceInTheWholeOrder) {
   Parts parts;
   parts.node_actions = parts.edge_actions =
