@@ -77,6 +77,7 @@ constexpr auto kSettings = std::to_array<Setting>({
     {"key", kPath, ""},
     {"key_password_file", kPath, ""},
     {"ciphers", kText, "OpenSSL's"},
+    {"tls_server_name", kText, "the broker's host"},
     {"tls_alpn", kTexts, ""},
     {"insecure", kFlag, "false"},
     {"output", kText, "text", CheckOneOf<kOutputs>},

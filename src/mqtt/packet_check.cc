@@ -9,6 +9,11 @@
 namespace fleetpub::mqtt {
 namespace {
 
+// Identifiers of properties (§2.2.2.2).
+constexpr std::uint32_t kServerReference = 0x1C;
+constexpr std::uint32_t kReasonString = 0x1F;
+constexpr std::size_t kLongestReason = 256;
+
 // MQTT 5 §2.1.2.
 enum Type : std::uint8_t {
   kConnack = 2,
@@ -85,8 +90,8 @@ std::optional<Kind> FindKind(std::uint32_t property) {
     case 0x15:  // authentication method
     case 0x16:  // authentication data
     case 0x1A:  // response information
-    case 0x1C:  // server reference
-    case 0x1F:  // reason string
+    case kServerReference:
+    case kReasonString:
       return Kind::kText;
     case 0x26:  // user property
       return Kind::kPair;
@@ -105,6 +110,7 @@ bool PacketCheck::Admit(std::span<const std::uint8_t> bytes) {
       continue;
     }
     const std::size_t some = std::min(skip_, bytes.size());
+    if (field_ == Field::kPropertyText) KeepReason(bytes.first(some));
     bytes = bytes.subspan(some);
     skip_ -= some;
     Spend(some);
@@ -134,6 +140,13 @@ void PacketCheck::Spend(std::size_t count) {
   if (in_properties_) properties_left_ -= count;
 }
 
+void PacketCheck::KeepReason(std::span<const std::uint8_t> bytes) {
+  if (property_ != kReasonString && property_ != kServerReference) return;
+  std::string& text = property_ == kReasonString ? reason_.text : reason_.server;
+  const std::size_t more = std::min(bytes.size(), kLongestReason - text.size());
+  text.append(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(more));
+}
+
 void PacketCheck::Begin(Field field, std::size_t width) {
   if (width > room()) {
     return Refuse(in_properties_ ? "a property is cut off" : "it is cut off");
@@ -160,6 +173,7 @@ void PacketCheck::End() {
 
 void PacketCheck::TakeType(std::uint8_t byte) {
   type_ = byte >> 4;
+  reason_ = {};
   flags_ = byte & 0xF;
   const TypeRule& rule = kTypes[type_];
   if (rule.name.empty() || (type_ == kDisconnect && !v5_)) {
@@ -256,6 +270,7 @@ void PacketCheck::FinishVariableHeader() {
       packet_id_ = number_;
       return number_ == 0 ? Refuse("its packet identifier is 0") : AfterPacketId();
     case Field::kReason:
+      reason_.code = number_;
       return left_ == 0 ? End() : Begin(Field::kPropertiesLength);
     case Field::kPropertiesLength:
       return BeginProperties();
@@ -318,6 +333,7 @@ void PacketCheck::FinishProperty() {
     return Begin(Field::kPropertyTextLength, 2);
   }
   if (field_ != Field::kPropertyId) return NextProperty();
+  property_ = number_;
   const auto kind = FindKind(number_);
   if (!kind) return Refuse(fmt::format("there is no property 0x{:02X}", number_));
   is_first_of_two_ = kind == Kind::kPair;

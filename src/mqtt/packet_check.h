@@ -22,8 +22,15 @@ inline constexpr std::uint32_t kMaximumIncomingProperties = 132U << 10;
 /// What may wait for its reader on one connection, in bytes of memory.
 inline constexpr std::size_t kMaximumWaiting = std::size_t{40} << 20;
 
+/// Why a packet of MQTT 5 refuses or ends something (§2.4, §4.13). Texts of the broker, untrusted.
+struct Reason {
+  std::uint32_t code = 0;
+  std::string text;    ///< the reason string, its first 256 bytes; "": none
+  std::string server;  ///< the server reference, likewise
+};
+
 /// The packets that a server sends on one connection (MQTT 3.1.1 and 5, §2 and §3), in pieces as
-/// they come. Reads each byte once and keeps none. Knows the turns too: CONNACK first and once, a
+/// they come. Reads each byte once and keeps none but those of a reason. Knows the turns too: CONNACK first and once, a
 /// SUBACK for each SUBSCRIBE, nothing after DISCONNECT.
 class PacketCheck {
  public:
@@ -36,6 +43,10 @@ class PacketCheck {
   /// What the broker did, after "the broker sent ": "a PUBLISH packet whose properties are cut
   /// off". Empty as long as all is well.
   [[nodiscard]] const std::string& fault() const { return fault_; }
+
+  /// Of the packet that came last; the code of DISCONNECT only.
+  [[nodiscard]] const Reason& reason() const { return reason_; }
+  [[nodiscard]] bool HasDisconnected() const { return disconnected_; }
 
   /// How many bytes may be read without touching the packet behind this one; at least 1.
   [[nodiscard]] std::size_t wanted() const;
@@ -85,6 +96,7 @@ class PacketCheck {
   void Refuse(std::string_view what);
   void RefuseWhole(std::string what);
   void Spend(std::size_t count);
+  void KeepReason(std::span<const std::uint8_t> bytes);
   void Begin(Field field, std::size_t width = 1);
   void Skip(Field field, std::size_t count);
   void End();
@@ -111,6 +123,7 @@ class PacketCheck {
   std::unordered_set<std::uint32_t> qos2_ids_;  // until their PUBREL
   std::size_t waiting_ = 0;
   std::string fault_;
+  Reason reason_;
 
   // The packet under way.
   std::uint8_t type_ = 0;
@@ -124,6 +137,7 @@ class PacketCheck {
 
   // The field under way.
   Field field_ = Field::kType;
+  std::uint32_t property_ = 0;    // its identifier
   bool is_first_of_two_ = false;  // texts of a pair
   std::uint8_t digits_ = 0;       // of a variable byte integer
   std::size_t width_ = 0;         // bytes that a number still lacks

@@ -66,7 +66,13 @@ struct TlsOptions {
   std::optional<std::string> key_password;
   std::string ciphers;  ///< OpenSSL's list; empty: its default
   std::vector<std::string> alpn;
-  bool verify = true;  ///< chain and host name; false only for `--insecure`
+  std::string server_name;  ///< in place of the host in the URL; empty: that
+  bool verify = true;       ///< chain and host name; false only for `--insecure`
+
+  /// That the certificate must be for.
+  [[nodiscard]] const std::string& NameOf(const BrokerUrl& broker) const {
+    return server_name.empty() ? broker.host : server_name;
+  }
 };
 
 struct ConnectOptions {

@@ -43,6 +43,7 @@ constexpr std::string_view kStarter =
 #key = "operator.key"
 #key_password_file = "key-password"
 #ciphers = "ECDHE+AESGCM"
+#tls_server_name = "broker.example"      # when the URL has another name, or an address
 #tls_alpn = ["mqtt"]
 # Without verification anyone could be the broker. Both lines, or none:
 #insecure = true

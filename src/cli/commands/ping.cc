@@ -8,16 +8,18 @@
 #include "base/json.h"
 #include "base/text.h"
 #include "base/time.h"
+#include "app/dialect_resolver.h"
+#include "cli/listening.h"
 #include "cli/parser/subcommand.h"
 #include "mqtt/paho/paho_transport.h"
+#include "vda5050/reports/discovery.h"
 
 namespace fleetpub::cli {
 namespace {
 
 using std::chrono::steady_clock;
 
-// What fleet control listens to; `+` at the interface, major version, manufacturer and serial
-// number levels.
+// What fleet control listens to.
 constexpr std::array<std::string_view, 3> kTopics = {"connection", "state", "factsheet"};
 
 struct Grant {
@@ -71,7 +73,22 @@ std::vector<std::string> ListLimits(const mqtt::ServerInfo& server) {
   return limits;
 }
 
-Result<Finding> Explore(const mqtt::ConnectOptions& connect) {
+// What to subscribe to for each of kTopics. Errors: ErrorKind::kUsage.
+Result<std::vector<std::string>> MakeFilters(const app::VdaOptions& vda,
+                                             const config::Config& config) {
+  const auto dialect = app::ParseDialect(app::Configured(vda, config));
+  if (!dialect) return Fail(dialect.error());
+  std::vector<std::string> filters;
+  for (const std::string_view topic : kTopics) {
+    auto some = vda5050::DiscoveryFilters(dialect->topics, {}, {&topic, 1});
+    if (!some) return Fail(std::move(some.error()));
+    filters.push_back(std::move(some->front()));
+  }
+  return filters;
+}
+
+Result<Finding> Explore(const mqtt::ConnectOptions& connect,
+                        const std::vector<std::string>& filters) {
   const auto start = steady_clock::now();
   const auto transport = mqtt::ConnectPaho(connect);
   if (!transport) return Fail(transport.error());
@@ -82,10 +99,10 @@ Result<Finding> Explore(const mqtt::ConnectOptions& connect) {
                   .limits = ListLimits(server),
                   .connect = steady_clock::now() - start};
   AskForSoftware(**transport, deadline, finding);
-  for (const std::string_view topic : kTopics) {
-    const auto took = TimedSubscribe(**transport, fmt::format("+/+/+/+/{}", topic), deadline);
+  for (std::size_t i = 0; i < kTopics.size(); ++i) {
+    const auto took = TimedSubscribe(**transport, filters[i], deadline);
     finding.grants.push_back(
-        {std::string(topic), took.has_value(), took ? "" : took.error().message});
+        {std::string(kTopics[i]), took.has_value(), took ? "" : took.error().message});
     if (took && finding.round_trip.count() == 0) finding.round_trip = *took;
   }
   (*transport)->Disconnect();
@@ -126,10 +143,12 @@ void ShowText(const Finding& finding, Output& output) {
   output.PeopleLine("  publish    not tried: it would reach robots");
 }
 
-Result<ExitCode> RunPing(const Context& context) {
+Result<ExitCode> RunPing(const app::VdaOptions& vda, const Context& context) {
+  const auto filters = MakeFilters(vda, context.config);
+  if (!filters) return Fail(filters.error());
   const auto connect = MakeConnectOptions(context);
   if (!connect) return Fail(connect.error());
-  const auto finding = Explore(*connect);
+  const auto finding = Explore(*connect, *filters);
   if (!finding) {
     if (context.output.json()) {
       context.output.Line(fmt::format(R"({{"reachable":false,"message":{}}})",
@@ -149,6 +168,10 @@ Result<ExitCode> RunPing(const Context& context) {
 
 }  // namespace
 
-Run DeclarePing(OptionSet&) { return RunPing; }
+Run DeclarePing(OptionSet& set) {
+  const auto vda = std::make_shared<app::VdaOptions>();
+  DeclareTopicOptions(set, *vda);
+  return [vda](const Context& context) { return RunPing(*vda, context); };
+}
 
 }  // namespace fleetpub::cli

@@ -112,6 +112,8 @@ void DeclareTls(OptionSet& set, GlobalOptions& o) {
       "File whose first line is the key's password");
   add("--ciphers", o.ciphers, "LIST", "FLEETPUB_CIPHERS",
       "Ciphers to offer, as OpenSSL names them");
+  add("--tls-server-name", o.tls_server_name, "NAME", "FLEETPUB_TLS_SERVER_NAME",
+      "Whom the certificate must be for [the broker's host]");
   group.Add("--tls-alpn", o.alpn, "NAME", "Application protocol to offer; repeatable")
       .OneValueEach();
   set.AddFlag("--insecure", o.insecure,
@@ -216,6 +218,7 @@ Result<mqtt::TlsOptions> MakeTlsOptions(const Context& context) {
                        .key_password = std::nullopt,
                        .ciphers = o.ciphers,
                        .alpn = o.alpn,
+                       .server_name = o.tls_server_name,
                        .verify = !o.insecure};
   if (!o.key_password_file.empty()) {
     auto password = ReadPasswordFile(o.key_password_file, context.output);

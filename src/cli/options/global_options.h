@@ -40,6 +40,7 @@ struct GlobalOptions {
   std::string key_file;
   std::string key_password_file;
   std::string ciphers;
+  std::string tls_server_name;
   std::vector<std::string> alpn;
   bool insecure = false;
 

@@ -240,9 +240,10 @@ int RunConnect(MQTTClient client, MQTTClient_connectOptions* options, PahoConnec
 
 std::string ClientId(const ConnectOptions& options) {
   if (!options.client_id.empty()) return options.client_id;
+  // What every broker must take: 23 characters, no others than letters and digits (§3.1.3.1).
   std::string digits = base::RandomUuid();
   std::erase(digits, '-');
-  return "fleetpub-" + digits.substr(0, 12);
+  return "fleetpub" + digits.substr(0, 15);
 }
 
 using Attempted = tl::expected<PahoConnection, ConnectFailure>;
@@ -259,8 +260,8 @@ Attempted Attempt(const BrokerUrl& broker, const ConnectOptions& options,
 
   const std::lock_guard lock(PahoMutex());
   PahoConnection connection;
-  connection.tls = std::make_unique<TlsWatch>(
-      broker.UsesTls() && options.tls.verify ? broker.host : std::string());
+  connection.tls = std::make_unique<TlsWatch>(options.tls.NameOf(broker),
+                                              broker.UsesTls() && options.tls.verify);
   connection.server.broker = broker;
   connection.server.version = options.version;
 
@@ -295,6 +296,7 @@ Attempted Attempt(const BrokerUrl& broker, const ConnectOptions& options,
   facts.expired = call.expired() || steady_clock::now() >= deadline;
   facts.wrong_first = call.wrong_first();
   facts.fault = connection.input->fault();
+  facts.reason = connection.input->check().reason();
   if (broker.UsesTls() && !facts.connect_sent) {
     if (auto status = CheckTlsFiles(options.tls); !status) return Failed(std::move(status.error()));
   }

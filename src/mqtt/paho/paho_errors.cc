@@ -58,7 +58,7 @@ constexpr std::array<CodeText, 35> kReasons{{
 
 // What a person can do about a refused CONNECT. Codes of 3.1.1 §3.2.2.3 and of MQTT 5 §3.2.2.2 side
 // by side.
-constexpr std::array<CodeText, 18> kRefusals{{
+constexpr std::array<CodeText, 20> kRefusals{{
     {1, "it does not speak this version of MQTT: try the other one with -V"},
     {2, "it does not accept this client id: choose another one with --client-id"},
     {3, "the MQTT service is unavailable: try again later"},
@@ -78,6 +78,8 @@ constexpr std::array<CodeText, 18> kRefusals{{
     {0x8B, "it is shutting down: try again later"},
     {0x8C, "it wants another way of authentication than user name and password"},
     {0x97, "quota exceeded (0x97): ask the broker's administrator"},
+    {0x9A, "it takes no retained last will"},
+    {0x9B, "it takes no last will at this QoS"},
     {0x9C, "it wants this client to use another server: name that one with --broker"},
     {0x9D, "it has moved for good: name the new server with --broker"},
     {0x9F, "too many connections in a short time: try again later"},
@@ -105,6 +107,15 @@ std::string_view Find(const auto& table, int code) {
   return {};
 }
 
+std::string Added(const Reason& reason) {
+  std::string added;
+  if (!reason.text.empty()) added += fmt::format(", '{}'", base::Printable(reason.text));
+  if (!reason.server.empty()) {
+    added += fmt::format("; it names the server {}", base::Printable(reason.server));
+  }
+  return added;
+}
+
 Error Broker(std::string message, std::string detail = {}) {
   return {ErrorKind::kBroker, std::move(message), std::move(detail)};
 }
@@ -118,8 +129,10 @@ std::string WrongNameCause(const ConnectFacts& facts, const std::string& host) {
         "(IP:{}): write the host name in --broker, or have the certificate made anew",
         names, host, host);
   }
-  return fmt::format("its certificate is for {}, not for {}: check the host name in --broker",
-                     names, host);
+  return fmt::format(
+      "its certificate is for {}, not for {}: check the host name in --broker, "
+      "or name the server with --tls-server-name",
+      names, host);
 }
 
 std::string VerifyCause(const ConnectFacts& facts, const std::string& host) {
@@ -204,6 +217,19 @@ std::string TlsCause(const ConnectFacts& facts, const ConnectOptions& options) {
          "(otherwise mqtt:// instead of mqtts://)";
 }
 
+// 3.1.1 has no word for most of what a broker can have against a client (§3.2.2.3).
+std::string HungUpCause(const BrokerUrl& broker, const ConnectOptions& options) {
+  std::string causes;
+  if (options.version == ProtocolVersion::k311) {
+    causes = options.will ? "the last will, " : "";
+    causes += "the client id, one connection too many, ";
+  }
+  return fmt::format(
+      "it closed the connection without an answer: does it refuse {}this version of MQTT (-V{}){}?",
+      causes, options.version == ProtocolVersion::k5 ? "" : " 5 may tell the reason",
+      broker.UsesTls() ? "" : ", or is it a port for TLS (mqtts://)");
+}
+
 std::string Cause(const BrokerUrl& broker, const ConnectOptions& options,
                   const ConnectFacts& facts) {
   if (facts.wrong_first) return PeerCause(*facts.wrong_first);
@@ -212,7 +238,7 @@ std::string Cause(const BrokerUrl& broker, const ConnectOptions& options,
         "it sent {}: is it a sound MQTT broker, and does it speak this version of MQTT (-V)?",
         facts.fault);
   }
-  if (facts.verify_code != 0) return VerifyCause(facts, broker.host);
+  if (facts.verify_code != 0) return VerifyCause(facts, options.tls.NameOf(broker));
   if (!facts.http_status.empty()) {
     return fmt::format("it refuses the WebSocket (HTTP status {}): check the path in the URL",
                        base::Printable(facts.http_status));
@@ -229,16 +255,15 @@ std::string Cause(const BrokerUrl& broker, const ConnectOptions& options,
   // In TLS 1.3 the server looks at our certificate when we have spoken already, and mosquitto hangs
   // up before its alert could be read.
   if (facts.wants_certificate) return OurCertificateCause(facts, options);
-  return fmt::format(
-      "it closed the connection without an answer: does it speak this version of MQTT (-V){}?",
-      broker.UsesTls() ? "" : ", or is it a port for TLS (mqtts://)");
+  return HungUpCause(broker, options);
 }
 
 }  // namespace
 
-std::string ReasonText(int reason_code) {
+std::string ReasonText(int reason_code, const Reason& added) {
   const std::string_view text = Find(kReasons, reason_code);
-  return fmt::format("{} (0x{:02X})", text.empty() ? "unknown reason" : text, reason_code);
+  return fmt::format("{} (0x{:02X}){}", text.empty() ? "unknown reason" : text, reason_code,
+                     Added(added));
 }
 
 Error ReachError(const BrokerUrl& broker, const Error& cause) {
@@ -257,9 +282,9 @@ Error ConnectError(const BrokerUrl& broker, const ConnectOptions& options,
   if (facts.code > 0) {
     const std::string_view refusal = Find(kRefusals, facts.code);
     const std::string code =
-        facts.code >= 0x80 ? ReasonText(facts.code) : fmt::format("return code {}", facts.code);
-    return Broker(fmt::format("{} refused the connection: {}", broker.ToString(),
-                              refusal.empty() ? code : std::string(refusal)),
+        facts.code >= 0x80 ? ReasonText(facts.code, {}) : fmt::format("return code {}", facts.code);
+    return Broker(fmt::format("{} refused the connection: {}{}", broker.ToString(),
+                              refusal.empty() ? code : refusal, Added(facts.reason)),
                   fmt::format("CONNACK {}", code));
   }
   std::string detail = fmt::format("Paho: {}", facts.code);

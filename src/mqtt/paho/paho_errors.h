@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "mqtt/broker_url.h"
+#include "mqtt/packet_check.h"
 #include "mqtt/transport.h"
 
 namespace fleetpub::mqtt {
@@ -17,6 +18,7 @@ struct ConnectFacts {
   bool expired = false;
   std::optional<unsigned char> wrong_first;  ///< PahoCall::wrong_first
   std::string fault;                         ///< PahoInput::fault
+  Reason reason;                             ///< that CONNACK adds to `code`
   bool connect_sent = false;                 ///< the CONNECT packet went out
   long verify_code = 0;            ///< X509_V_ERR_… of the broker's certificate, 0 for none
   std::string certificate_names;   ///< what a refused one is for
@@ -35,7 +37,7 @@ struct ConnectFacts {
 /// that have one.
 [[nodiscard]] Error ReachError(const BrokerUrl& broker, const Error& cause);
 
-/// MQTT 5 §2.4: "not authorized (0x87)".
-[[nodiscard]] std::string ReasonText(int reason_code);
+/// MQTT 5 §2.4: "not authorized (0x87)", and what the broker adds.
+[[nodiscard]] std::string ReasonText(int reason_code, const Reason& added);
 
 }  // namespace fleetpub::mqtt

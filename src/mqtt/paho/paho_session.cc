@@ -152,13 +152,20 @@ void PahoSession::Acknowledge(int token, int reason) {
   Acknowledgement& acknowledgement = acknowledgements.emplace_back();
   acknowledgement.token = token;
   acknowledgement.reason_code = reason;
-  if (acknowledgement.Refused()) acknowledgement.reason = ReasonText(reason);
+  if (acknowledgement.Refused()) {
+    acknowledgement.reason = ReasonText(reason, connection_.input->check().reason());
+  }
 }
 
 tl::unexpected<Error> PahoSession::Lose(const PahoCall& call, int code, std::string_view cause) {
-  const std::string broken = connection_.input->fault().empty()
-                                 ? std::string()
-                                 : fmt::format("the broker sent {}", connection_.input->fault());
+  const PacketCheck& check = connection_.input->check();
+  std::string broken;
+  if (!connection_.input->fault().empty()) {
+    broken = fmt::format("the broker sent {}", connection_.input->fault());
+  } else if (check.HasDisconnected() && check.reason().code != 0) {
+    broken = fmt::format("the broker closed it: {}",
+                         ReasonText(static_cast<int>(check.reason().code), check.reason()));
+  }
   if (!broken.empty()) {
     cause = broken;
   } else if (call.expired()) {
@@ -325,7 +332,8 @@ Status PahoSession::Subscribe(std::span<const std::string> filters, Qos qos, Dea
       ErrorKind::kBroker,
       fmt::format("{} refuses the subscription to {}: {}", Name(),
                   base::Printable(filters[static_cast<std::size_t>(refused - codes.begin())]),
-                  v5 ? ReasonText(*refused) : "this client may not read it"));
+                  v5 ? ReasonText(*refused, connection_.input->check().reason())
+                     : "this client may not read it"));
 }
 
 // Paho's result; into `codes` goes what the broker said to each filter.

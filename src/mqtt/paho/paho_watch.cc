@@ -48,6 +48,20 @@ struct TlsCallbacks {
     if (current_watch == nullptr) return;
     current_watch->tls_.ssl_ = static_cast<SSL*>(parent);
     CRYPTO_set_ex_data(data, index, &current_watch->tls_);
+    SSL_set_info_callback(static_cast<SSL*>(parent), OnInfo);
+  }
+
+  // Paho names the host of the URL, even an address; the first message is made after this. Paho's
+  // own callback stands in the context.
+  static void OnInfo(const SSL* ssl, int where, int value) {
+    if ((where & SSL_CB_HANDSHAKE_START) != 0 && current_watch != nullptr &&
+        current_watch->tls_.ssl_ == ssl) {
+      std::string& host = current_watch->tls_.host_;
+      SSL_ctrl(current_watch->tls_.ssl_, SSL_CTRL_SET_TLSEXT_HOSTNAME, TLSEXT_NAMETYPE_host_name,
+               AddressBytes(host).empty() ? host.data() : nullptr);
+    }
+    const auto pahos = SSL_CTX_get_info_callback(SSL_get_SSL_CTX(ssl));
+    if (pahos != nullptr) pahos(ssl, where, value);
   }
 
   static void OnFree(void* parent, void* value, CRYPTO_EX_DATA* /*data*/, int /*index*/,
@@ -60,7 +74,7 @@ struct TlsCallbacks {
   // only after the handshake, and would take the subject or a name in place of an address.
   static void OnNewContext(void* parent, void* /*value*/, CRYPTO_EX_DATA* /*data*/, int /*index*/,
                            long /*argl*/, void* /*argp*/) {
-    if (current_watch == nullptr || current_watch->tls_.host_.empty()) return;
+    if (current_watch == nullptr || !current_watch->tls_.verify_) return;
     SSL_CTX_set_cert_verify_callback(static_cast<SSL_CTX*>(parent), Verify, &current_watch->tls_);
   }
 

@@ -22,8 +22,9 @@ namespace fleetpub::mqtt {
 /// the connection.
 class TlsWatch {
  public:
-  /// The broker's certificate must be for this host; empty: it is not looked at.
-  explicit TlsWatch(std::string host) : host_(std::move(host)) {}
+  /// The broker is told this name as the one that is asked for (RFC 6066 §3: no address), and its
+  /// certificate must be for it when `verify`.
+  TlsWatch(std::string host, bool verify) : host_(std::move(host)), verify_(verify) {}
   TlsWatch(const TlsWatch&) = delete;
   TlsWatch& operator=(const TlsWatch&) = delete;
   ~TlsWatch() = default;
@@ -34,6 +35,7 @@ class TlsWatch {
  private:
   friend struct TlsCallbacks;
   std::string host_;
+  bool verify_;
   ssl_st* ssl_ = nullptr;
 };
 

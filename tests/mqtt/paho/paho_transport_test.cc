@@ -336,7 +336,7 @@ TEST_P(PahoTransport, RefusesWhatIsNoTopic) {
 TEST_P(PahoTransport, GivesItselfAName) {
   Mosquitto broker;
   const auto master = Connected(Options(broker));
-  EXPECT_THAT(broker.Log(), ::testing::ContainsRegex("as fleetpub-[0-9a-f]{12} "));
+  EXPECT_THAT(broker.Log(), ::testing::ContainsRegex("as fleetpub[0-9a-f]{15} "));
 }
 
 TEST(PahoTransport5, TellsWhyAMessageWasRefused) {
