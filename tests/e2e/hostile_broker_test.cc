@@ -88,6 +88,14 @@ TEST_P(HostileBroker, LeavesNoFalseRowWhenItAnswersAMessageWithNonsense) {
   EXPECT_THAT(rows, Not(Contains(HasSubstr(R"("status":"RECORDED")"))));
 }
 
+TEST_P(HostileBroker, IsQuotedWhenItEndsTheConnection) {
+  const ScriptedBroker broker(
+      {.on_publish = std::string("\xe0\x0a\x97\x08\x1f\0\5quota", 12), .hangs_up_after = 3});
+  const Finished run = Call(broker, WithoutLook({"pause", "KIT/0001", "-V", "5", "-q", "1"}));
+  EXPECT_EQ(run.exit_code, 4);
+  EXPECT_THAT(run.output + run.errors, HasSubstr("quota exceeded (0x97), 'quota'"));
+}
+
 // A message that has left at QoS 0 has left, whatever follows.
 TEST_P(HostileBroker, DoesNotUndoAMessageAtQos0) {
   const ScriptedBroker broker({.on_publish = std::string(kNoPropertyLength)});

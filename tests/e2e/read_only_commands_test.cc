@@ -226,6 +226,10 @@ TEST_F(ReadOnlyCommands, PingsTheBroker) {
   const Finished text = Fleetpub({"ping"});
   EXPECT_EQ(text.exit_code, 0) << text.errors;
   EXPECT_THAT(text.output, AllOf(HasSubstr("reachable"), HasSubstr("mosquitto version")));
+  EXPECT_EQ(Fleetpub({"ping", "--interface", "AMR"}).exit_code, 0);
+  EXPECT_TRUE(broker_.AwaitLog("AMR/+/+/+/factsheet"));
+  EXPECT_EQ(Fleetpub({"ping", "--topic-template", "plant/{serial}/{topic}"}).exit_code, 0);
+  EXPECT_TRUE(broker_.AwaitLog("plant/+/state"));
   const auto json = Json(Fleetpub({"ping", "-o", "json", "-V", "5"}).output);
   EXPECT_TRUE(json["reachable"].GetBool());
   EXPECT_STREQ(json["mqtt"].GetString(), "5");

@@ -78,6 +78,11 @@ TEST_F(TlsFailures, OfTheBrokersCertificateNameTheCheck) {
     EXPECT_THAT(broker.Log(), Not(HasSubstr("New client connected")));
   }
   ExpectRefusal(good, Pause(good.Url("mqtts", "localhost")), "not trusted here");
+  auto named = Trusting();
+  named.insert(named.end(), {"--tls-server-name", "other.example"});
+  EXPECT_EQ(Pause(other.Url("mqtts", "localhost"), named).exit_code, 0);
+  EXPECT_EQ(Pause(other.Url("mqtts"), named).exit_code, 0);
+  ExpectRefusal(good, Pause(good.Url("mqtts", "localhost"), named), "not for other.example");
   EXPECT_EQ(Pause(good.Url("mqtts", "localhost"), Trusting()).exit_code, 0);
   EXPECT_EQ(Pause(self.Url("mqtts", "localhost"), Trusting("self.crt")).exit_code, 0);
 }

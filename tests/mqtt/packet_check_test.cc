@@ -182,6 +182,19 @@ TEST(PacketCheck, ReadsAConnackOfEitherVersion) {
   }
 }
 
+TEST(PacketCheck, KeepsTheReasonOfADisconnect) {
+  PacketCheck check(ProtocolVersion::k5);
+  const std::string packets =
+      std::string("\x20\3\0\0\0", 5) + std::string("\xe0\x0a\x97\x08\x1f\0\5quota", 12);
+  for (const char byte : packets) {
+    const auto one = static_cast<std::uint8_t>(byte);
+    ASSERT_TRUE(check.Admit({&one, 1})) << check.fault();
+  }
+  EXPECT_TRUE(check.HasDisconnected());
+  EXPECT_EQ(check.reason().code, 0x97);
+  EXPECT_EQ(check.reason().text, "quota");
+}
+
 TEST(PacketCheck, KnowsWhoseTurnItIs) {
   PacketCheck early(k311);
   EXPECT_FALSE(Admit(early, Bytes("30 03 00 01 61")));

@@ -94,6 +94,40 @@ TEST(ConnectPaho, PutsEveryReasonCodeInWords) {
   }
 }
 
+TEST(ConnectPaho, TellsWhatTheBrokerAddsToAReason) {
+  // CONNACK 0x9D with a reason string and a server reference.
+  const std::string properties = std::string("\x1f\0\5spa\nt", 8) + std::string("\x1c\0\3b:1", 6);
+  const std::string rest =
+      std::string("\0\x9d", 2) + static_cast<char>(properties.size()) + properties;
+  const BrokenBroker broker(
+      BrokenBroker::Answers({std::string("\x20") + static_cast<char>(rest.size()) + rest}));
+  EXPECT_THAT(Refusal(V5(To(broker.Url()))).message,
+              AllOf(HasSubstr("it has moved"), HasSubstr(R"('spa\nt')"), HasSubstr("server b:1")));
+}
+
+// The server name that a ClientHello holds is readable.
+std::string Hello(const std::string& host, const std::string& server_name) {
+  std::mutex mutex;
+  std::string hello;
+  const BrokenBroker broker([&](int socket) {
+    const std::string got = testing::ReadSome(socket);
+    const std::lock_guard lock(mutex);
+    hello += got;
+  });
+  ConnectOptions options = To(fmt::format("mqtts://{}:{}", host, broker.port()));
+  options.tls.server_name = server_name;
+  EXPECT_THAT(Refusal(options).message, HasSubstr("TLS handshake"));
+  const std::lock_guard lock(mutex);
+  return hello;
+}
+
+TEST(ConnectPaho, NamesTheServerInTlsButNoAddress) {
+  EXPECT_THAT(Hello("localhost", ""), HasSubstr("localhost"));
+  EXPECT_THAT(Hello("127.0.0.1", ""), Not(HasSubstr("127.0.0.1")));
+  EXPECT_THAT(Hello("127.0.0.1", "b.example"), HasSubstr("b.example"));
+  EXPECT_THAT(Hello("localhost", "::1"), AllOf(Not(HasSubstr("localhost")), Not(HasSubstr("::1"))));
+}
+
 TEST(ConnectPaho, GivesUpAtItsTimeout) {
   FLEETPUB_NEEDS_FAST_CONNECT();
   const BrokenBroker broker(BrokenBroker::Silent());
