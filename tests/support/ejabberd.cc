@@ -22,6 +22,7 @@ listen:
   - port: {0}
     ip: "127.0.0.1"
     module: mod_mqtt
+    max_payload_size: {3}
   - port: {1}
     ip: "127.0.0.1"
     module: ejabberd_http
@@ -30,7 +31,7 @@ listen:
 modules:
   mod_mqtt:
     match_retained_limit: infinity
-)";
+{2})";
 
 // Where Debian keeps the libraries of Erlang packages, whatever the processor.
 std::string Libraries() {
@@ -46,7 +47,7 @@ std::string Libraries() {
 
 }  // namespace
 
-Ejabberd::Ejabberd() {
+Ejabberd::Ejabberd(std::string lines) : lines_(std::move(lines)) {
   for (int attempt = 0; attempt < kAttempts; ++attempt) {
     mqtt_port_ = FreePort();
     web_port_ = FreePort();
@@ -60,8 +61,8 @@ Ejabberd::Ejabberd() {
 // on a fixed port. Without a name it needs neither.
 bool Ejabberd::Start() {
   server_.reset();
-  const auto config =
-      folder_.Write("ejabberd.yml", fmt::format(kConfiguration, mqtt_port_, web_port_));
+  const auto config = folder_.Write(
+      "ejabberd.yml", fmt::format(kConfiguration, mqtt_port_, web_port_, lines_, kMaximumPayload));
   Command server{.arguments = {"erl", "-noinput", "-mnesia", "dir",
                                fmt::format("\"{}\"", (folder_ / "database").string()), "-s",
                                "ejabberd"}};

@@ -16,7 +16,10 @@ namespace fleetpub::testing {
 /// ends with this object. Throws std::runtime_error when it cannot be started.
 class Ejabberd {
  public:
-  Ejabberd();
+  static constexpr int kMaximumPayload = 1'000'000;
+
+  /// With these lines for its module, indented by four spaces.
+  explicit Ejabberd(std::string lines = {});
 
   /// `mqtt://fleetpub@127.0.0.1:port`, or `ws://…/mqtt`.
   [[nodiscard]] std::string Url(std::string_view scheme) const;
@@ -28,6 +31,7 @@ class Ejabberd {
   [[nodiscard]] bool Start();
 
   TemporaryFolder folder_;
+  std::string lines_;
   std::uint16_t mqtt_port_ = 0;
   std::uint16_t web_port_ = 0;
   std::unique_ptr<Process> server_;
