@@ -1,10 +1,11 @@
-// The core against brokers other than mosquitto: RabbitMQ's MQTT plugin and aedes. What each does
-// otherwise stands in docs/brokers.md.
+// What brokers other than mosquitto do otherwise: RabbitMQ's MQTT plugin, aedes and ejabberd. It
+// stands in docs/brokers.md. What all of them do is in core_list_test.cc.
 #include <gmock/gmock.h>
 
 #include <memory>
 
 #include "support/aedes.h"
+#include "support/ejabberd.h"
 #include "support/operator.h"
 #include "support/rabbitmq.h"
 
@@ -78,24 +79,6 @@ TEST_P(OtherBroker, CarriesTheRobotsWord) {
   ExpectEnd({"resume", "WORD/0010", "--wait"}, 7, "unknown");
 }
 
-TEST_P(OtherBroker, PublishesTheLastWillOfARobotThatDies) {
-  const auto robot = Robot({"WILL/0001", "--delay", "30s", "-v"});
-  Process run(operator_.Prepare({"charge", "WILL/0001", "--wait"}));
-  ASSERT_TRUE(robot->AwaitErrors("startCharging"));
-  robot->Signal(SIGKILL);
-  EXPECT_EQ(run.Wait(), 6) << run.Errors();
-  EXPECT_THAT(run.Output(), HasSubstr("OFFLINE"));
-  ExpectEnd({"await", "WILL/0001", "connection", "connectionState=CONNECTION_BROKEN"}, 0, "WILL");
-}
-
-TEST_P(OtherBroker, ShowsTheFleet) {
-  const auto robot = Robot({"FLEET/0001", "--state-interval", "200ms"});
-  ExpectEnd({"fleet", "FLEET/*", "--state-wait", "5s"}, 0, "FLEET/0001");
-  ExpectEnd({"await", "FLEET/0001", "connection", "connectionState=ONLINE"}, 0, "ONLINE");
-  ExpectEnd({"await", "FLEET/0001", "state", "paused=false"}, 0, "FLEET/0001");
-  ExpectEnd({"ping"}, 0, "reachable");
-}
-
 TEST_P(OtherBroker, MissesNoConnectionMessageThatIsThere) {
   const auto robot = Robot({"LIVE/0001", "--state-interval", "100ms"});
   ExpectEnd({"validate", "--live", "LIVE/*", "--strict", "--for", "1s", "-o", "json"}, 0,
@@ -146,6 +129,58 @@ TEST(Aedes, DeniesWhatIsForbidden) {
   EXPECT_EQ(subscribed.exit_code, 4) << subscribed.output;
   EXPECT_THAT(subscribed.errors,
               AllOf(HasSubstr("nothing was sent"), HasSubstr("may not read it")));
+}
+
+class EjabberdBroker : public ::testing::Test {
+ protected:
+  EjabberdBroker() { operator_.UseBroker(broker_.Url("mqtt")); }
+  [[nodiscard]] Finished Send(std::vector<std::string> arguments) const {
+    Command command = operator_.Prepare(WithoutLook(std::move(arguments)));
+    command.environment.emplace_back("FLEETPUB_PASSWORD", "any");
+    return testing::Run(std::move(command));
+  }
+
+  Ejabberd broker_{R"(    access_publish: {"closed/#": [deny: all]}
+    access_subscribe: {"closed/#": [deny: all]}
+)"};
+  Operator operator_;
+};
+
+TEST_F(EjabberdBroker, WantsALoginOfEverybody) {
+  for (const char* version : {"3.1.1", "5"}) {
+    const Finished run = operator_.Send({"pause", "KIT/0001", "-u", "", "-V", version});
+    EXPECT_EQ(run.exit_code, 4) << run.output;
+    EXPECT_THAT(run.errors, AllOf(HasSubstr("nothing was sent"), HasSubstr("not authorized")));
+  }
+}
+
+TEST_F(EjabberdBroker, SaysOverMqtt5ThatAMessageIsNotAllowed) {
+  const std::vector<std::string> pause = {"pause", "KIT/0001", "--interface", "closed"};
+  const auto with = [&](std::vector<std::string> more) {
+    more.insert(more.begin(), pause.begin(), pause.end());
+    return Send(std::move(more));
+  };
+  EXPECT_EQ(with({"-q", "0", "-V", "5"}).exit_code, 0);
+  EXPECT_EQ(with({"-q", "1", "-V", "3.1.1"}).exit_code, 0) << "acknowledged, and dropped";
+  const Finished refused = with({"-q", "1", "-V", "5"});
+  EXPECT_EQ(refused.exit_code, 4);
+  EXPECT_THAT(refused.output, HasSubstr("0x90"));
+  for (const char* version : {"3.1.1", "5"}) {
+    const Finished subscribed = with({"--wait", "-V", version});
+    EXPECT_EQ(subscribed.exit_code, 4) << subscribed.output;
+    EXPECT_THAT(subscribed.errors, AllOf(HasSubstr("nothing was sent"), HasSubstr("refuses")));
+  }
+}
+
+TEST_F(EjabberdBroker, HangsUpOnAMessageThatIsTooLarge) {
+  const auto file =
+      operator_.home().Write("large", std::string(Ejabberd::kMaximumPayload + 1'000, 'x'));
+  for (const char* version : {"3.1.1", "5"}) {
+    const Finished run = Send(
+        {"action", "note", "KIT/0001", "-P", "text=@" + file.string(), "-q", "1", "-V", version});
+    EXPECT_EQ(run.exit_code, 4) << run.output;
+    EXPECT_THAT(run.output, HasSubstr("ERROR"));
+  }
 }
 
 }  // namespace

@@ -15,7 +15,7 @@ using ::testing::SizeIs;
 TEST(SoarBackbone, CarriesOurMessagesToAmqpAndItsAcknowledgementsBack) {
   const RabbitMq& backbone = RabbitMq::Shared();
   Operator someone;
-  someone.UseBroker(backbone.MqttUrl());
+  someone.UseBroker(backbone.Url());
   const AmqpConsumer consumer(backbone, "soar.#");
 
   Process waiting(someone.Prepare(

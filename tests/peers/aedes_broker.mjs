@@ -1,11 +1,14 @@
-// aedes, a broker that we did not write, on a free port of 127.0.0.1.
-//   aedes_broker.mjs [USER PASSWORD]
+// aedes, a broker that we did not write, on two ports of 127.0.0.1: MQTT, and MQTT in WebSockets.
+//   aedes_broker.mjs PORT WEBPORT [USER PASSWORD]
+// 0 is a free port.
 // Lets in that user only when one is named. Nobody may publish or subscribe to what begins with
-// `forbidden/`. Prints `listening on PORT`; ends on SIGTERM.
+// `forbidden/`. Prints `listening on PORT WEBPORT`; ends on SIGTERM.
+import http from "node:http";
 import net from "node:net";
 import aedes from "aedes";
+import { createWebSocketStream, WebSocketServer } from "ws";
 
-const [user, password] = process.argv.slice(2);
+const [port, webPort, user, password] = process.argv.slice(2);
 const forbidden = (topic) => topic.startsWith("forbidden/");
 const broker = aedes({
   authenticate: (client, name, secret, done) =>
@@ -16,5 +19,9 @@ const broker = aedes({
   authorizeSubscribe: (client, subscription, done) => done(null, forbidden(subscription.topic) ? null : subscription),
 });
 
-const server = net.createServer(broker.handle);
-server.listen(0, "127.0.0.1", () => console.log(`listening on ${server.address().port} `));
+const plain = net.createServer(broker.handle);
+const web = http.createServer();
+new WebSocketServer({ server: web, handleProtocols: () => "mqtt" }).on("connection", (socket, request) =>
+  broker.handle(createWebSocketStream(socket), request));
+plain.listen(port, "127.0.0.1", () =>
+  web.listen(webPort, "127.0.0.1", () => console.log(`listening on ${plain.address().port} ${web.address().port} `)));

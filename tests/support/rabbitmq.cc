@@ -34,29 +34,40 @@ RabbitMq::RabbitMq() {
   if (access(kServer, X_OK) != 0)
     throw std::runtime_error("RabbitMQ is not installed: " + std::string(kServer));
   for (int attempt = 0; attempt < kAttempts; ++attempt) {
-    Start();
-    if (server_->AwaitOutput("Server startup complete", kStartPatience)) return;
+    TakePorts();
+    if (Start()) return;
     const bool taken = Log().find("eaddrinuse") != std::string::npos;
     if (!taken) break;
   }
   throw std::runtime_error("RabbitMQ does not start: " + Log());
 }
 
+void RabbitMq::TakePorts() {
+  server_.reset();
+  mqtt_port_ = FreePort();
+  web_port_ = FreePort();
+  amqp_port_ = FreePort();
+  names_port_ = FreePort();
+  names_ = std::make_unique<Process>(Command{
+      .arguments = {"epmd", "-port", std::to_string(names_port_), "-address", "127.0.0.1"}});
+}
+
+void RabbitMq::Restart() {
+  server_->Signal(SIGKILL);
+  static_cast<void>(server_->Wait());
+  if (!Start()) throw std::runtime_error("RabbitMQ does not start again: " + Log());
+}
+
 // `RUNNING_UNDER_SYSTEMD` makes the script become the server, instead of staying as its parent: it
 // is ended by our child's pid, and by the kernel when the test dies.
-void RabbitMq::Start() {
-  server_.reset();
-  names_.reset();
-  mqtt_port_ = FreePort();
-  amqp_port_ = FreePort();
-  const std::string names_port = std::to_string(FreePort());
-  const auto config =
-      folder_.Write("rabbitmq.conf",
-                    "listeners.tcp.1 = 127.0.0.1:" + std::to_string(amqp_port_) +
-                        "\nmqtt.listeners.tcp.1 = 127.0.0.1:" + std::to_string(mqtt_port_) + "\n");
-  const auto plugins = folder_.Write("enabled_plugins", "[rabbitmq_mqtt].\n");
-  names_ = std::make_unique<Process>(
-      Command{.arguments = {"epmd", "-port", names_port, "-address", "127.0.0.1"}});
+bool RabbitMq::Start() {
+  const std::string names_port = std::to_string(names_port_);
+  const auto config = folder_.Write(
+      "rabbitmq.conf",
+      "listeners.tcp.1 = 127.0.0.1:" + std::to_string(amqp_port_) +
+          "\nmqtt.listeners.tcp.1 = 127.0.0.1:" + std::to_string(mqtt_port_) +
+          "\nweb_mqtt.tcp.ip = 127.0.0.1\nweb_mqtt.tcp.port = " + std::to_string(web_port_) + "\n");
+  const auto plugins = folder_.Write("enabled_plugins", "[rabbitmq_mqtt,rabbitmq_web_mqtt].\n");
   Command server{.arguments = {kServer}};
   server.environment = {
       {"HOME", folder_.path().string()},
@@ -74,14 +85,17 @@ void RabbitMq::Start() {
       {"ERL_EPMD_ADDRESS", "127.0.0.1"},
   };
   server_ = std::make_unique<Process>(std::move(server));
+  return server_->AwaitOutput("Server startup complete", kStartPatience);
 }
 
-const RabbitMq& RabbitMq::Shared() {
-  static const RabbitMq broker;
+RabbitMq& RabbitMq::Shared() {
+  static RabbitMq broker;
   return broker;
 }
 
-std::string RabbitMq::MqttUrl() const { return Loopback("mqtt", mqtt_port_); }
+std::string RabbitMq::Url(std::string_view scheme) const {
+  return scheme == "ws" ? Loopback(scheme, web_port_) + "/ws" : Loopback(scheme, mqtt_port_);
+}
 std::string RabbitMq::AmqpUrl() const { return Loopback("amqp", amqp_port_); }
 std::string RabbitMq::Log() const { return server_->Output() + server_->Errors(); }
 

@@ -12,28 +12,33 @@
 
 namespace fleetpub::testing {
 
-/// Listens on free ports of 127.0.0.1, for MQTT and for AMQP, and accepts connections from
+/// Listens on free ports of 127.0.0.1, for MQTT, WebSockets and AMQP, and accepts connections from
 /// everybody when the constructor returns, which takes some ten seconds. Has a name daemon (epmd)
 /// of its own. Both end with this object. Throws std::runtime_error when it cannot be started.
 class RabbitMq {
  public:
   RabbitMq();
   /// The one of this test program, started when it is first asked for.
-  [[nodiscard]] static const RabbitMq& Shared();
+  [[nodiscard]] static RabbitMq& Shared();
 
   [[nodiscard]] std::uint16_t mqtt_port() const { return mqtt_port_; }
-  /// `mqtt://127.0.0.1:port`
-  [[nodiscard]] std::string MqttUrl() const;
+  /// `mqtt://127.0.0.1:port`, or `ws://…/ws`.
+  [[nodiscard]] std::string Url(std::string_view scheme = "mqtt") const;
   /// `amqp://127.0.0.1:port`
   [[nodiscard]] std::string AmqpUrl() const;
   [[nodiscard]] std::string Log() const;
+  /// Kills it, and starts it again on the same ports.
+  void Restart();
 
  private:
-  void Start();
+  void TakePorts();
+  [[nodiscard]] bool Start();
 
   TemporaryFolder folder_;
   std::uint16_t mqtt_port_ = 0;
+  std::uint16_t web_port_ = 0;
   std::uint16_t amqp_port_ = 0;
+  std::uint16_t names_port_ = 0;
   // The server ends before the daemon that it is registered with.
   std::unique_ptr<Process> names_;
   std::unique_ptr<Process> server_;
