@@ -75,7 +75,7 @@ class Discoverer {
     auto ok = ReadNamed();
     if (ok && finds) ok = ReadFound();
     if (ok && (finds || AnyMissing())) ok = ListenForLife();
-    if (ok && NeedsFactsheets() && finds) ok = ReadFactsheets();
+    if (ok && NeedsFactsheets()) ok = ReadFactsheets();
     if (ok && Needs(targets_, "state")) ok = AwaitStates(start + targets_.state_wait);
     return ok;
   }
@@ -93,8 +93,11 @@ class Discoverer {
   // A robot may have left messages under another version long ago: only one that is there ends the
   // search at once, and not one that is ONLINE at two places, of which it lives at one.
   static bool IsDecided(const RobotEntry& entry) {
+    return IsThere(entry) && (!entry.IsAlive() || entry.Rival() == nullptr);
+  }
+  static bool IsThere(const RobotEntry& entry) {
     const bool hibernates = entry.connection && entry.connection->connection_state == "HIBERNATING";
-    return hibernates || (entry.IsAlive() && entry.Rival() == nullptr);
+    return hibernates || entry.IsAlive();
   }
   [[nodiscard]] bool AnyMissing() const {
     const auto& robots = directory_.robots();
@@ -105,7 +108,11 @@ class Discoverer {
 
   const RobotEntry* Take(const mqtt::Message& message) {
     const auto origin = message.retained ? vda5050::Origin::kRetained : vda5050::Origin::kLive;
-    return directory_.Deliver(message.topic, message.payload, origin);
+    const RobotEntry* entry = directory_.Deliver(message.topic, message.payload, origin);
+    if (message.retained && entry != nullptr && message.topic == entry->topic) {
+      retained_topic_ = message.topic;
+    }
+    return entry;
   }
 
   // Until nothing is missing of these robots.
@@ -119,10 +126,11 @@ class Discoverer {
     });
   }
 
-  // Those that are named outright, by topics of their own.
+  // Those that are named outright, by topics of their own. Most brokers send a factsheet along.
   Status ReadNamed() {
-    std::vector<std::string_view> topics = {"connection"};
+    std::vector<std::string_view> topics;
     if (NeedsFactsheets()) topics.emplace_back("factsheet");
+    topics.emplace_back("connection");
     Filters filters;
     std::set<const RobotEntry*> waiting;
     for (const auto& [robot, entry] : directory_.robots()) {
@@ -130,9 +138,7 @@ class Discoverer {
       waiting.insert(&entry);
       if (auto ok = filters.Add(entry.base->topics, Exactly(robot), topics); !ok) return ok;
     }
-    return Read(
-        filters.Take(), std::move(waiting), options_.discover,
-        [this](const RobotEntry& entry) { return IsDecided(entry) && HasFactsheet(entry); });
+    return Read(filters.Take(), std::move(waiting), options_.discover, IsDecided);
   }
 
   // Connection messages alone: with the large ones the broker's queue would run over sooner.
@@ -154,8 +160,9 @@ class Discoverer {
   // RabbitMQ moreover has nothing retained for a filter with wildcards: the same by full names.
   Status ListenForLife() {
     constexpr std::array<std::string_view, 1> kState = {"state"};
-    std::vector<std::string_view> topics = {"connection"};
+    std::vector<std::string_view> topics;
     if (NeedsFactsheets()) topics.emplace_back("factsheet");
+    topics.emplace_back("connection");
     Filters filters;
     std::set<const RobotEntry*> missing;
     for (const auto& [robot, entry] : directory_.robots()) {
@@ -178,18 +185,51 @@ class Discoverer {
     return Read(filters.Take(), std::move(missing), options, IsDecided);
   }
 
-  // Of those that have been found.
+  // Each by its own topic, beside the one at which the robot lives. No broker promises that it comes
+  // before or with the connection message.
   Status ReadFactsheets() {
-    constexpr std::array<std::string_view, 1> kTopics = {"factsheet"};
-    Filters filters;
+    std::vector<std::string> filters;
     std::set<const RobotEntry*> waiting;
     for (const auto& [robot, entry] : directory_.robots()) {
-      if (!entry.own || HasFactsheet(entry)) continue;
+      if (!LacksFactsheet(entry)) continue;
+      const auto& scheme = entry.base->topics;
+      const auto levels = vda5050::ReadTopic(scheme, entry.topic, robot.manufacturer);
+      if (!levels) continue;
+      auto topic = vda5050::TopicBeside(scheme, *levels, "factsheet");
+      if (!topic) return Fail(std::move(topic.error()));
+      filters.push_back(*std::move(topic));
       waiting.insert(&entry);
-      if (auto ok = filters.Add(entry.base->topics, Exactly(robot), kTopics); !ok) return ok;
     }
-    return Read(filters.Take(), std::move(waiting), options_.discover,
-                [this](const RobotEntry& entry) { return HasFactsheet(entry); });
+    auto options = options_.discover;
+    options.marker = std::exchange(retained_topic_, "");
+    if (!options.marker.empty()) filters.push_back(options.marker);
+    auto ok = Read(filters, std::move(waiting), options,
+                   [this](const RobotEntry& entry) { return HasFactsheet(entry); });
+    if (ok) TellUnchecked(!options.marker.empty() && retained_topic_ == options.marker);
+    return ok;
+  }
+
+  // Of a robot that is away nothing more is asked than whether it is meant.
+  [[nodiscard]] bool LacksFactsheet(const RobotEntry& entry) const {
+    const bool counts = IsThere(entry) || Needs(targets_, "factsheet");
+    return counts && IsWanted(entry) && entry.own && !HasFactsheet(entry);
+  }
+
+  // `answered`: what the broker has, it has sent.
+  void TellUnchecked(bool answered) {
+    std::vector<RobotAddress> robots;
+    for (const auto& [robot, entry] : directory_.robots()) {
+      if (LacksFactsheet(entry)) robots.push_back(robot);
+    }
+    if (robots.empty()) return;
+    const std::string text =
+        fmt::format("not held against {}: {}", robots.size() == 1 ? "a factsheet" : "factsheets",
+                    FormatRobotList(robots));
+    if (answered) {
+      log_.Info(text + ": the broker has none");
+    } else {
+      log_.Warn(text + ": none came in time");
+    }
   }
 
   // Until every robot that is there has sent a state, or time is up.
@@ -218,6 +258,7 @@ class Discoverer {
   const DiscoveryOptions& options_;
   RobotDirectory& directory_;
   Log& log_;
+  std::string retained_topic_;  // of the last connection message that was retained
 };
 
 enum class Answer { kYes, kNo, kUnheard, kAway };

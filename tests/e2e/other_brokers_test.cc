@@ -7,6 +7,7 @@
 #include "support/aedes.h"
 #include "support/operator.h"
 #include "support/rabbitmq.h"
+#include "support/relay.h"
 
 namespace fleetpub::testing {
 namespace {
@@ -76,6 +77,15 @@ TEST_P(OtherBroker, CarriesTheRobotsWord) {
   const auto silent = Robot({"WORD/0009", "--silent"});
   ExpectEnd({"pause", "WORD/0009", "--wait", "-W", "300ms"}, 6, "TIMEOUT");
   ExpectEnd({"resume", "WORD/0010", "--wait"}, 7, "unknown");
+}
+
+// Over a line on which the factsheet comes well behind the connection message, or before it.
+TEST_P(OtherBroker, SendsNothingThatTheFactsheetForbids) {
+  const auto robot = Robot({"FACTS/0001", "--vda", "2.1.0"});
+  ExpectEnd({"action", "dance", "FACTS/0001"}, 7, "factsheet");
+  const Relay slow(port_, std::chrono::milliseconds(5), 16);
+  operator_.UseBroker(slow.Url());
+  ExpectEnd({"action", "dance", "FACTS/0001"}, 7, "factsheet");
 }
 
 TEST_P(OtherBroker, PublishesTheLastWillOfARobotThatDies) {
