@@ -75,6 +75,7 @@ class Discoverer {
     auto ok = ReadNamed();
     if (ok && finds) ok = ReadFound();
     if (ok && (finds || AnyMissing())) ok = ListenForLife();
+    if (ok && finds && !wildcards_bring_) ok = ReadConnections();
     if (ok && NeedsFactsheets()) ok = ReadFactsheets();
     if (ok && Needs(targets_, "state")) ok = AwaitStates(start + targets_.state_wait);
     return ok;
@@ -152,7 +153,10 @@ class Discoverer {
     }
     return delivery::ReadAllRetained(
         transport_, filters.Take(), options_.discover,
-        [&](const mqtt::Message& message) { Take(message); },
+        [&](const mqtt::Message& message) {
+          wildcards_bring_ = wildcards_bring_ || message.retained;
+          Take(message);
+        },
         [&] { return directory_.robots().size(); });
   }
 
@@ -178,32 +182,67 @@ class Discoverer {
         if (auto ok = filters.Add(scheme, pattern.Filter(), kState); !ok) return ok;
       }
     }
+    if (const auto unheard = Unheard(); AreAskedByName(unheard, !wildcards_bring_)) {
+      if (auto ok = filters.Add(TopicsByName(unheard, "connection")); !ok) return ok;
+    }
     auto options = options_.discover;
-    if (!missing.empty()) options.quiet = options.most = kLifeFactor * options.quiet;
+    if (!missing.empty() || !wildcards_bring_)
+      options.quiet = options.most = kLifeFactor * options.quiet;
     // Those of whom nothing is known may be found until the end.
     if (!targets_.include.patterns.empty()) missing.insert(nullptr);
     return Read(filters.Take(), std::move(missing), options, IsDecided);
   }
 
+  [[nodiscard]] std::vector<ExpectedRobot> Unheard() const {
+    return FindUnheard(options_.expected, [this](const RobotAddress& robot) {
+      return app::WasHeard(directory_, robot);
+    });
+  }
+
+  // Of robots that were found by their states, where a filter with wildcards brings none.
+  Status ReadConnections() {
+    Filters filters;
+    std::set<const RobotEntry*> waiting;
+    bool any = false;
+    for (const auto& [robot, entry] : directory_.robots()) {
+      any = any || app::WasHeard(directory_, robot);
+      if (entry.connection || !entry.speaks) continue;
+      waiting.insert(&entry);
+      if (auto ok = AddBeside(robot, entry, "connection", filters); !ok) return ok;
+    }
+    if (any)
+      log_.Warn(fmt::format("{}: {}", transport_.server().broker.ToString(), kNothingForWildcards));
+    return Read(filters.Take(), std::move(waiting), options_.discover,
+                [](const RobotEntry& entry) { return entry.connection.has_value(); });
+  }
+
+  // A topic at the place at which the robot lives; none when that is not known.
+  static Status AddBeside(const RobotAddress& robot, const RobotEntry& entry,
+                          std::string_view topic_name, Filters& filters) {
+    const auto& scheme = entry.base->topics;
+    const auto levels = vda5050::ReadTopic(scheme, entry.topic, robot.manufacturer);
+    if (!levels) return {};
+    auto topic = vda5050::TopicBeside(scheme, *levels, topic_name);
+    if (!topic) return Fail(std::move(topic.error()));
+    return filters.Add(std::vector<std::string>{*std::move(topic)});
+  }
+
   // Each by its own topic, beside the one at which the robot lives. No broker promises that it comes
   // before or with the connection message.
   Status ReadFactsheets() {
-    std::vector<std::string> filters;
+    Filters filters;
     std::set<const RobotEntry*> waiting;
     for (const auto& [robot, entry] : directory_.robots()) {
       if (!LacksFactsheet(entry)) continue;
-      const auto& scheme = entry.base->topics;
-      const auto levels = vda5050::ReadTopic(scheme, entry.topic, robot.manufacturer);
-      if (!levels) continue;
-      auto topic = vda5050::TopicBeside(scheme, *levels, "factsheet");
-      if (!topic) return Fail(std::move(topic.error()));
-      filters.push_back(*std::move(topic));
       waiting.insert(&entry);
+      if (auto ok = AddBeside(robot, entry, "factsheet", filters); !ok) return ok;
     }
     auto options = options_.discover;
     options.marker = std::exchange(retained_topic_, "");
-    if (!options.marker.empty()) filters.push_back(options.marker);
-    auto ok = Read(filters, std::move(waiting), options,
+    if (!options.marker.empty()) {
+      if (auto ok = filters.Add(std::vector<std::string>{options.marker}); !ok) return ok;
+    }
+    auto ok = Read(filters.Take(), std::move(waiting), options,
                    [this](const RobotEntry& entry) { return HasFactsheet(entry); });
     if (ok) TellUnchecked(!options.marker.empty() && retained_topic_ == options.marker);
     return ok;
@@ -258,7 +297,8 @@ class Discoverer {
   const DiscoveryOptions& options_;
   RobotDirectory& directory_;
   Log& log_;
-  std::string retained_topic_;  // of the last connection message that was retained
+  bool wildcards_bring_ = false;  // something retained
+  std::string retained_topic_;    // of the last connection message that was retained
 };
 
 enum class Answer { kYes, kNo, kUnheard, kAway };
@@ -334,6 +374,27 @@ Status DiscoverRobots(mqtt::Transport& transport, const Targets& targets,
   return Discoverer(transport, targets, options, directory, log).Run();
 }
 
+std::vector<ExpectedRobot> FindExpectedRobots(const Targets& targets,
+                                              const DialectResolver& resolver,
+                                              const Environment& environment,
+                                              const mqtt::BrokerUrl& broker) {
+  const auto& patterns = targets.include.patterns;
+  if (patterns.empty()) return {};
+  return FindExpectedRobots(
+      environment, broker, [&](const RobotAddress& robot) -> std::optional<vda5050::TopicScheme> {
+        const auto matches = [&](const RobotPattern& pattern) { return pattern.Matches(robot); };
+        const bool is_meant = std::any_of(patterns.begin(), patterns.end(), matches);
+        const auto addressed = resolver.Resolve(robot);
+        if (!is_meant || targets.IsExcepted(robot) || !addressed) return std::nullopt;
+        return addressed->dialect->topics;
+      });
+}
+
+bool WasHeard(const RobotDirectory& directory, const RobotAddress& robot) {
+  const auto found = directory.robots().find(robot);
+  return found != directory.robots().end() && (found->second.connection || found->second.speaks);
+}
+
 Chosen Choose(const Targets& targets, const RobotDirectory& directory, Log& log) {
   Chosen chosen;
   std::vector<RobotAddress> away;
@@ -362,8 +423,7 @@ Chosen Choose(const Targets& targets, const RobotDirectory& directory, Log& log)
   }
   if (!targets.include.patterns.empty()) {
     for (const ListedRobot& listed : directory.robots()) {
-      const bool is_known = listed.second.connection || listed.second.speaks;
-      if (!is_known || named.contains(listed.first)) continue;
+      if (!WasHeard(directory, listed.first) || named.contains(listed.first)) continue;
       discovered.push_back(listed.first);
       consider(listed);
     }
@@ -399,10 +459,9 @@ std::optional<std::string> UnusedExclusion(const Targets& targets, const Exclude
 Error NobodyChosen(mqtt::Transport& transport, const Targets& targets,
                    const DialectResolver& resolver, const RobotDirectory& directory,
                    const delivery::RetainedOptions& discover, const std::string& site) {
-  const auto meant = std::count_if(
-      directory.robots().begin(), directory.robots().end(), [](const ListedRobot& listed) {
-        return listed.second.connection.has_value() || listed.second.speaks;
-      });
+  const auto meant =
+      std::count_if(directory.robots().begin(), directory.robots().end(),
+                    [&](const ListedRobot& listed) { return WasHeard(directory, listed.first); });
   const std::string nobody =
       fmt::format("nothing was sent: no robot matches {} at {}", FormatSpec(targets), site);
   if (meant > 0) {
@@ -414,8 +473,10 @@ Error NobodyChosen(mqtt::Transport& transport, const Targets& targets,
   const std::string heard =
       !all.empty() ? fmt::format("it knows {} robot{}: {}", all.size(), all.size() == 1 ? "" : "s",
                                  FormatRobotList(all))
-      : transport.server().KeepsNothing() ? std::string(kNothingRetained)
-                                          : "it knows no robot: none has left a connection message";
+      : transport.server().KeepsNothing()
+          ? std::string(kNothingRetained)
+          : "it knows no robot: none has left a connection message, or the broker has nothing "
+            "retained for patterns, as RabbitMQ: name the robots";
   return {ErrorKind::kPreflight,
           fmt::format("{}: {}{}", nobody, heard,
                       targets.except.set.empty() && targets.except.robots.empty()
@@ -424,20 +485,25 @@ Error NobodyChosen(mqtt::Transport& transport, const Targets& targets,
 }
 
 std::vector<RobotAddress> ListRobots(mqtt::Transport& transport, const vda5050::TopicScheme& scheme,
-                                     const delivery::RetainedOptions& discover, Robots which) {
+                                     const delivery::RetainedOptions& discover, Robots which,
+                                     const std::vector<ExpectedRobot>& expected) {
   constexpr std::array<std::string_view, 1> kConnection = {"connection"};
   const auto filters = vda5050::DiscoveryFilters(scheme, {}, kConnection);
-  if (!filters) return {};
+  const auto names = TopicsByName(expected, "connection");
+  if (!filters || !names) return {};
   std::set<RobotAddress> robots;
-  const auto collected =
-      delivery::ReadRetained(transport, *filters, discover, [&](const mqtt::Message& message) {
-        const auto levels = vda5050::ReadTopic(scheme, message.topic);
-        if (!levels || message.payload.empty()) return false;
-        const auto connection = vda5050::ReadConnection(message.payload);
-        const bool is_online = connection && connection->connection_state == "ONLINE";
-        if (which == Robots::kAll || is_online) robots.insert(levels->robot);
-        return false;
-      });
+  const auto take = [&](const mqtt::Message& message) {
+    const auto levels = vda5050::ReadTopic(scheme, message.topic);
+    if (!levels || message.payload.empty()) return false;
+    const auto connection = vda5050::ReadConnection(message.payload);
+    const bool is_online = connection && connection->connection_state == "ONLINE";
+    if (which == Robots::kAll || is_online) robots.insert(levels->robot);
+    return false;
+  };
+  auto collected = delivery::ReadRetained(transport, *filters, discover, take);
+  if (collected && robots.empty() && !names->empty()) {
+    collected = delivery::ReadRetained(transport, *names, discover, take);
+  }
   if (!collected) return {};
   return {robots.begin(), robots.end()};
 }

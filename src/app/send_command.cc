@@ -161,12 +161,21 @@ class CommandSender final : private delivery::CommandSource {
     const bool check = request_.waiting.check;
     factory_.SetLook(check, link_->transport->server(), environment_.config.profile);
     const auto message = request_.make_message();
-    const DiscoveryOptions options{.all = check,
-                                   .factsheets = check && message->NeedsFactsheet(),
-                                   .discover = DiscoverOptions()};
+    const DiscoveryOptions options{
+        .all = check,
+        .factsheets = check && message->NeedsFactsheet(),
+        .discover = DiscoverOptions(),
+        .expected = FindExpectedRobots(request_.targets, request_.resolver, environment_,
+                                       link_->transport->server().broker)};
     auto discovered =
         DiscoverRobots(*link_->transport, request_.targets, options, directory_, observer_);
-    if (discovered) return discovered;
+    if (discovered) {
+      WarnOfUnheard(
+          FindUnheard(options.expected,
+                      [this](const RobotAddress& robot) { return WasHeard(directory_, robot); }),
+          observer_);
+      return discovered;
+    }
     // To stop is not held back by a login that may not read.
     const bool stops = !request_.targets.AreFound() && message->IsOnlyStartPause();
     if (stops && link_->transport->AwaitReady(std::chrono::steady_clock::now())) {

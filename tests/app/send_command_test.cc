@@ -315,6 +315,20 @@ TEST_F(SendingToFoundRobots, SaysWhenTheBrokerKeepsNothing) {
   EXPECT_THAT(observer_.reports, ElementsAre(Says("retained")));
 }
 
+// As RabbitMQ.
+TEST_F(SendingToFoundRobots, AsksForConfiguredOnesByNameWhereWildcardsBringNothing) {
+  IsThere("0001");
+  IsThere("0002");
+  IsThere("0003");
+  world_.on_connect = [this](testing::FakeTransport& broker) { broker.exact_retained = retained_; };
+  for (const char* serial : {"0001", "0003"}) world_.config.robots[{"KIT", serial}];
+  settings_.agreed = true;
+  ASSERT_TRUE(Send({"KIT/*"}));
+  EXPECT_THAT(Published(), ElementsAre("vda5050/v3/KIT/0001/instantActions",
+                                       "vda5050/v3/KIT/0003/instantActions"));
+  EXPECT_THAT(observer_.warnings, ElementsAre(HasSubstr("wildcards")));
+}
+
 TEST_F(SendingToFoundRobots, SendsNothingWithoutConsent) {
   IsThere("0001");
   IsThere("0002");

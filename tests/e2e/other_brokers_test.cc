@@ -100,10 +100,31 @@ TEST_P(OtherBroker, PublishesTheLastWillOfARobotThatDies) {
 
 TEST_P(OtherBroker, ShowsTheFleet) {
   const auto robot = Robot({"FLEET/0001", "--state-interval", "200ms"});
-  ExpectEnd({"fleet", "FLEET/*", "--state-wait", "5s"}, 0, "FLEET/0001");
+  ExpectEnd({"fleet", "FLEET/*", "--state-wait", "1s"}, 0, "FLEET/0001");
   ExpectEnd({"await", "FLEET/0001", "connection", "connectionState=ONLINE"}, 0, "ONLINE");
   ExpectEnd({"await", "FLEET/0001", "state", "paused=false"}, 0, "FLEET/0001");
   ExpectEnd({"ping"}, 0, "reachable");
+}
+
+TEST_P(OtherBroker, ShowsEveryRobotOfTheFleet) {
+  const auto often = Robot({"SHOW/0001", "--state-interval", "100ms"});
+  const auto seldom = Robot({"SHOW/0002", "--state-interval", "700ms"});
+  const Finished run = Fleetpub({"fleet", "SHOW/*", "--state-wait", "1500ms", "-o", "json"});
+  EXPECT_EQ(run.exit_code, 0) << run.errors;
+  EXPECT_THAT(Lines(run.output), SizeIs(2)) << run.output;
+  EXPECT_THAT(run.output, ::testing::Not(HasSubstr(R"("connectionState":null)")));
+  EXPECT_EQ(run.errors.find("wildcards") != std::string::npos, IsRabbitMq());
+}
+
+// Robots that say nothing for 30 s.
+TEST_P(OtherBroker, FindsByPatternsWhomItHasCommanded) {
+  const auto robots = Robot({"SEEN/0001", "SEEN/0002"});
+  if (IsRabbitMq()) ExpectEnd({"pause", "SEEN/*"}, 7, "RabbitMQ");
+  ExpectEnd({"pause", "SEEN/0001", "SEEN/0002", "--wait"}, 0, "FINISHED");
+  ExpectEnd({"resume", "SEEN/*", "--yes", "--wait"}, 0, "2 finished");
+  ExpectEnd({"await", "SEEN/*", "connection", "connectionState=ONLINE", "-W", "5s"}, 0,
+            "SEEN/0002");
+  ExpectEnd({"action", "dance", "SEEN/*", "--yes"}, 7, "factsheet");
 }
 
 TEST_P(OtherBroker, MissesNoConnectionMessageThatIsThere) {

@@ -299,5 +299,13 @@ TEST_F(Targets, AwaitWaitsForEachRobotOfAPattern) {
   EXPECT_EQ(Fleetpub({"await", "KTI/*", "state", "paused=true"}).exit_code, 7);
 }
 
+TEST_F(Targets, SaysWhoOfThoseThatWereCommandedDoesNotAnswer) {
+  const auto robot = Robot({"KIT/0001"});
+  EXPECT_EQ(Send({"pause", "KIT/0002", "ACME/0001"}).exit_code, 0);
+  const Finished run = Fleetpub({"pause", "KIT/*"});
+  EXPECT_EQ(run.exit_code, 0) << run.errors;
+  EXPECT_THAT(run.errors, AllOf(HasSubstr("did not answer: KIT/0002"), Not(HasSubstr("ACME"))));
+}
+
 }  // namespace
 }  // namespace fleetpub::testing
