@@ -9,6 +9,7 @@
 #include "app/expected_robots.h"
 #include "app/robot_discovery.h"
 #include "app/targets.h"
+#include "app/whole_fleet.h"
 #include "base/text.h"
 #include "base/time.h"
 #include "delivery/subscription.h"
@@ -45,32 +46,33 @@ class FleetReader {
 
   Status Run(std::chrono::milliseconds state_wait, const std::vector<ExpectedRobot>& expected) {
     const auto end = steady_clock::now() + state_wait;
-    auto ok = ReadRetained();
+    auto ok = ReadRetained(expected);
     if (ok) ok = ReadByName(expected);
     if (ok) ok = AwaitStates(end);
-    if (ok && !wildcards_bring_) ok = ReadConnections();
+    if (ok && !handed_out_.any) ok = ReadConnections();
     return ok;
   }
-  /// A filter with wildcards has brought something retained.
-  [[nodiscard]] bool wildcards_bring() const { return wildcards_bring_; }
+  /// For filters with wildcards.
+  [[nodiscard]] const HandedOut& handed_out() const { return handed_out_; }
 
  private:
-  Status ReadRetained() {
-    const auto filters = view_.Filters();
-    if (!filters) return Fail(filters.error());
-    return delivery::ReadAllRetained(
-        transport_, *filters, discover_,
-        [&](const mqtt::Message& message) {
-          wildcards_bring_ = wildcards_bring_ || message.retained;
-          Take(message, view_);
-        },
+  Status ReadRetained(const std::vector<ExpectedRobot>& expected) {
+    auto filters = view_.Filters();
+    if (!filters) return Fail(std::move(filters.error()));
+    auto handed_out = ReadWholeFleet(
+        transport_,
+        {.schemes = {&view_.scheme(), 1}, .filters = *std::move(filters), .expected = expected},
+        discover_, [&](const mqtt::Message& message) { Take(message, view_); },
         [&] { return view_.size(); });
+    if (!handed_out) return Fail(std::move(handed_out.error()));
+    handed_out_ = *handed_out;
+    return {};
   }
 
   Status ReadByName(const std::vector<ExpectedRobot>& expected) {
     const auto unheard =
         FindUnheard(expected, [&](const RobotAddress& robot) { return view_.Knows(robot); });
-    if (!AreAskedByName(unheard, !wildcards_bring_)) return {};
+    if (!AreAskedByName(unheard, !handed_out_.any || handed_out_.limit > 0)) return {};
     const auto topics = TopicsByName(unheard, "connection");
     if (!topics) return Fail(topics.error());
     return Read(*topics);
@@ -103,7 +105,7 @@ class FleetReader {
   // until the end.
   Status AwaitStates(mqtt::Deadline end) {
     auto silent = Silent(view_);
-    while (steady_clock::now() < end && (!wildcards_bring_ || !silent.empty())) {
+    while (steady_clock::now() < end && (!handed_out_.any || !silent.empty())) {
       const auto message = transport_.Receive(end);
       if (!message) return Fail(message.error());
       if (!*message) continue;
@@ -116,7 +118,7 @@ class FleetReader {
   mqtt::Transport& transport_;
   const delivery::RetainedOptions& discover_;
   FleetView& view_;
-  bool wildcards_bring_ = false;
+  HandedOut handed_out_;
 };
 
 Error NoRobot(const mqtt::ServerInfo& server, const std::string& profile,
@@ -175,7 +177,8 @@ Result<FleetView> DiscoverFleet(const FleetRequest& request, const Environment& 
   if (auto ok = reader.Run(request.state_wait, expected); !ok) return Fail(std::move(ok.error()));
   link->transport->Disconnect();
   if (view->size() == 0) return Fail(NoRobot(server, environment.config.profile, request.words));
-  if (!reader.wildcards_bring()) {
+  WarnOfLimit(reader.handed_out(), log);
+  if (!reader.handed_out().any) {
     log.Warn(fmt::format("{}: {}", server.broker.ToString(), kNothingForWildcards));
   }
   WarnOfUnheard(

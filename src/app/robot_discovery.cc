@@ -7,6 +7,7 @@
 #include <set>
 #include <utility>
 
+#include "app/whole_fleet.h"
 #include "base/text.h"
 #include "base/time.h"
 #include "vda5050/reports/discovery.h"
@@ -75,7 +76,7 @@ class Discoverer {
     auto ok = ReadNamed();
     if (ok && finds) ok = ReadFound();
     if (ok && (finds || AnyMissing())) ok = ListenForLife();
-    if (ok && finds && !wildcards_bring_) ok = ReadConnections();
+    if (ok && finds && !handed_out_.any) ok = ReadConnections();
     if (ok && NeedsFactsheets()) ok = ReadFactsheets();
     if (ok && Needs(targets_, "state")) ok = AwaitStates(start + targets_.state_wait);
     return ok;
@@ -151,13 +152,15 @@ class Discoverer {
         if (auto ok = filters.Add(scheme, pattern.Filter(), kTopics); !ok) return ok;
       }
     }
-    return delivery::ReadAllRetained(
-        transport_, filters.Take(), options_.discover,
-        [&](const mqtt::Message& message) {
-          wildcards_bring_ = wildcards_bring_ || message.retained;
-          Take(message);
-        },
+    auto handed_out = ReadWholeFleet(
+        transport_,
+        {.schemes = directory_.schemes(), .filters = filters.Take(), .expected = options_.expected},
+        options_.discover, [&](const mqtt::Message& message) { Take(message); },
         [&] { return directory_.robots().size(); });
+    if (!handed_out) return Fail(std::move(handed_out.error()));
+    handed_out_ = *handed_out;
+    WarnOfLimit(handed_out_, log_);
+    return {};
   }
 
   // Robots that send states live, whatever their connection messages say or whether there are any.
@@ -182,11 +185,12 @@ class Discoverer {
         if (auto ok = filters.Add(scheme, pattern.Filter(), kState); !ok) return ok;
       }
     }
-    if (const auto unheard = Unheard(); AreAskedByName(unheard, !wildcards_bring_)) {
+    if (const auto unheard = Unheard();
+        AreAskedByName(unheard, !handed_out_.any || handed_out_.limit > 0)) {
       if (auto ok = filters.Add(TopicsByName(unheard, "connection")); !ok) return ok;
     }
     auto options = options_.discover;
-    if (!missing.empty() || !wildcards_bring_)
+    if (!missing.empty() || !handed_out_.any)
       options.quiet = options.most = kLifeFactor * options.quiet;
     // Those of whom nothing is known may be found until the end.
     if (!targets_.include.patterns.empty()) missing.insert(nullptr);
@@ -297,8 +301,8 @@ class Discoverer {
   const DiscoveryOptions& options_;
   RobotDirectory& directory_;
   Log& log_;
-  bool wildcards_bring_ = false;  // something retained
-  std::string retained_topic_;    // of the last connection message that was retained
+  HandedOut handed_out_;        // for filters with wildcards
+  std::string retained_topic_;  // of the last connection message that was retained
 };
 
 enum class Answer { kYes, kNo, kUnheard, kAway };

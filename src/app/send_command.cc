@@ -82,6 +82,7 @@ class CommandSender final : private delivery::CommandSource {
       ChooseRobots();
       SuggestNames();
     }
+    if (auto ok = CheckCount(); !ok) return ok;
     if (auto ok = AskConsent(); !ok) return ok;
     if (auto ok = Validate(); !ok) return ok;
     return BuildAndSend();
@@ -93,6 +94,7 @@ class CommandSender final : private delivery::CommandSource {
     if (auto ok = CheckExclusions(); !ok) return ok;
     ChooseRobots();
     if (auto ok = CheckAnyChosen(); !ok) return ok;
+    if (auto ok = CheckCount(); !ok) return ok;
     SuggestNames();
     if (auto ok = AskConsent(); !ok) return ok;
     if (auto ok = Validate(); !ok) return ok;
@@ -201,6 +203,16 @@ class CommandSender final : private delivery::CommandSource {
     if (!robots_.empty() || !unheard_.empty()) return {};
     return Fail(NobodyChosen(*link_->transport, request_.targets, request_.resolver, directory_,
                              DiscoverOptions(), Site()));
+  }
+
+  // A broker may hand out a part of the fleet only.
+  Status CheckCount() {
+    const auto& expect = request_.targets.expect;
+    if (!expect || robots_.size() == *expect) return {};
+    const std::string text =
+        fmt::format("{} robot{} {} meant, and --expect says {}", robots_.size(),
+                    robots_.size() == 1 ? "" : "s", robots_.size() == 1 ? "is" : "are", *expect);
+    return Fail(ReportNothingSent(CommandStatus::kRefused, {ErrorKind::kPreflight, text}));
   }
 
   Status CheckExclusions() {
