@@ -73,10 +73,16 @@ Status CheckWords(const AwaitRequest& request, Log& log) {
 Result<std::vector<RobotAddress>> FindRobots(const AwaitRequest& request,
                                              const vda5050::RobotPattern& pattern,
                                              mqtt::Transport& transport,
-                                             const config::Config& config, Log& log) {
-  const auto dialect = ParseDialect(Configured(request.vda, config));
+                                             const Environment& environment, Log& log) {
+  const auto dialect = ParseDialect(Configured(request.vda, environment.config));
   if (!dialect) return Fail(dialect.error());
-  auto robots = ListRobots(transport, dialect->topics, {});
+  const auto expected =
+      FindExpectedRobots(environment, transport.server().broker,
+                         [&](const RobotAddress& robot) -> std::optional<vda5050::TopicScheme> {
+                           if (!pattern.Matches(robot)) return std::nullopt;
+                           return dialect->topics;
+                         });
+  auto robots = ListRobots(transport, dialect->topics, {}, Robots::kAll, expected);
   std::erase_if(robots, [&](const RobotAddress& robot) { return !pattern.Matches(robot); });
   WarnOfEscapedNames(robots, log);
   if (!robots.empty()) return robots;
@@ -203,8 +209,7 @@ Status AwaitConditions(const AwaitRequest& request, const Environment& environme
   auto link = Connect(environment, log);
   if (!link) return Fail(std::move(link.error()));
   if (!spec->patterns.empty()) {
-    auto found =
-        FindRobots(request, spec->patterns.front(), *link->transport, environment.config, log);
+    auto found = FindRobots(request, spec->patterns.front(), *link->transport, environment, log);
     if (!found) return Fail(std::move(found.error()));
     spec->robots = *std::move(found);
     if (auto ok = add(spec->robots); !ok) return ok;

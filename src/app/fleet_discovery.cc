@@ -6,11 +6,14 @@
 #include <chrono>
 #include <set>
 
+#include "app/expected_robots.h"
 #include "app/robot_discovery.h"
 #include "app/targets.h"
+#include "app/whole_fleet.h"
 #include "base/text.h"
 #include "base/time.h"
 #include "delivery/subscription.h"
+#include "vda5050/reports/discovery.h"
 
 namespace fleetpub::app {
 namespace {
@@ -34,31 +37,89 @@ const RobotView* Take(const mqtt::Message& message, FleetView& view) {
   return view.Deliver(message.topic, message.payload, origin);
 }
 
-// What the robots that are online say, until all have spoken; or, if none is known, until one does.
-Status AwaitStates(mqtt::Transport& transport, mqtt::Deadline end, FleetView& view) {
-  auto silent = Silent(view);
-  const bool nobody = view.size() == 0;
-  while (steady_clock::now() < end && (nobody ? view.size() == 0 : !silent.empty())) {
-    const auto message = transport.Receive(end);
-    if (!message) return Fail(message.error());
-    if (!*message) continue;
-    const RobotView* robot = Take(**message, view);
-    if (robot != nullptr && robot->HasSpoken()) silent.erase(robot->robot);
-  }
-  return {};
-}
+// One asking of a fleet.
+class FleetReader {
+ public:
+  FleetReader(mqtt::Transport& transport, const delivery::RetainedOptions& discover,
+              FleetView& view)
+      : transport_(transport), discover_(discover), view_(view) {}
 
-Status ReadFleet(mqtt::Transport& transport, const delivery::RetainedOptions& discover,
-                 std::chrono::milliseconds state_wait, FleetView& view) {
-  const auto filters = view.Filters();
-  if (!filters) return Fail(filters.error());
-  const auto start = steady_clock::now();
-  auto ok = delivery::ReadAllRetained(
-      transport, *filters, discover, [&](const mqtt::Message& message) { Take(message, view); },
-      [&] { return view.size(); });
-  if (ok) ok = AwaitStates(transport, start + state_wait, view);
-  return ok;
-}
+  Status Run(std::chrono::milliseconds state_wait, const std::vector<ExpectedRobot>& expected) {
+    const auto end = steady_clock::now() + state_wait;
+    auto ok = ReadRetained(expected);
+    if (ok) ok = ReadByName(expected);
+    if (ok) ok = AwaitStates(end);
+    if (ok && !handed_out_.any) ok = ReadConnections();
+    return ok;
+  }
+  /// For filters with wildcards.
+  [[nodiscard]] const HandedOut& handed_out() const { return handed_out_; }
+
+ private:
+  Status ReadRetained(const std::vector<ExpectedRobot>& expected) {
+    auto filters = view_.Filters();
+    if (!filters) return Fail(std::move(filters.error()));
+    auto handed_out = ReadWholeFleet(
+        transport_,
+        {.schemes = {&view_.scheme(), 1}, .filters = *std::move(filters), .expected = expected},
+        discover_, [&](const mqtt::Message& message) { Take(message, view_); },
+        [&] { return view_.size(); });
+    if (!handed_out) return Fail(std::move(handed_out.error()));
+    handed_out_ = *handed_out;
+    return {};
+  }
+
+  Status ReadByName(const std::vector<ExpectedRobot>& expected) {
+    const auto unheard =
+        FindUnheard(expected, [&](const RobotAddress& robot) { return view_.Knows(robot); });
+    if (!AreAskedByName(unheard, !handed_out_.any || handed_out_.limit > 0)) return {};
+    const auto topics = TopicsByName(unheard, "connection");
+    if (!topics) return Fail(topics.error());
+    return Read(*topics);
+  }
+
+  // Of those who were found by their states.
+  Status ReadConnections() {
+    std::vector<std::string> topics;
+    for (const RobotView* robot : view_.robots()) {
+      if (!robot->connection_state.empty()) continue;
+      auto topic = vda5050::TopicBeside(view_.scheme(),
+                                        {.robot = robot->robot,
+                                         .interface_name = robot->interface_name,
+                                         .major = robot->topic_level,
+                                         .topic_name = {}},
+                                        "connection");
+      if (topic) topics.push_back(*std::move(topic));
+    }
+    return topics.empty() ? Status() : Read(topics);
+  }
+
+  Status Read(const std::vector<std::string>& topics) {
+    return delivery::ReadRetained(transport_, topics, discover_, [&](const mqtt::Message& message) {
+      Take(message, view_);
+      return false;
+    });
+  }
+
+  // What the robots that are online say, until all have spoken; or, if it is not known who they are,
+  // until the end.
+  Status AwaitStates(mqtt::Deadline end) {
+    auto silent = Silent(view_);
+    while (steady_clock::now() < end && (!handed_out_.any || !silent.empty())) {
+      const auto message = transport_.Receive(end);
+      if (!message) return Fail(message.error());
+      if (!*message) continue;
+      const RobotView* robot = Take(**message, view_);
+      if (robot != nullptr && robot->HasSpoken()) silent.erase(robot->robot);
+    }
+    return {};
+  }
+
+  mqtt::Transport& transport_;
+  const delivery::RetainedOptions& discover_;
+  FleetView& view_;
+  HandedOut handed_out_;
+};
 
 Error NoRobot(const mqtt::ServerInfo& server, const std::string& profile,
               const std::vector<std::string>& words) {
@@ -105,12 +166,23 @@ Result<FleetView> DiscoverFleet(const FleetRequest& request, const Environment& 
   if (!link) return Fail(link.error());
   delivery::RetainedOptions discover = request.discover;
   discover.subscribe = link->connection.timeout;
-  if (auto ok = ReadFleet(*link->transport, discover, request.state_wait, *view); !ok) {
-    return Fail(std::move(ok.error()));
-  }
+  const mqtt::ServerInfo& server = link->transport->server();
+  const auto expected =
+      FindExpectedRobots(environment, server.broker,
+                         [&](const RobotAddress& robot) -> std::optional<vda5050::TopicScheme> {
+                           if (!view->IsMeant(robot)) return std::nullopt;
+                           return view->scheme();
+                         });
+  FleetReader reader(*link->transport, discover, *view);
+  if (auto ok = reader.Run(request.state_wait, expected); !ok) return Fail(std::move(ok.error()));
   link->transport->Disconnect();
-  if (view->size() == 0)
-    return Fail(NoRobot(link->transport->server(), environment.config.profile, request.words));
+  if (view->size() == 0) return Fail(NoRobot(server, environment.config.profile, request.words));
+  WarnOfLimit(reader.handed_out(), log);
+  if (!reader.handed_out().any) {
+    log.Warn(fmt::format("{}: {}", server.broker.ToString(), kNothingForWildcards));
+  }
+  WarnOfUnheard(
+      FindUnheard(expected, [&](const RobotAddress& robot) { return view->Knows(robot); }), log);
   std::vector<RobotAddress> found;
   for (const RobotView* robot : view->robots()) found.push_back(robot->robot);
   WarnOfEscapedNames(found, log);

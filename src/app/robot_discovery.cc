@@ -7,6 +7,7 @@
 #include <set>
 #include <utility>
 
+#include "app/whole_fleet.h"
 #include "base/text.h"
 #include "base/time.h"
 #include "vda5050/reports/discovery.h"
@@ -75,7 +76,8 @@ class Discoverer {
     auto ok = ReadNamed();
     if (ok && finds) ok = ReadFound();
     if (ok && (finds || AnyMissing())) ok = ListenForLife();
-    if (ok && NeedsFactsheets() && finds) ok = ReadFactsheets();
+    if (ok && finds && !handed_out_.any) ok = ReadConnections();
+    if (ok && NeedsFactsheets()) ok = ReadFactsheets();
     if (ok && Needs(targets_, "state")) ok = AwaitStates(start + targets_.state_wait);
     return ok;
   }
@@ -93,8 +95,11 @@ class Discoverer {
   // A robot may have left messages under another version long ago: only one that is there ends the
   // search at once, and not one that is ONLINE at two places, of which it lives at one.
   static bool IsDecided(const RobotEntry& entry) {
+    return IsThere(entry) && (!entry.IsAlive() || entry.Rival() == nullptr);
+  }
+  static bool IsThere(const RobotEntry& entry) {
     const bool hibernates = entry.connection && entry.connection->connection_state == "HIBERNATING";
-    return hibernates || (entry.IsAlive() && entry.Rival() == nullptr);
+    return hibernates || entry.IsAlive();
   }
   [[nodiscard]] bool AnyMissing() const {
     const auto& robots = directory_.robots();
@@ -105,7 +110,11 @@ class Discoverer {
 
   const RobotEntry* Take(const mqtt::Message& message) {
     const auto origin = message.retained ? vda5050::Origin::kRetained : vda5050::Origin::kLive;
-    return directory_.Deliver(message.topic, message.payload, origin);
+    const RobotEntry* entry = directory_.Deliver(message.topic, message.payload, origin);
+    if (message.retained && entry != nullptr && message.topic == entry->topic) {
+      retained_topic_ = message.topic;
+    }
+    return entry;
   }
 
   // Until nothing is missing of these robots.
@@ -119,10 +128,11 @@ class Discoverer {
     });
   }
 
-  // Those that are named outright, by topics of their own.
+  // Those that are named outright, by topics of their own. Most brokers send a factsheet along.
   Status ReadNamed() {
-    std::vector<std::string_view> topics = {"connection"};
+    std::vector<std::string_view> topics;
     if (NeedsFactsheets()) topics.emplace_back("factsheet");
+    topics.emplace_back("connection");
     Filters filters;
     std::set<const RobotEntry*> waiting;
     for (const auto& [robot, entry] : directory_.robots()) {
@@ -130,9 +140,7 @@ class Discoverer {
       waiting.insert(&entry);
       if (auto ok = filters.Add(entry.base->topics, Exactly(robot), topics); !ok) return ok;
     }
-    return Read(
-        filters.Take(), std::move(waiting), options_.discover,
-        [this](const RobotEntry& entry) { return IsDecided(entry) && HasFactsheet(entry); });
+    return Read(filters.Take(), std::move(waiting), options_.discover, IsDecided);
   }
 
   // Connection messages alone: with the large ones the broker's queue would run over sooner.
@@ -144,18 +152,24 @@ class Discoverer {
         if (auto ok = filters.Add(scheme, pattern.Filter(), kTopics); !ok) return ok;
       }
     }
-    return delivery::ReadAllRetained(
-        transport_, filters.Take(), options_.discover,
-        [&](const mqtt::Message& message) { Take(message); },
+    auto handed_out = ReadWholeFleet(
+        transport_,
+        {.schemes = directory_.schemes(), .filters = filters.Take(), .expected = options_.expected},
+        options_.discover, [&](const mqtt::Message& message) { Take(message); },
         [&] { return directory_.robots().size(); });
+    if (!handed_out) return Fail(std::move(handed_out.error()));
+    handed_out_ = *handed_out;
+    WarnOfLimit(handed_out_, log_);
+    return {};
   }
 
   // Robots that send states live, whatever their connection messages say or whether there are any.
   // RabbitMQ moreover has nothing retained for a filter with wildcards: the same by full names.
   Status ListenForLife() {
     constexpr std::array<std::string_view, 1> kState = {"state"};
-    std::vector<std::string_view> topics = {"connection"};
+    std::vector<std::string_view> topics;
     if (NeedsFactsheets()) topics.emplace_back("factsheet");
+    topics.emplace_back("connection");
     Filters filters;
     std::set<const RobotEntry*> missing;
     for (const auto& [robot, entry] : directory_.robots()) {
@@ -171,25 +185,94 @@ class Discoverer {
         if (auto ok = filters.Add(scheme, pattern.Filter(), kState); !ok) return ok;
       }
     }
+    if (const auto unheard = Unheard();
+        AreAskedByName(unheard, !handed_out_.any || handed_out_.limit > 0)) {
+      if (auto ok = filters.Add(TopicsByName(unheard, "connection")); !ok) return ok;
+    }
     auto options = options_.discover;
-    if (!missing.empty()) options.quiet = options.most = kLifeFactor * options.quiet;
+    if (!missing.empty() || !handed_out_.any)
+      options.quiet = options.most = kLifeFactor * options.quiet;
     // Those of whom nothing is known may be found until the end.
     if (!targets_.include.patterns.empty()) missing.insert(nullptr);
     return Read(filters.Take(), std::move(missing), options, IsDecided);
   }
 
-  // Of those that have been found.
+  [[nodiscard]] std::vector<ExpectedRobot> Unheard() const {
+    return FindUnheard(options_.expected, [this](const RobotAddress& robot) {
+      return app::WasHeard(directory_, robot);
+    });
+  }
+
+  // Of robots that were found by their states, where a filter with wildcards brings none.
+  Status ReadConnections() {
+    Filters filters;
+    std::set<const RobotEntry*> waiting;
+    bool any = false;
+    for (const auto& [robot, entry] : directory_.robots()) {
+      any = any || app::WasHeard(directory_, robot);
+      if (entry.connection || !entry.speaks) continue;
+      waiting.insert(&entry);
+      if (auto ok = AddBeside(robot, entry, "connection", filters); !ok) return ok;
+    }
+    if (any)
+      log_.Warn(fmt::format("{}: {}", transport_.server().broker.ToString(), kNothingForWildcards));
+    return Read(filters.Take(), std::move(waiting), options_.discover,
+                [](const RobotEntry& entry) { return entry.connection.has_value(); });
+  }
+
+  // A topic at the place at which the robot lives; none when that is not known.
+  static Status AddBeside(const RobotAddress& robot, const RobotEntry& entry,
+                          std::string_view topic_name, Filters& filters) {
+    const auto& scheme = entry.base->topics;
+    const auto levels = vda5050::ReadTopic(scheme, entry.topic, robot.manufacturer);
+    if (!levels) return {};
+    auto topic = vda5050::TopicBeside(scheme, *levels, topic_name);
+    if (!topic) return Fail(std::move(topic.error()));
+    return filters.Add(std::vector<std::string>{*std::move(topic)});
+  }
+
+  // Each by its own topic, beside the one at which the robot lives. No broker promises that it comes
+  // before or with the connection message.
   Status ReadFactsheets() {
-    constexpr std::array<std::string_view, 1> kTopics = {"factsheet"};
     Filters filters;
     std::set<const RobotEntry*> waiting;
     for (const auto& [robot, entry] : directory_.robots()) {
-      if (!entry.own || HasFactsheet(entry)) continue;
+      if (!LacksFactsheet(entry)) continue;
       waiting.insert(&entry);
-      if (auto ok = filters.Add(entry.base->topics, Exactly(robot), kTopics); !ok) return ok;
+      if (auto ok = AddBeside(robot, entry, "factsheet", filters); !ok) return ok;
     }
-    return Read(filters.Take(), std::move(waiting), options_.discover,
-                [this](const RobotEntry& entry) { return HasFactsheet(entry); });
+    auto options = options_.discover;
+    options.marker = std::exchange(retained_topic_, "");
+    if (!options.marker.empty()) {
+      if (auto ok = filters.Add(std::vector<std::string>{options.marker}); !ok) return ok;
+    }
+    auto ok = Read(filters.Take(), std::move(waiting), options,
+                   [this](const RobotEntry& entry) { return HasFactsheet(entry); });
+    if (ok) TellUnchecked(!options.marker.empty() && retained_topic_ == options.marker);
+    return ok;
+  }
+
+  // Of a robot that is away nothing more is asked than whether it is meant.
+  [[nodiscard]] bool LacksFactsheet(const RobotEntry& entry) const {
+    const bool counts = IsThere(entry) || Needs(targets_, "factsheet");
+    return counts && IsWanted(entry) && entry.own && !HasFactsheet(entry);
+  }
+
+  // `answered`: what the broker has, it has sent.
+  void TellUnchecked(bool answered) {
+    std::vector<RobotAddress> robots;
+    for (const auto& [robot, entry] : directory_.robots()) {
+      if (LacksFactsheet(entry)) robots.push_back(robot);
+    }
+    if (robots.empty()) return;
+    const std::string text =
+        fmt::format("not held against {}: {}", robots.size() == 1 ? "a factsheet" : "factsheets",
+                    FormatRobotList(robots));
+    if (answered) {
+      log_.Info(text + ": the broker has none");
+    } else {
+      log_.Warn(text + ": none came in time");
+    }
   }
 
   // Until every robot that is there has sent a state, or time is up.
@@ -218,6 +301,8 @@ class Discoverer {
   const DiscoveryOptions& options_;
   RobotDirectory& directory_;
   Log& log_;
+  HandedOut handed_out_;        // for filters with wildcards
+  std::string retained_topic_;  // of the last connection message that was retained
 };
 
 enum class Answer { kYes, kNo, kUnheard, kAway };
@@ -293,6 +378,27 @@ Status DiscoverRobots(mqtt::Transport& transport, const Targets& targets,
   return Discoverer(transport, targets, options, directory, log).Run();
 }
 
+std::vector<ExpectedRobot> FindExpectedRobots(const Targets& targets,
+                                              const DialectResolver& resolver,
+                                              const Environment& environment,
+                                              const mqtt::BrokerUrl& broker) {
+  const auto& patterns = targets.include.patterns;
+  if (patterns.empty()) return {};
+  return FindExpectedRobots(
+      environment, broker, [&](const RobotAddress& robot) -> std::optional<vda5050::TopicScheme> {
+        const auto matches = [&](const RobotPattern& pattern) { return pattern.Matches(robot); };
+        const bool is_meant = std::any_of(patterns.begin(), patterns.end(), matches);
+        const auto addressed = resolver.Resolve(robot);
+        if (!is_meant || targets.IsExcepted(robot) || !addressed) return std::nullopt;
+        return addressed->dialect->topics;
+      });
+}
+
+bool WasHeard(const RobotDirectory& directory, const RobotAddress& robot) {
+  const auto found = directory.robots().find(robot);
+  return found != directory.robots().end() && (found->second.connection || found->second.speaks);
+}
+
 Chosen Choose(const Targets& targets, const RobotDirectory& directory, Log& log) {
   Chosen chosen;
   std::vector<RobotAddress> away;
@@ -321,8 +427,7 @@ Chosen Choose(const Targets& targets, const RobotDirectory& directory, Log& log)
   }
   if (!targets.include.patterns.empty()) {
     for (const ListedRobot& listed : directory.robots()) {
-      const bool is_known = listed.second.connection || listed.second.speaks;
-      if (!is_known || named.contains(listed.first)) continue;
+      if (!WasHeard(directory, listed.first) || named.contains(listed.first)) continue;
       discovered.push_back(listed.first);
       consider(listed);
     }
@@ -358,10 +463,9 @@ std::optional<std::string> UnusedExclusion(const Targets& targets, const Exclude
 Error NobodyChosen(mqtt::Transport& transport, const Targets& targets,
                    const DialectResolver& resolver, const RobotDirectory& directory,
                    const delivery::RetainedOptions& discover, const std::string& site) {
-  const auto meant = std::count_if(
-      directory.robots().begin(), directory.robots().end(), [](const ListedRobot& listed) {
-        return listed.second.connection.has_value() || listed.second.speaks;
-      });
+  const auto meant =
+      std::count_if(directory.robots().begin(), directory.robots().end(),
+                    [&](const ListedRobot& listed) { return WasHeard(directory, listed.first); });
   const std::string nobody =
       fmt::format("nothing was sent: no robot matches {} at {}", FormatSpec(targets), site);
   if (meant > 0) {
@@ -373,8 +477,10 @@ Error NobodyChosen(mqtt::Transport& transport, const Targets& targets,
   const std::string heard =
       !all.empty() ? fmt::format("it knows {} robot{}: {}", all.size(), all.size() == 1 ? "" : "s",
                                  FormatRobotList(all))
-      : transport.server().KeepsNothing() ? std::string(kNothingRetained)
-                                          : "it knows no robot: none has left a connection message";
+      : transport.server().KeepsNothing()
+          ? std::string(kNothingRetained)
+          : "it knows no robot: none has left a connection message, or the broker has nothing "
+            "retained for patterns, as RabbitMQ: name the robots";
   return {ErrorKind::kPreflight,
           fmt::format("{}: {}{}", nobody, heard,
                       targets.except.set.empty() && targets.except.robots.empty()
@@ -383,20 +489,25 @@ Error NobodyChosen(mqtt::Transport& transport, const Targets& targets,
 }
 
 std::vector<RobotAddress> ListRobots(mqtt::Transport& transport, const vda5050::TopicScheme& scheme,
-                                     const delivery::RetainedOptions& discover, Robots which) {
+                                     const delivery::RetainedOptions& discover, Robots which,
+                                     const std::vector<ExpectedRobot>& expected) {
   constexpr std::array<std::string_view, 1> kConnection = {"connection"};
   const auto filters = vda5050::DiscoveryFilters(scheme, {}, kConnection);
-  if (!filters) return {};
+  const auto names = TopicsByName(expected, "connection");
+  if (!filters || !names) return {};
   std::set<RobotAddress> robots;
-  const auto collected =
-      delivery::ReadRetained(transport, *filters, discover, [&](const mqtt::Message& message) {
-        const auto levels = vda5050::ReadTopic(scheme, message.topic);
-        if (!levels || message.payload.empty()) return false;
-        const auto connection = vda5050::ReadConnection(message.payload);
-        const bool is_online = connection && connection->connection_state == "ONLINE";
-        if (which == Robots::kAll || is_online) robots.insert(levels->robot);
-        return false;
-      });
+  const auto take = [&](const mqtt::Message& message) {
+    const auto levels = vda5050::ReadTopic(scheme, message.topic);
+    if (!levels || message.payload.empty()) return false;
+    const auto connection = vda5050::ReadConnection(message.payload);
+    const bool is_online = connection && connection->connection_state == "ONLINE";
+    if (which == Robots::kAll || is_online) robots.insert(levels->robot);
+    return false;
+  };
+  auto collected = delivery::ReadRetained(transport, *filters, discover, take);
+  if (collected && robots.empty() && !names->empty()) {
+    collected = delivery::ReadRetained(transport, *names, discover, take);
+  }
   if (!collected) return {};
   return {robots.begin(), robots.end()};
 }

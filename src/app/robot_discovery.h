@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "app/dialect_resolver.h"
+#include "app/expected_robots.h"
 #include "app/targets.h"
 #include "base/result.h"
 #include "delivery/retained.h"
@@ -39,6 +40,9 @@ struct DiscoveryOptions {
   bool all = false;         ///< else only those whose dialect is wanted
   bool factsheets = false;  ///< these are wanted too
   delivery::RetainedOptions discover;
+  /// Of those that patterns mean. When a filter with wildcards does not bring them, they are asked
+  /// for by name.
+  std::vector<ExpectedRobot> expected = {};
 };
 
 /// Why a broker knows nothing.
@@ -59,6 +63,16 @@ inline constexpr std::string_view kNothingRetained =
                                                          const Excluded& excluded,
                                                          const config::Config& config);
 
+/// Of the robots that the patterns mean, those that are expected at this broker.
+[[nodiscard]] std::vector<ExpectedRobot> FindExpectedRobots(const Targets& targets,
+                                                            const DialectResolver& resolver,
+                                                            const Environment& environment,
+                                                            const mqtt::BrokerUrl& broker);
+
+/// Whether it has left a connection message or sent a state.
+[[nodiscard]] bool WasHeard(const vda5050::RobotDirectory& directory,
+                            const vda5050::RobotAddress& robot);
+
 /// Those that are meant, and satisfy the conditions. Robots that have neither left a connection
 /// message nor sent a state are meant only when they are named outright. Warns of robots that are offline and whose state is not
 /// known. Nobody at all is not an error.
@@ -74,9 +88,11 @@ inline constexpr std::string_view kNothingRetained =
 
 enum class Robots { kAll, kOnline };
 
-/// The names of robots that the broker knows. Nothing when it cannot be asked.
+/// The names of robots that the broker knows; the expected ones are asked for by name when a filter
+/// with wildcards brings nobody. Nothing when it cannot be asked.
 [[nodiscard]] std::vector<vda5050::RobotAddress> ListRobots(
     mqtt::Transport& transport, const vda5050::TopicScheme& scheme,
-    const delivery::RetainedOptions& discover, Robots which = Robots::kAll);
+    const delivery::RetainedOptions& discover, Robots which = Robots::kAll,
+    const std::vector<ExpectedRobot>& expected = {});
 
 }  // namespace fleetpub::app

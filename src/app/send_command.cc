@@ -82,6 +82,7 @@ class CommandSender final : private delivery::CommandSource {
       ChooseRobots();
       SuggestNames();
     }
+    if (auto ok = CheckCount(); !ok) return ok;
     if (auto ok = AskConsent(); !ok) return ok;
     if (auto ok = Validate(); !ok) return ok;
     return BuildAndSend();
@@ -93,6 +94,7 @@ class CommandSender final : private delivery::CommandSource {
     if (auto ok = CheckExclusions(); !ok) return ok;
     ChooseRobots();
     if (auto ok = CheckAnyChosen(); !ok) return ok;
+    if (auto ok = CheckCount(); !ok) return ok;
     SuggestNames();
     if (auto ok = AskConsent(); !ok) return ok;
     if (auto ok = Validate(); !ok) return ok;
@@ -161,12 +163,21 @@ class CommandSender final : private delivery::CommandSource {
     const bool check = request_.waiting.check;
     factory_.SetLook(check, link_->transport->server(), environment_.config.profile);
     const auto message = request_.make_message();
-    const DiscoveryOptions options{.all = check,
-                                   .factsheets = check && message->NeedsFactsheet(),
-                                   .discover = DiscoverOptions()};
+    const DiscoveryOptions options{
+        .all = check,
+        .factsheets = check && message->NeedsFactsheet(),
+        .discover = DiscoverOptions(),
+        .expected = FindExpectedRobots(request_.targets, request_.resolver, environment_,
+                                       link_->transport->server().broker)};
     auto discovered =
         DiscoverRobots(*link_->transport, request_.targets, options, directory_, observer_);
-    if (discovered) return discovered;
+    if (discovered) {
+      WarnOfUnheard(
+          FindUnheard(options.expected,
+                      [this](const RobotAddress& robot) { return WasHeard(directory_, robot); }),
+          observer_);
+      return discovered;
+    }
     // To stop is not held back by a login that may not read.
     const bool stops = !request_.targets.AreFound() && message->IsOnlyStartPause();
     if (stops && link_->transport->AwaitReady(std::chrono::steady_clock::now())) {
@@ -192,6 +203,16 @@ class CommandSender final : private delivery::CommandSource {
     if (!robots_.empty() || !unheard_.empty()) return {};
     return Fail(NobodyChosen(*link_->transport, request_.targets, request_.resolver, directory_,
                              DiscoverOptions(), Site()));
+  }
+
+  // A broker may hand out a part of the fleet only.
+  Status CheckCount() {
+    const auto& expect = request_.targets.expect;
+    if (!expect || robots_.size() == *expect) return {};
+    const std::string text =
+        fmt::format("{} robot{} {} meant, and --expect says {}", robots_.size(),
+                    robots_.size() == 1 ? "" : "s", robots_.size() == 1 ? "is" : "are", *expect);
+    return Fail(ReportNothingSent(CommandStatus::kRefused, {ErrorKind::kPreflight, text}));
   }
 
   Status CheckExclusions() {

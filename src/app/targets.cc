@@ -223,6 +223,7 @@ Result<Targets> ResolveTargets(TargetRequest request, const config::Config& conf
   if (auto ok = CheckConditions(request.where, log); !ok) return Fail(std::move(ok.error()));
   targets.where = std::move(request.where);
   targets.state_wait = request.state_wait;
+  targets.expect = request.expect;
   auto except = ParseTargetSpec(request.except, config, log);
   if (!except) return Fail(std::move(except.error()));
   targets.except = *std::move(except);

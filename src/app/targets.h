@@ -3,6 +3,8 @@
 #pragma once
 
 #include <chrono>
+#include <cstddef>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -25,6 +27,7 @@ struct TargetRequest {
   std::vector<std::string> except;
   std::vector<vda5050::Condition> where;
   std::chrono::milliseconds state_wait{};
+  std::optional<std::size_t> expect = {};  ///< so many robots, or nothing is sent
 };
 
 /// Robots, and patterns whose robots only the broker knows.
@@ -39,6 +42,7 @@ struct Targets {
   TargetSpec except;
   std::vector<vda5050::Condition> where;
   std::chrono::milliseconds state_wait{};
+  std::optional<std::size_t> expect = {};
 
   /// Whether the broker is asked which robots are meant.
   [[nodiscard]] bool AreFound() const { return !include.patterns.empty() || !where.empty(); }

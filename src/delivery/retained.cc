@@ -31,14 +31,55 @@ Status ReadBurst(mqtt::Transport& transport, mqtt::Deadline end, const MessageCa
   return {};
 }
 
+// Decides what is the end of what a broker has retained.
+class Silence {
+ public:
+  // A broker may take long to grant a subscription; what it has retained follows then.
+  Silence(const RetainedOptions& options, steady_clock::duration round_trip)
+      : options_(options),
+        quiet_(std::max<steady_clock::duration>(options.quiet, 2 * round_trip)),
+        marked_(options.marker.empty()) {
+    const auto now = steady_clock::now();
+    most_ = now + std::max<steady_clock::duration>(options.most, quiet_);
+    Renew(now);
+  }
+
+  void Hear(const mqtt::Message& message) {
+    if (!message.retained) return;
+    const auto now = steady_clock::now();
+    if (!marked_ && message.topic == options_.marker) {
+      marked_ = true;
+      most_ = now + quiet_;
+    }
+    Renew(now);
+  }
+  [[nodiscard]] mqtt::Deadline end() const { return end_; }
+
+ private:
+  void Renew(mqtt::Deadline now) {
+    end_ = marked_ ? std::min(now + quiet_, most_)
+                   : std::min(now + std::max<steady_clock::duration>(options_.subscribe, quiet_),
+                              start_ + kMaxReadTime);
+  }
+
+  const RetainedOptions& options_;
+  steady_clock::duration quiet_;
+  bool marked_;
+  mqtt::Deadline start_ = steady_clock::now();
+  mqtt::Deadline most_;
+  mqtt::Deadline end_;
+};
+
 Status ReadInto(mqtt::Transport& transport, std::span<const std::string> filters,
                 const RetainedOptions& options, const MessageCallback& take) {
+  steady_clock::duration round_trip{0};
   while (!filters.empty()) {
     const auto some = filters.first(std::min(kFiltersAtOnce, filters.size()));
     filters = filters.subspan(some.size());
-    auto ok =
-        transport.Subscribe(some, mqtt::kListeningQos, steady_clock::now() + options.subscribe);
+    const auto asked = steady_clock::now();
+    auto ok = transport.Subscribe(some, mqtt::kListeningQos, asked + options.subscribe);
     if (!ok) return ok;
+    round_trip = steady_clock::now() - asked;
     while (!filters.empty()) {
       const auto message = transport.Receive(steady_clock::now());
       if (!message) return Fail(message.error());
@@ -48,16 +89,14 @@ Status ReadInto(mqtt::Transport& transport, std::span<const std::string> filters
       }
     }
   }
-  // A broker may take long to grant a subscription; what it has retained follows then.
-  const auto start = steady_clock::now();
-  auto quiet_at = start + options.quiet;
-  for (;;) {
-    const auto message = transport.Receive(std::min(quiet_at, start + options.most));
+  Silence silence(options, round_trip);
+  while (true) {
+    const auto message = transport.Receive(silence.end());
     if (!message) return Fail(message.error());
     if (!*message) return {};
     if (take(**message)) return ReadBurst(transport, steady_clock::now() + options.quiet, take);
-    if ((*message)->retained) quiet_at = steady_clock::now() + options.quiet;
-    if (steady_clock::now() >= std::min(quiet_at, start + options.most)) return {};
+    silence.Hear(**message);
+    if (steady_clock::now() >= silence.end()) return {};
   }
 }
 

@@ -16,6 +16,9 @@ struct RetainedOptions {
   std::chrono::milliseconds quiet{300};  ///< so long a silence is an end
   std::chrono::milliseconds most{2'000};
   std::chrono::milliseconds subscribe{10'000};  ///< for the broker to acknowledge
+  /// One of the filters, the last: a topic of which a message is known to be retained. Until it has
+  /// come a silence is the network's, and lasts as long as a SUBACK may take. Empty: none.
+  std::string marker = {};
   /// Gets every message too: whoever waits for others on the same connection. May be empty.
   std::function<void(const mqtt::Message&)> also;
 };
@@ -26,7 +29,8 @@ using MessageCallback = std::function<bool(const mqtt::Message&)>;
 /// Subscribes to the filters, many of them some at a time, and hands over what arrives until the
 /// silence or until enough is taken. A few stay subscribed; many are ended, as they would make each
 /// later subscription dearer. A broker may drop messages of a filter with wildcards that finds
-/// thousands. Only what was retained puts the silence off: a busy fleet is never silent.
+/// thousands. Only what was retained puts the silence off: a busy fleet is never silent. Where
+/// a SUBACK took long, silences are as long.
 [[nodiscard]] Status ReadRetained(mqtt::Transport& transport, std::span<const std::string> filters,
                                   const RetainedOptions& options, const MessageCallback& take);
 

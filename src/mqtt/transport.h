@@ -133,8 +133,9 @@ class Transport {
 
   [[nodiscard]] virtual const ServerInfo& server() const = 0;
 
-  /// Subscribes and waits for the SUBACK. A filter that the broker refuses is an error that names
-  /// it.
+  /// Subscribes and waits for the SUBACK, which may come behind what is retained: the time until the
+  /// deadline runs anew with whatever arrives, six times at most and for a minute. A filter that the
+  /// broker refuses is an error that names it.
   [[nodiscard]] virtual Status Subscribe(std::span<const std::string> filters, Qos qos,
                                          Deadline deadline) = 0;
 

@@ -35,6 +35,20 @@ TEST_F(DiscoveringFleets, FindsWhoIsThereAndWarnsOfTheSilent) {
   EXPECT_THAT(log_.warnings, ElementsAre(HasSubstr("1 of 1 robots")));
 }
 
+TEST_F(DiscoveringFleets, AsksForConfiguredOnesByNameWhereWildcardsBringNothing) {
+  const auto on_connect = world_.on_connect;
+  world_.on_connect = [&](testing::FakeTransport& broker) {
+    on_connect(broker);
+    broker.exact_retained.swap(broker.retained);
+  };
+  EXPECT_FALSE(DiscoverFleet(request_, world_.Get(), log_));
+  world_.config.robots[{"KIT", "0001"}];
+  const auto fleet = DiscoverFleet(request_, world_.Get(), log_);
+  ASSERT_TRUE(fleet);
+  EXPECT_TRUE(fleet->robots().front()->IsOnline());
+  EXPECT_THAT(log_.warnings, ElementsAre(HasSubstr("wildcards")));
+}
+
 TEST_F(DiscoveringFleets, FailsWhenNoSuchRobotIsKnown) {
   request_.words = {"ACME/*"};
   const auto fleet = DiscoverFleet(request_, world_.Get(), log_);

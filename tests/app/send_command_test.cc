@@ -80,6 +80,7 @@ class SendingCommands : public ::testing::Test {
     TargetRequest asked;
     asked.words = std::move(words);
     asked.except = std::move(except);
+    asked.expect = expect_;
     for (const std::string& text : where) {
       asked.where.push_back(vda5050::ParseCondition(text).value());
     }
@@ -112,6 +113,7 @@ class SendingCommands : public ::testing::Test {
   std::string template_;
   std::string type_ = "startPause";
   std::string blocking_type_;
+  std::optional<std::size_t> expect_;
   NeedsConsent needs_consent_ = NeedsConsent::kYes;
   SendSettings settings_;
   Waiting waiting_;
@@ -313,6 +315,35 @@ TEST_F(SendingToFoundRobots, SaysWhenTheBrokerKeepsNothing) {
   type_ = "cancelOrder";
   EXPECT_TRUE(Send({"KIT/0001"}));
   EXPECT_THAT(observer_.reports, ElementsAre(Says("retained")));
+}
+
+// As RabbitMQ.
+TEST_F(SendingToFoundRobots, AsksForConfiguredOnesByNameWhereWildcardsBringNothing) {
+  IsThere("0001");
+  IsThere("0002");
+  IsThere("0003");
+  world_.on_connect = [this](testing::FakeTransport& broker) { broker.exact_retained = retained_; };
+  for (const char* serial : {"0001", "0003"}) world_.config.robots[{"KIT", serial}];
+  settings_.agreed = true;
+  ASSERT_TRUE(Send({"KIT/*"}));
+  EXPECT_THAT(Published(), ElementsAre("vda5050/v3/KIT/0001/instantActions",
+                                       "vda5050/v3/KIT/0003/instantActions"));
+  EXPECT_THAT(observer_.warnings, ElementsAre(HasSubstr("wildcards")));
+}
+
+TEST_F(SendingToFoundRobots, SendsNothingUnlessJustSoManyAreMeant) {
+  for (const char* serial : {"0001", "0002", "0003"}) IsThere(serial);
+  needs_consent_ = NeedsConsent::kNo;
+  for (const std::size_t expected : {2U, 4U}) {
+    expect_ = expected;
+    const auto sent = Send({"KIT/*"});
+    ASSERT_FALSE(sent);
+    EXPECT_EQ(sent.error().kind, ErrorKind::kPreflight);
+  }
+  EXPECT_THAT(Published(), IsEmpty());
+  expect_ = 2;
+  EXPECT_TRUE(Send({"KIT/*"}, {"KIT/0003"}));
+  EXPECT_THAT(Published(), SizeIs(2));
 }
 
 TEST_F(SendingToFoundRobots, SendsNothingWithoutConsent) {

@@ -192,6 +192,19 @@ TEST_F(BrokerFailures, OfAcknowledgementsThatComeLateAreNoFailures) {
   EXPECT_EQ(slow.published(), 2);
 }
 
+// As on a slow line, on which what is retained goes before it.
+TEST_F(BrokerFailures, OfSubscriptionsAreNoneWhileSomethingComes) {
+  const std::string publish("\x31\x03\x00\x01t", 5);
+  const ScriptedBroker slow({.before_suback = milliseconds(900), .meanwhile = publish});
+  const Finished run = Pause(slow.Url(), {"--wait", "-W", kShort, "--connect-timeout", "300ms"});
+  EXPECT_EQ(run.exit_code, 6) << run.output << run.errors;
+  EXPECT_EQ(slow.published(), 1);
+  const Finished endless =
+      Pause(ScriptedBroker({.before_suback = milliseconds(1200), .meanwhile = publish}).Url(),
+            {"--wait", "--connect-timeout", "100ms"});
+  EXPECT_EQ(endless.exit_code, 4) << endless.output;
+}
+
 TEST_F(BrokerFailures, OfAcknowledgementsThatComeTooLateSayWhatWasSent) {
   const ScriptedBroker slow({.before_suback = milliseconds(1500), .answers_publish = false});
   const auto start = steady_clock::now();

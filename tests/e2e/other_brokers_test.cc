@@ -8,6 +8,7 @@
 #include "support/ejabberd.h"
 #include "support/operator.h"
 #include "support/rabbitmq.h"
+#include "support/relay.h"
 
 namespace fleetpub::testing {
 namespace {
@@ -77,6 +78,36 @@ TEST_P(OtherBroker, CarriesTheRobotsWord) {
   const auto silent = Robot({"WORD/0009", "--silent"});
   ExpectEnd({"pause", "WORD/0009", "--wait", "-W", "300ms"}, 6, "TIMEOUT");
   ExpectEnd({"resume", "WORD/0010", "--wait"}, 7, "unknown");
+}
+
+// Over a line on which the factsheet comes well behind the connection message, or before it.
+TEST_P(OtherBroker, SendsNothingThatTheFactsheetForbids) {
+  const auto robot = Robot({"FACTS/0001", "--vda", "2.1.0"});
+  ExpectEnd({"action", "dance", "FACTS/0001"}, 7, "factsheet");
+  const Relay slow(port_, std::chrono::milliseconds(5), 16);
+  operator_.UseBroker(slow.Url());
+  ExpectEnd({"action", "dance", "FACTS/0001"}, 7, "factsheet");
+}
+
+TEST_P(OtherBroker, ShowsEveryRobotOfTheFleet) {
+  const auto often = Robot({"SHOW/0001", "--state-interval", "100ms"});
+  const auto seldom = Robot({"SHOW/0002", "--state-interval", "700ms"});
+  const Finished run = Fleetpub({"fleet", "SHOW/*", "--state-wait", "1500ms", "-o", "json"});
+  EXPECT_EQ(run.exit_code, 0) << run.errors;
+  EXPECT_THAT(Lines(run.output), SizeIs(2)) << run.output;
+  EXPECT_THAT(run.output, ::testing::Not(HasSubstr(R"("connectionState":null)")));
+  EXPECT_EQ(run.errors.find("wildcards") != std::string::npos, IsRabbitMq());
+}
+
+// Robots that say nothing for 30 s.
+TEST_P(OtherBroker, FindsByPatternsWhomItHasCommanded) {
+  const auto robots = Robot({"SEEN/0001", "SEEN/0002"});
+  if (IsRabbitMq()) ExpectEnd({"pause", "SEEN/*"}, 7, "RabbitMQ");
+  ExpectEnd({"pause", "SEEN/0001", "SEEN/0002", "--wait"}, 0, "FINISHED");
+  ExpectEnd({"resume", "SEEN/*", "--yes", "--wait"}, 0, "2 finished");
+  ExpectEnd({"await", "SEEN/*", "connection", "connectionState=ONLINE", "-W", "5s"}, 0,
+            "SEEN/0002");
+  ExpectEnd({"action", "dance", "SEEN/*", "--yes"}, 7, "factsheet");
 }
 
 TEST_P(OtherBroker, MissesNoConnectionMessageThatIsThere) {

@@ -299,5 +299,24 @@ TEST_F(Targets, AwaitWaitsForEachRobotOfAPattern) {
   EXPECT_EQ(Fleetpub({"await", "KTI/*", "state", "paused=true"}).exit_code, 7);
 }
 
+TEST_F(Targets, SaysWhoOfThoseThatWereCommandedDoesNotAnswer) {
+  const auto robot = Robot({"KIT/0001"});
+  EXPECT_EQ(Send({"pause", "KIT/0002", "ACME/0001"}).exit_code, 0);
+  const Finished run = Fleetpub({"pause", "KIT/*"});
+  EXPECT_EQ(run.exit_code, 0) << run.errors;
+  EXPECT_THAT(run.errors, AllOf(HasSubstr("did not answer: KIT/0002"), Not(HasSubstr("ACME"))));
+}
+
+TEST_F(Targets, ACommandIsHeldBackUnlessJustSoManyRobotsAreMeant) {
+  const auto robots = Robot({"KIT/0001", "KIT/0002"});
+  for (const char* count : {"1", "3"}) {
+    const Finished run = Fleetpub({"pause", "--all", "--expect", count, "--discover", "60"});
+    EXPECT_EQ(run.exit_code, 7) << run.output;
+    EXPECT_THAT(run.errors, AllOf(HasSubstr("nothing was sent"), HasSubstr("--expect")));
+  }
+  EXPECT_EQ(Fleetpub({"pause", "KIT/*", "--expect", "2", "--discover", "60"}).exit_code, 0);
+  EXPECT_EQ(Fleetpub({"pause", "KIT/0001", "--expect", "none"}).exit_code, 2);
+}
+
 }  // namespace
 }  // namespace fleetpub::testing

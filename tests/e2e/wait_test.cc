@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 
 #include "support/operator.h"
+#include "support/relay.h"
 
 namespace fleetpub::testing {
 namespace {
@@ -94,6 +95,28 @@ TEST_F(Wait, RefusesWhatCannotBeObeyed) {
   const Finished version = Fleetpub({"pause", "KIT/0001", "--check", "--vda", "2.1"});
   EXPECT_EQ(version.exit_code, 7);
   EXPECT_THAT(version.output, HasSubstr("speaks 3.0.0: use --vda auto"));
+}
+
+// The factsheet alone takes longer than the silence after which nothing retained is expected.
+TEST_F(Wait, HoldsRobotsAgainstTheirFactsheetsOverASlowLine) {
+  const auto robots = Robot({"KIT/0001", "KIT/0002"});
+  const Relay slow(broker_.port(), std::chrono::milliseconds(5), 8);
+  operator_.UseBroker(slow.Url());
+  for (const char* target : {"KIT/0001", "KIT/*"}) {
+    const Finished run =
+        Fleetpub({"action", "dance", target, "--yes", "--discover", "150", "-o", "json"});
+    EXPECT_EQ(run.exit_code, 7) << target << run.output << run.errors;
+    EXPECT_THAT(run.output, HasSubstr("factsheet"));
+    EXPECT_THAT(run.output, Not(HasSubstr("SENT"))) << target;
+  }
+}
+
+TEST_F(Wait, CountsNoFactsheetThatARobotLeftAtAnotherTopic) {
+  const std::string older = R"({"protocolFeatures":{"agvActions":[{"actionType":"dance",)"
+                            R"("actionScopes":["INSTANT"]}]}})";
+  Say("uagv/v2/KIT/0001/factsheet", older, true);
+  const auto robot = Robot({"KIT/0001", "--vda", "3.0"});
+  EXPECT_EQ(Fleetpub({"action", "dance", "KIT/0001"}).exit_code, 7);
 }
 
 TEST_F(Wait, SpeaksToEachRobotInItsOwnVersion) {

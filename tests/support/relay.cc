@@ -28,15 +28,26 @@ void PassAtOnce(int socket) {
 // What is under way in one direction. Its last piece is empty: the end.
 class Direction {
  public:
-  Direction(int from, int to, milliseconds delay) : from_(from), to_(to), delay_(delay) {}
+  Direction(int from, int to, milliseconds delay, std::size_t bytes_per_ms)
+      : from_(from), to_(to), delay_(delay), bytes_per_ms_(bytes_per_ms) {}
 
   [[nodiscard]] int from() const { return from_; }
   [[nodiscard]] bool ended() const { return ended_; }
 
   void Take() {
-    under_way_.push_back({steady_clock::now() + delay_, ReadSome(from_)});
+    std::string bytes = ReadSome(from_);
     PassAtOnce(from_);  // the kernel forgets it
-    ended_ = under_way_.back().bytes.empty();
+    ended_ = bytes.empty();
+    auto due = steady_clock::now() + delay_;
+    while (bytes_per_ms_ > 0 && !bytes.empty()) {
+      due = std::max(due, last_due_ + milliseconds(1));
+      last_due_ = due;
+      under_way_.push_back({due, bytes.substr(0, bytes_per_ms_)});
+      bytes.erase(0, bytes_per_ms_);
+    }
+    if (bytes_per_ms_ == 0 || ended_) {
+      under_way_.push_back({std::max(due, last_due_), std::move(bytes)});
+    }
   }
 
   /// False when the end has arrived.
@@ -64,6 +75,8 @@ class Direction {
   int from_;
   int to_;
   milliseconds delay_;
+  std::size_t bytes_per_ms_;
+  steady_clock::time_point last_due_;
   std::deque<Piece> under_way_;
   bool ended_ = false;
 };
@@ -89,8 +102,8 @@ void Relay::Pass(int socket) {
   if (!broker.open()) return;
   PassAtOnce(socket);
   PassAtOnce(broker.get());
-  std::array<Direction, 2> directions = {Direction(socket, broker.get(), one_way_),
-                                         Direction(broker.get(), socket, one_way_)};
+  std::array<Direction, 2> directions = {Direction(socket, broker.get(), one_way_, bytes_per_ms_),
+                                         Direction(broker.get(), socket, one_way_, bytes_per_ms_)};
   while (true) {
     const bool dead = dead_ || generation != generation_;
     std::array<pollfd, 2> polled{};

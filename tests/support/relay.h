@@ -3,6 +3,7 @@
 
 #include <atomic>
 #include <chrono>
+#include <cstddef>
 #include <cstdint>
 #include <string>
 
@@ -15,12 +16,16 @@ namespace fleetpub::testing {
 [[nodiscard]] mqtt::Descriptor ConnectTo(std::uint16_t port);
 
 /// Passes on what arrives at its own port to a port of 127.0.0.1, and back, each byte after the
-/// delay.
+/// delay, and so many in a millisecond (0: all).
 class Relay {
  public:
   explicit Relay(std::uint16_t port,
-                 std::chrono::milliseconds one_way = std::chrono::milliseconds(0))
-      : port_(port), one_way_(one_way), listener_([this](int socket) { Pass(socket); }) {}
+                 std::chrono::milliseconds one_way = std::chrono::milliseconds(0),
+                 std::size_t bytes_per_ms = 0)
+      : port_(port),
+        one_way_(one_way),
+        bytes_per_ms_(bytes_per_ms),
+        listener_([this](int socket) { Pass(socket); }) {}
 
   [[nodiscard]] std::string Url() const { return listener_.Url(); }
   [[nodiscard]] int connections() const { return connections_; }
@@ -37,6 +42,7 @@ class Relay {
 
   std::uint16_t port_;
   std::chrono::milliseconds one_way_;
+  std::size_t bytes_per_ms_;
   std::atomic<bool> dead_ = false;
   std::atomic<int> generation_ = 0;
   std::atomic<int> connections_ = 0;

@@ -70,7 +70,7 @@ void ScriptedBroker::Serve(int socket) {
   while (const auto packet = reader.Next()) {
     constexpr std::size_t kLevel = 6;  // behind the protocol's name
     if (packet->type == kConnect) v5 = packet->body.at(kLevel) == 5;
-    const std::string answer = AnswerTo(*packet, v5);
+    const std::string answer = AnswerTo(socket, *packet, v5);
     const std::string other = packet->type == kPublish     ? script_.on_publish
                               : packet->type == kSubscribe ? script_.on_subscribe
                                                            : std::string();
@@ -84,7 +84,17 @@ void ScriptedBroker::Serve(int socket) {
   }
 }
 
-std::string ScriptedBroker::AnswerTo(const Packet& packet, bool v5) {
+void ScriptedBroker::PassTime(int socket) const {
+  constexpr std::chrono::milliseconds kPiece{20};
+  auto left = script_.before_suback;
+  for (; !script_.meanwhile.empty() && left > kPiece; left -= kPiece) {
+    std::this_thread::sleep_for(kPiece);
+    WriteTo(socket, script_.meanwhile);
+  }
+  std::this_thread::sleep_for(left);
+}
+
+std::string ScriptedBroker::AnswerTo(int socket, const Packet& packet, bool v5) {
   switch (packet.type) {
     case kConnect:
       ++connected_;
@@ -95,7 +105,7 @@ std::string ScriptedBroker::AnswerTo(const Packet& packet, bool v5) {
       std::this_thread::sleep_for(script_.before_puback);
       return Puback(packet, script_.puback, v5);
     case kSubscribe:
-      std::this_thread::sleep_for(script_.before_suback);
+      PassTime(socket);
       return Suback(packet.body, script_.suback, v5) + script_.after_suback;
     case kPing:
       return Answer(0xD0, "");

@@ -36,6 +36,7 @@ class PacketReader {
 /// How it answers. Everybody may connect.
 struct Script {
   std::chrono::milliseconds before_suback{0};
+  std::string meanwhile = {};  ///< sent every 20 ms of these
   std::chrono::milliseconds before_puback{0};
   int suback = 0;  ///< to each filter
   int puback = 0;  ///< MQTT 5 only
@@ -64,7 +65,8 @@ class ScriptedBroker {
 
  private:
   void Serve(int socket);
-  [[nodiscard]] std::string AnswerTo(const Packet& packet, bool v5);
+  void PassTime(int socket) const;  // before a SUBACK
+  [[nodiscard]] std::string AnswerTo(int socket, const Packet& packet, bool v5);
 
   Script script_;
   std::atomic<int> published_ = 0;

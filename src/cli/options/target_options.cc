@@ -42,6 +42,9 @@ void DeclareTargetOptions(OptionSet& set, TargetOptions& o) {
   set.AddOption("--state-wait", Duration(o.state_wait),
                 "How long --where waits for the states of robots that are online [35s]")
       .Group(kTargets);
+  set.AddOption("--expect", WholeNumber(o.expect, 1, 1'000'000),
+                "Send nothing unless just so many robots are meant")
+      .Group(kTargets);
 }
 
 Result<app::TargetRequest> ParseTargetOptions(const TargetOptions& options) {
@@ -52,7 +55,8 @@ Result<app::TargetRequest> ParseTargetOptions(const TargetOptions& options) {
                             .all = options.all,
                             .except = options.except,
                             .where = *std::move(where),
-                            .state_wait = options.state_wait};
+                            .state_wait = options.state_wait,
+                            .expect = options.expect};
 }
 
 }  // namespace fleetpub::cli

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <chrono>
+#include <cstddef>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -19,6 +21,7 @@ struct TargetOptions {
   std::vector<std::string> except;
   std::vector<std::string> where;
   std::chrono::milliseconds state_wait = std::chrono::seconds(35);
+  std::optional<std::size_t> expect;
 };
 
 void DeclareTargetOptions(OptionSet& set, TargetOptions& options);

@@ -30,6 +30,12 @@ using std::chrono::steady_clock;
 // DISCONNECT.
 constexpr milliseconds kWriteTime{1000};
 
+// A SUBACK that stands behind much else may take so much longer.
+constexpr int kSubackPatiences = 6;
+constexpr std::chrono::seconds kSubackTime{60};
+// Paho's own limit, which counts whatever comes meanwhile; our deadlines end its waits.
+constexpr unsigned long kNoCommandTimeout = 3'600'000;
+
 // Paho reads every connection's socket whichever client asks, so with several of them a message can
 // be in our queue without our socket showing it. Then nobody sleeps for long.
 std::atomic<int> open_sessions = 0;
@@ -315,7 +321,12 @@ Status PahoSession::Subscribe(std::span<const std::string> filters, Qos qos, Dea
   const std::vector<char*> names = MakeNames(filters);
   std::vector<int> codes(filters.size(), static_cast<int>(qos));
   const std::lock_guard lock(PahoMutex());
-  const PahoCall call(connection_.descriptor, deadline);
+  PahoCall call(connection_.descriptor, deadline);
+  const auto now = steady_clock::now();
+  const auto patience = std::max(deadline - now, steady_clock::duration(0));
+  const auto most = std::min<steady_clock::duration>(kSubackPatiences * patience, kSubackTime);
+  call.RenewWith(patience, std::max(deadline, now + most));
+  if (PahoCall::Supported()) MQTTClient_setCommandTimeout(connection_.client, kNoCommandTimeout);
   subscribed_ = true;
   connection_.input->check().ExpectSuback(filters.size());
   const int result = PahoSubscribe(names, codes);

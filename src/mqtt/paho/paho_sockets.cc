@@ -57,6 +57,7 @@
 #include <sys/uio.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstdlib>
 #include <cstring>
@@ -166,6 +167,10 @@ struct Interposed {
     if (ready < 0) return ready;
     if (ours->revents != 0) {
       call.readable_ = true;
+      if (call.patience_.count() > 0) {
+        const auto renewed = std::chrono::steady_clock::now() + call.patience_;
+        call.deadline_ = std::max(call.deadline_, std::min(renewed, call.latest_));
+      }
       CheckFirst(call);
     } else if (std::exchange(call.probe_, false)) {
       ours->revents = POLLIN;

@@ -37,6 +37,13 @@ class PahoCall {
   /// before Paho reads (and waits for the rest of) a packet that is none. "" for any.
   void ExpectFirst(std::string_view bytes) { expected_ = bytes; }
 
+  /// The deadline runs anew with whatever the broker sends, until `latest`: on a slow line an answer
+  /// comes behind much else.
+  void RenewWith(std::chrono::steady_clock::duration patience, Deadline latest) {
+    patience_ = patience;
+    latest_ = latest;
+  }
+
   /// Lets Paho look for a packet once even when the socket has nothing to read: what OpenSSL or its
   /// WebSocket layer has read ahead is invisible to poll().
   void Probe() { probe_ = true; }
@@ -59,6 +66,8 @@ class PahoCall {
 
   int descriptor_;
   Deadline deadline_;
+  std::chrono::steady_clock::duration patience_{0};  // 0: the deadline stays
+  Deadline latest_;
   Descriptor adopted_;
   PahoInput* input_ = nullptr;
   std::string_view expected_;

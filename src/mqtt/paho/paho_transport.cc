@@ -49,9 +49,11 @@ class PahoTransport final : public RobotTransport {
     subscriptions_ += filters.size();
     const bool is_beyond_clouds = subscriptions_ > kCloudSubscriptions;
     const std::size_t most = is_beyond_clouds ? kFiltersPerPacket : kCloudFilters;
+    const auto patience = deadline - steady_clock::now();
     while (!filters.empty()) {
       const auto some = filters.first(std::min(filters.size(), most));
-      if (auto status = session_.Subscribe(some, qos, deadline); !status) {
+      const auto end = std::max(deadline, steady_clock::now() + patience);
+      if (auto status = session_.Subscribe(some, qos, end); !status) {
         if (is_beyond_clouds) {
           status.error().message += fmt::format(
               " (these would be {} subscriptions of one connection: some brokers take fewer, AWS "

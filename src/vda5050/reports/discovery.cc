@@ -141,6 +141,27 @@ Result<std::vector<std::string>> SpecifiedTopics(const TopicScheme& scheme,
   return topics;
 }
 
+Result<std::vector<std::string>> FiltersByPlace(const TopicScheme& scheme,
+                                                std::set<std::string> places,
+                                                const RobotFilter& filter,
+                                                std::span<const std::string_view> topic_names) {
+  const auto specified = SpecifiedTopics(scheme, {"any", "any"}, topic_names);
+  if (!specified) return specified;
+  for (const std::string& topic : *specified) {
+    if (const auto levels = ReadTopic(scheme, topic)) places.insert(levels->Place());
+  }
+  std::vector<std::string> filters;
+  for (const std::string& place : places) {
+    const std::size_t slash = place.rfind('/');
+    const TopicScheme exact{place.substr(0, slash),
+                            Replaced(scheme.topic_template, "{major}", place.substr(slash + 1))};
+    const auto some = DiscoveryFilters(exact, filter, topic_names);
+    if (!some) return some;
+    filters.insert(filters.end(), some->begin(), some->end());
+  }
+  return filters;
+}
+
 Result<std::string> TopicBeside(const TopicScheme& scheme, const TopicLevels& levels,
                                 std::string_view topic_name) {
   const TopicScheme exact{levels.interface_name,

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <optional>
+#include <set>
 #include <span>
 #include <string>
 #include <string_view>
@@ -41,6 +42,12 @@ struct RobotFilter {
 /// these.
 [[nodiscard]] Result<std::vector<std::string>> TopicsAnywhere(
     const TopicScheme& scheme, const RobotAddress& robot,
+    std::span<const std::string_view> topic_names);
+
+/// DiscoveryFilters for each of these places (TopicLevels::Place) and each that the releases have. Errors:
+/// as that.
+[[nodiscard]] Result<std::vector<std::string>> FiltersByPlace(
+    const TopicScheme& scheme, std::set<std::string> places, const RobotFilter& filter,
     std::span<const std::string_view> topic_names);
 
 /// The levels of a topic that the scheme's template would make.

@@ -59,6 +59,9 @@ class FleetView {
   /// a state its worst error is left, texts are cut with `…`, and requests are not there.
   [[nodiscard]] std::size_t abridged() const { return abridged_; }
 
+  [[nodiscard]] bool IsMeant(const RobotAddress& robot) const;
+  [[nodiscard]] const TopicScheme& scheme() const { return base_.topics; }
+  [[nodiscard]] bool Knows(const RobotAddress& robot) const { return robots_.contains(robot); }
   [[nodiscard]] std::size_t size() const { return robots_.size(); }
   /// In order of address. They live until the next Deliver().
   [[nodiscard]] std::vector<const RobotView*> robots() const;
@@ -73,7 +76,6 @@ class FleetView {
     bool is_abridged = false;
   };
 
-  [[nodiscard]] bool IsMeant(const RobotAddress& robot) const;
   bool TakeConnection(Entry& entry, std::string_view topic, std::string_view payload,
                       Origin origin);
   bool TakeState(Entry& entry, std::string_view topic, const TopicLevels& levels,

@@ -1,0 +1,101 @@
+#include "app/expected_robots.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <map>
+#include <utility>
+
+#include "app/targets.h"
+#include "base/text.h"
+#include "vda5050/reports/discovery.h"
+
+namespace fleetpub::app {
+namespace {
+
+using vda5050::RobotAddress;
+
+constexpr std::chrono::days kWeek{7};
+constexpr int kNewestRows = 10'000;
+constexpr std::size_t kFew = 5;
+
+std::vector<RobotAddress> FindCommanded(const Environment& environment,
+                                        const mqtt::BrokerUrl& broker) {
+  const auto ledger = environment.ledger(ledger::OpenMode::kReadOnly);
+  if (!ledger) return {};
+  const auto rows =
+      (*ledger)->History({.since = std::chrono::system_clock::now() - kWeek, .limit = kNewestRows});
+  if (!rows) return {};
+  const std::string here = broker.ToString();
+  std::vector<RobotAddress> robots;
+  for (const ledger::Record& row : *rows) {
+    if (!base::EqualsIgnoringCase(row.protocol, "vda5050") || row.broker != here) continue;
+    if (auto robot = vda5050::ParseRobotAddress(row.target)) robots.push_back(*std::move(robot));
+  }
+  return robots;
+}
+
+}  // namespace
+
+std::vector<ExpectedRobot> FindExpectedRobots(const Environment& environment,
+                                              const mqtt::BrokerUrl& broker,
+                                              const SchemeHook& scheme_of) {
+  std::map<RobotAddress, bool> known;  // whether it was commanded
+  const config::Config& config = environment.config;
+  for (const auto& [robot, table] : config.robots) known[robot];
+  for (const auto& [group, robots] : config.group_robots) {
+    for (const RobotAddress& robot : robots) known[robot];
+  }
+  for (const RobotAddress& robot : FindCommanded(environment, broker)) known[robot] = true;
+  std::vector<ExpectedRobot> expected;
+  for (const auto& [robot, was_commanded] : known) {
+    if (auto scheme = scheme_of(robot)) {
+      expected.push_back({robot, *std::move(scheme), was_commanded});
+    }
+  }
+  return expected;
+}
+
+std::vector<ExpectedRobot> FindUnheard(std::vector<ExpectedRobot> expected,
+                                       const std::function<bool(const RobotAddress&)>& was_heard) {
+  std::erase_if(expected, [&](const ExpectedRobot& one) { return was_heard(one.robot); });
+  return expected;
+}
+
+bool AreAskedByName(const std::vector<ExpectedRobot>& unheard, bool is_partial) {
+  return !unheard.empty() && (is_partial || unheard.size() <= kFew);
+}
+
+Result<std::vector<std::string>> TopicsByName(const std::vector<ExpectedRobot>& robots,
+                                              std::string_view topic_name) {
+  std::vector<std::string> filters;
+  for (const ExpectedRobot& one : robots) {
+    auto topics = vda5050::SpecifiedTopics(one.scheme, one.robot, {&topic_name, 1});
+    if (!topics) return topics;
+    filters.insert(filters.end(), topics->begin(), topics->end());
+  }
+  return filters;
+}
+
+void WarnOfUnheard(const std::vector<ExpectedRobot>& unheard, Log& log) {
+  for (const bool was_commanded : {true, false}) {
+    std::vector<RobotAddress> robots;
+    for (const ExpectedRobot& one : unheard) {
+      if (one.was_commanded == was_commanded) robots.push_back(one.robot);
+    }
+    if (robots.empty()) continue;
+    const std::string text = fmt::format(
+        "{} robot{} {} did not answer: {}", robots.size(), robots.size() == 1 ? "" : "s",
+        was_commanded ? "commanded in the last 7 days" : "of the configuration",
+        FormatRobotList(robots));
+    // A configuration may name robots of several sites.
+    if (was_commanded) {
+      log.Warn(text);
+    } else {
+      log.Info(text);
+    }
+  }
+}
+
+}  // namespace fleetpub::app
