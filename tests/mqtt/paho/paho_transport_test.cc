@@ -289,6 +289,20 @@ TEST_P(PahoTransport, WaitsForRoomInTheWindow) {
   ASSERT_TRUE(master->AwaitAcknowledgements(Soon(), 0));
 }
 
+// Paho would sleep 100 ms over each message at QoS 0 that meets a full window.
+TEST_P(PahoTransport, SendsQosZeroQuicklyBetweenWhatIsAcknowledged) {
+  const Mosquitto broker;
+  ConnectOptions options = Options(broker);
+  options.window = 3;
+  const auto master = Connected(options);
+  const auto begin = steady_clock::now();
+  for (int i = 0; i < 150; ++i) {
+    ASSERT_TRUE(master->Publish({"t", "x", Qos::kAtLeastOnce}, Soon()));
+    ASSERT_TRUE(master->Publish({"t", "x", Qos::kAtMostOnce}, Soon()));
+  }
+  EXPECT_LT(steady_clock::now() - begin, fleetpub::testing::kSlowness * milliseconds(1'500));
+}
+
 TEST_P(PahoTransport, TakesLeaveOnlyWhenAsked) {
   FLEETPUB_NEEDS_FAST_CONNECT();
   Mosquitto broker;
