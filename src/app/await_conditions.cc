@@ -93,8 +93,8 @@ Result<std::vector<RobotAddress>> FindRobots(const AwaitRequest& request,
 class Awaiter {
  public:
   Awaiter(const AwaitRequest& request, const std::vector<RobotAddress>& robots,
-          const SatisfiedHook& satisfied)
-      : request_(request), satisfied_(satisfied) {
+          const SatisfiedHook& satisfied, steady_clock::time_point start)
+      : request_(request), satisfied_(satisfied), start_(start) {
     for (const RobotAddress& robot : robots) left_[robot];
   }
 
@@ -186,7 +186,7 @@ class Awaiter {
 
   const AwaitRequest& request_;
   const SatisfiedHook& satisfied_;
-  steady_clock::time_point start_ = steady_clock::now();
+  steady_clock::time_point start_;
   Left left_;
 };
 
@@ -194,6 +194,7 @@ class Awaiter {
 
 Status AwaitConditions(const AwaitRequest& request, const Environment& environment,
                        const SatisfiedHook& satisfied, Log& log) {
+  const auto start = steady_clock::now();
   if (auto ok = CheckWords(request, log); !ok) return ok;
   auto spec = ParseTargetSpec({request.target}, environment.config, log);
   if (!spec) return Fail(std::move(spec.error()));
@@ -214,7 +215,8 @@ Status AwaitConditions(const AwaitRequest& request, const Environment& environme
     spec->robots = *std::move(found);
     if (auto ok = add(spec->robots); !ok) return ok;
   }
-  return Awaiter(request, spec->robots, satisfied).Run(*std::move(link), std::move(places), log);
+  return Awaiter(request, spec->robots, satisfied, start)
+      .Run(*std::move(link), std::move(places), log);
 }
 
 }  // namespace fleetpub::app
