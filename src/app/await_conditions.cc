@@ -76,14 +76,19 @@ Result<std::vector<RobotAddress>> FindRobots(const AwaitRequest& request,
                                              const Environment& environment, Log& log) {
   const auto dialect = ParseDialect(Configured(request.vda, environment.config));
   if (!dialect) return Fail(dialect.error());
-  const auto expected =
-      FindExpectedRobots(environment, transport.server().broker,
-                         [&](const RobotAddress& robot) -> std::optional<vda5050::TopicScheme> {
-                           if (!pattern.Matches(robot)) return std::nullopt;
-                           return dialect->topics;
-                         });
-  auto robots = ListRobots(transport, dialect->topics, {}, Robots::kAll, expected);
-  std::erase_if(robots, [&](const RobotAddress& robot) { return !pattern.Matches(robot); });
+  const auto is_other = [&](const RobotAddress& robot) { return !pattern.Matches(robot); };
+  auto robots = ListRobots(transport, dialect->topics, {});
+  std::erase_if(robots, is_other);
+  if (robots.empty()) {
+    const auto expected =
+        FindExpectedRobots(environment, transport.server().broker,
+                           [&](const RobotAddress& robot) -> std::optional<vda5050::TopicScheme> {
+                             if (is_other(robot)) return std::nullopt;
+                             return dialect->topics;
+                           });
+    robots = ListRobots(transport, dialect->topics, {}, Robots::kAll, expected);
+    std::erase_if(robots, is_other);
+  }
   WarnOfEscapedNames(robots, log);
   if (!robots.empty()) return robots;
   return Fail(ErrorKind::kPreflight,
