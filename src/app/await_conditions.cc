@@ -76,14 +76,19 @@ Result<std::vector<RobotAddress>> FindRobots(const AwaitRequest& request,
                                              const Environment& environment, Log& log) {
   const auto dialect = ParseDialect(Configured(request.vda, environment.config));
   if (!dialect) return Fail(dialect.error());
-  const auto expected =
-      FindExpectedRobots(environment, transport.server().broker,
-                         [&](const RobotAddress& robot) -> std::optional<vda5050::TopicScheme> {
-                           if (!pattern.Matches(robot)) return std::nullopt;
-                           return dialect->topics;
-                         });
-  auto robots = ListRobots(transport, dialect->topics, {}, Robots::kAll, expected);
-  std::erase_if(robots, [&](const RobotAddress& robot) { return !pattern.Matches(robot); });
+  const auto is_other = [&](const RobotAddress& robot) { return !pattern.Matches(robot); };
+  auto robots = ListRobots(transport, dialect->topics, {});
+  std::erase_if(robots, is_other);
+  if (robots.empty()) {
+    const auto expected =
+        FindExpectedRobots(environment, transport.server().broker,
+                           [&](const RobotAddress& robot) -> std::optional<vda5050::TopicScheme> {
+                             if (is_other(robot)) return std::nullopt;
+                             return dialect->topics;
+                           });
+    robots = ListRobots(transport, dialect->topics, {}, Robots::kAll, expected);
+    std::erase_if(robots, is_other);
+  }
   WarnOfEscapedNames(robots, log);
   if (!robots.empty()) return robots;
   return Fail(ErrorKind::kPreflight,
@@ -93,8 +98,8 @@ Result<std::vector<RobotAddress>> FindRobots(const AwaitRequest& request,
 class Awaiter {
  public:
   Awaiter(const AwaitRequest& request, const std::vector<RobotAddress>& robots,
-          const SatisfiedHook& satisfied)
-      : request_(request), satisfied_(satisfied) {
+          const SatisfiedHook& satisfied, steady_clock::time_point start)
+      : request_(request), satisfied_(satisfied), start_(start) {
     for (const RobotAddress& robot : robots) left_[robot];
   }
 
@@ -186,7 +191,7 @@ class Awaiter {
 
   const AwaitRequest& request_;
   const SatisfiedHook& satisfied_;
-  steady_clock::time_point start_ = steady_clock::now();
+  steady_clock::time_point start_;
   Left left_;
 };
 
@@ -194,6 +199,7 @@ class Awaiter {
 
 Status AwaitConditions(const AwaitRequest& request, const Environment& environment,
                        const SatisfiedHook& satisfied, Log& log) {
+  const auto start = steady_clock::now();
   if (auto ok = CheckWords(request, log); !ok) return ok;
   auto spec = ParseTargetSpec({request.target}, environment.config, log);
   if (!spec) return Fail(std::move(spec.error()));
@@ -214,7 +220,8 @@ Status AwaitConditions(const AwaitRequest& request, const Environment& environme
     spec->robots = *std::move(found);
     if (auto ok = add(spec->robots); !ok) return ok;
   }
-  return Awaiter(request, spec->robots, satisfied).Run(*std::move(link), std::move(places), log);
+  return Awaiter(request, spec->robots, satisfied, start)
+      .Run(*std::move(link), std::move(places), log);
 }
 
 }  // namespace fleetpub::app

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -42,7 +43,8 @@ using SchemeHook =
 [[nodiscard]] Result<std::vector<std::string>> TopicsByName(
     const std::vector<ExpectedRobot>& robots, std::string_view topic_name);
 
-/// `3 robots commanded this week did not answer: KIT/0004, …`
+/// `3 robots commanded in the last 7 days did not answer: KIT/0004, …`; those that are only
+/// configured are no warning.
 void WarnOfUnheard(const std::vector<ExpectedRobot>& unheard, Log& log);
 
 /// What it means that nothing retained came for a filter with wildcards, though robots are there.

@@ -101,11 +101,15 @@ class FleetReader {
     });
   }
 
-  // What the robots that are online say, until all have spoken; or, if it is not known who they are,
-  // until the end.
+  // What the robots that are online say, until all have spoken; if none is known, until one does; and
+  // until the end where the broker tells of nobody.
   Status AwaitStates(mqtt::Deadline end) {
     auto silent = Silent(view_);
-    while (steady_clock::now() < end && (!handed_out_.any || !silent.empty())) {
+    const bool nobody = view_.size() == 0;
+    const auto goes_on = [&] {
+      return !handed_out_.any || (nobody ? view_.size() == 0 : !silent.empty());
+    };
+    while (steady_clock::now() < end && goes_on()) {
       const auto message = transport_.Receive(end);
       if (!message) return Fail(message.error());
       if (!*message) continue;

@@ -53,13 +53,20 @@ void PendingCommands::Published(Key key, message::Report report) {
   if (!watched.open) {
     watched.open = true;
     watched.published = now;
+    watched.started = now - report.elapsed;
     ++waiting_;
   }
-  SetLimit(*found, now + PatienceToBeSeen());
+  SetLimitToBeSeen(*found, now);
   watched.tracker->Published(report.header_id.value_or(0));
   watched.report = std::move(report);
   TellNews(*watched.tracker);                             // of what the target said before
   if (watched.tracker->progress().ended) Update(*found);  // of whom no answer is expected
+}
+
+void PendingCommands::SetLimitToBeSeen(Entry& entry, Clock::time_point now) {
+  auto limit = now + PatienceToBeSeen();
+  if (options_.total) limit = std::min(limit, entry.second.published + *options_.total);
+  SetLimit(entry, limit);
 }
 
 void PendingCommands::SetLimit(Entry& entry, Clock::time_point limit) {
@@ -112,7 +119,7 @@ void PendingCommands::End(Entry& entry, message::CommandStatus status,
   report.message = std::move(message);
   report.kept = entry.second.tracker->progress().kept;
   if (error && report.unacknowledged) report.message += "; the broker did not acknowledge it";
-  report.elapsed = Clock::now() - entry.second.published;
+  report.elapsed = Clock::now() - entry.second.started;
   const Key key = entry.first;
   Forget(key);
   ended_(key, std::move(report));
@@ -132,7 +139,7 @@ std::vector<PendingCommands::Key> PendingCommands::Expire() {
     } else if (may_repeat) {
       ++watched.repeats;
       // Should it not leave, it is not repeated at once.
-      SetLimit(entry, now + PatienceToBeSeen());
+      SetLimitToBeSeen(entry, now);
       again.push_back(entry.first);
     } else {
       End(entry, message::CommandStatus::kTimeout,

@@ -27,7 +27,7 @@ struct WaitOptions {
   std::chrono::milliseconds seen{35'000};
   /// How long it may then take to end.
   std::chrono::milliseconds done{600'000};
-  /// Both together, from the first publishing on; instead of the two.
+  /// Both together, from the first publishing on, however often it is sent again; instead of the two.
   std::optional<std::chrono::milliseconds> total;
   /// How often a command that was not seen is sent again, with the same action ids.
   int resend = 0;
@@ -84,6 +84,7 @@ class PendingCommands {
   struct Tracked {
     std::shared_ptr<message::ResponseTracker> tracker;
     message::Report report = {};
+    Clock::time_point started = {};  // asking for the topic, as its report tells
     Clock::time_point published = {};
     Clock::time_point limit = {};
     int repeats = 0;
@@ -97,6 +98,7 @@ class PendingCommands {
   void Update(Entry& entry);
   void TellNews(message::ResponseTracker& tracker) const;
   void SetLimit(Entry& entry, Clock::time_point limit);
+  void SetLimitToBeSeen(Entry& entry, Clock::time_point now);
   void End(Entry& entry, message::CommandStatus status, std::optional<ErrorKind> error,
            std::string message);
   [[nodiscard]] std::chrono::milliseconds PatienceToBeSeen() const;

@@ -35,23 +35,16 @@ class StingyBroker : public testing::FakeTransport {
       for (const std::string& topic : topics_) {
         if (left == 0) break;
         if (!delivery::Matches(filter, topic)) continue;
-        coming_.push_back({.topic = topic, .payload = "{}", .retained = true});
+        incoming_.push_back({.topic = topic, .payload = "{}", .retained = true});
         --left;
       }
     }
     return {};
   }
-  Result<std::optional<mqtt::Message>> Receive(mqtt::Deadline /*deadline*/) override {
-    if (coming_.empty()) return std::optional<mqtt::Message>();
-    std::optional<mqtt::Message> next = std::move(coming_.front());
-    coming_.pop_front();
-    return next;
-  }
 
  private:
   std::size_t most_;
   std::vector<std::string> topics_;
-  std::deque<mqtt::Message> coming_;
 };
 
 class WholeFleet : public ::testing::Test {

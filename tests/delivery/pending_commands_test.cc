@@ -105,6 +105,29 @@ TEST_F(Following, AsksForWhatWasNotSeenToBeSentAgain) {
   EXPECT_THAT(ended_, ElementsAre("7 TIMEOUT"));
 }
 
+// The topic's lock and the broker may have taken long.
+TEST_F(Following, CountsTheTimeFromAskingForTheTopic) {
+  std::chrono::nanoseconds elapsed{0};
+  PendingCommands pending({}, [&](PendingCommands::Key /*key*/, const message::Report& report) {
+    elapsed = report.elapsed;
+  });
+  pending.Track(1, std::make_shared<Told>("a"));
+  pending.Published(1, {.elapsed = std::chrono::seconds(3)});
+  pending.Deliver({.topic = "a", .payload = "done"});
+  EXPECT_GE(elapsed, std::chrono::seconds(3));
+  EXPECT_LT(elapsed, std::chrono::seconds(4));
+}
+
+TEST_F(Following, WaitsNoLongerInTotalHoweverLateItIsSentAgain) {
+  PendingCommands pending({.total = milliseconds(40), .resend = 1}, RecordEnd());
+  const auto start = PendingCommands::Clock::now();
+  Publish(pending, 1, "a");
+  std::this_thread::sleep_until(start + milliseconds(30));
+  EXPECT_THAT(pending.Expire(), ElementsAre(1));
+  pending.Published(1, {.reference = "1"});
+  EXPECT_LE(pending.NextLimit(), start + milliseconds(41));
+}
+
 TEST_F(Following, SendsNothingAgainForAnAnswerThatCannotBeRead) {
   PendingCommands pending({.total = milliseconds(40), .resend = 3}, RecordEnd());
   Publish(pending, 7, "a");

@@ -27,24 +27,16 @@ class ForgetfulBroker : public testing::FakeTransport {
                    mqtt::Deadline /*deadline*/) override {
     ++asked;
     for (std::size_t i = 0; i < std::min(queue_, robots_.size()); ++i) {
-      coming_.push_back({.topic = robots_.front(), .retained = true});
+      incoming_.push_back({.topic = robots_.front(), .retained = true});
       robots_.push_back(robots_.front());
       robots_.pop_front();
     }
     return {};
   }
 
-  Result<std::optional<mqtt::Message>> Receive(mqtt::Deadline /*deadline*/) override {
-    if (coming_.empty()) return std::optional<mqtt::Message>();
-    std::optional<mqtt::Message> next = std::move(coming_.front());
-    coming_.pop_front();
-    return next;
-  }
-
  private:
   std::size_t queue_;
   std::deque<std::string> robots_;
-  std::deque<mqtt::Message> coming_;
 };
 
 std::set<std::string> Collected(ForgetfulBroker& broker) {

@@ -219,6 +219,21 @@ TEST_F(Logins, LeaveTheEnvironmentOnceTheyAreRead) {
   EXPECT_THAT(environment.str(), AllOf(HasSubstr("still-there"), Not(HasSubstr("hunter2"))));
 }
 
+// The variable is gone once it is read: one connection has to do.
+TEST_F(Logins, OfTheEnvironmentServeEveryStepOfACommand) {
+  const auto broker = Guarded("ann");
+  operator_.UseBroker(broker->Url());
+  const Variables own = {{"FLEETPUB_PASSWORD", "hunter2"}};
+  Command simulate = operator_.Prepare({"simulate", "KIT/0001", "-u", "ann"});
+  simulate.environment.insert(simulate.environment.end(), own.begin(), own.end());
+  Process robot(simulate);
+  ASSERT_TRUE(robot.AwaitErrors("online")) << robot.Errors();
+  EXPECT_EQ(Run({"await", "KIT/*", "connection", "connectionState=ONLINE", "-u", "ann"}, own), 0)
+      << errors_;
+  EXPECT_EQ(Run({"charge", "KIT/*", "--wait", "-u", "ann"}, own), 0) << errors_;
+  EXPECT_EQ(Run({"fleet", "-u", "ann", "--state-wait", "100ms"}, own), 0) << errors_;
+}
+
 TEST_F(Logins, LeaveNoCore) {
   const Mosquitto broker;
   for (const std::string limit : {"ulimit -S -c 0", "ulimit -S -c $(ulimit -H -c)"}) {

@@ -126,11 +126,13 @@ class FakeTransport : public mqtt::Transport {
   void WakeOn(std::span<const int> /*descriptors*/) override {}
   void Disconnect() override { journal_.Record("disconnect"); }
 
+ protected:
+  std::deque<mqtt::Message> incoming_;
+
  private:
   Journal& journal_;
   mutable mqtt::ServerInfo server_;
   std::set<std::string> subscribed_;
-  std::deque<mqtt::Message> incoming_;
   std::vector<mqtt::Message> published_;
   std::vector<int> in_flight_;
 };
