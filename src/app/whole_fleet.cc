@@ -15,8 +15,8 @@ namespace {
 
 constexpr std::array<std::string_view, 1> kConnection = {"connection"};
 
-// Brokers' limits are round numbers.
-bool LooksLikeALimit(std::size_t robots) { return robots > 0 && robots % 1'000 == 0; }
+// Brokers' limits are round numbers; of mosquitto's queue one place is taken.
+bool LooksLikeALimit(std::size_t robots) { return robots > 0 && (robots + 1) % 1'000 <= 1; }
 
 // Who has left a connection message, by the parts of the fleet for which a broker can be asked.
 class Census {
@@ -104,7 +104,9 @@ void WarnOfLimit(const HandedOut& handed_out, Log& log) {
   if (handed_out.limit == 0) return;
   log.Warn(fmt::format(
       "the broker has handed out just {} robots, which looks like a limit of its own: more may be "
-      "there. try: its configuration (ejabberd hands out 1,000 for a subscription), or --expect N",
+      "there. try: its configuration (ejabberd hands out 1,000 for a subscription, mosquitto "
+      "queues as many over "
+      "WebSockets), or --expect N",
       handed_out.limit));
 }
 

@@ -92,6 +92,12 @@ TEST_F(WholeFleet, IsSaidToBePerhapsIncompleteWhereAPartIsAsLargeAsThat) {
   EXPECT_THAT(log_.warnings, SizeIs(1));
 }
 
+TEST_F(WholeFleet, IsSaidToBePerhapsIncompleteWhereAQueueWasFull) {
+  broker_.Add("vda5050/v3", "KIT", 999);
+  EXPECT_EQ(Read().limit, 999U);
+  EXPECT_THAT(log_.warnings, SizeIs(1));
+}
+
 TEST_F(WholeFleet, MayBeNobody) {
   EXPECT_FALSE(Read().any);
   EXPECT_THAT(log_.warnings, IsEmpty());

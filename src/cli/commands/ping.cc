@@ -5,10 +5,10 @@
 #include <chrono>
 #include <memory>
 
+#include "app/dialect_resolver.h"
 #include "base/json.h"
 #include "base/text.h"
 #include "base/time.h"
-#include "app/dialect_resolver.h"
 #include "cli/listening.h"
 #include "cli/parser/subcommand.h"
 #include "mqtt/paho/paho_transport.h"
