@@ -130,7 +130,7 @@ mqtt::PahoConnection Connect(Pair& pair, bool v5) {
   }();
   fuzz::Require(keeper != nullptr);
   mqtt::PahoConnection connection;
-  connection.tls = std::make_unique<mqtt::TlsWatch>("");
+  connection.tls = std::make_unique<mqtt::TlsWatch>("", false);
   connection.server.version = v5 ? ProtocolVersion::k5 : ProtocolVersion::k311;
   connection.input =
       std::make_unique<mqtt::PahoInput>(connection.server.version, mqtt::Framing::kNone);
