@@ -30,6 +30,7 @@ std::optional<MessageType> ParseMessageType(std::string_view name) {
 
 std::string MessageTypeNames() {
   std::vector<std::string> names;
+  names.reserve(kMessageTypes.size());
   for (const auto& type : kMessageTypes) names.emplace_back(type.text);
   return base::Join(names, ", ");
 }

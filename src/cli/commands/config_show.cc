@@ -135,7 +135,7 @@ void Show(const std::vector<Row>& rows, Output& output) {
   }
 }
 
-Result<ExitCode> RunConfigShow(OptionSet& set, const Context& context) {
+Result<ExitCode> RunConfigShow(const OptionSet& set, const Context& context) {
   std::vector<Row> rows = {ProfileRow(set, context)};
   for (const auto& setting : set.Settings(context.config)) {
     const bool is_place = setting.key == "host" || setting.key == "port";

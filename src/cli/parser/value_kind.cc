@@ -23,6 +23,7 @@ std::string ListWords(const std::vector<std::string_view>& words) {
 
 std::vector<std::string_view> VersionNames() {
   std::vector<std::string_view> names;
+  names.reserve(std::size(vda5050::kVersions));
   for (const vda5050::Version version : vda5050::kVersions) {
     names.push_back(vda5050::GetFacts(version).name);
   }
