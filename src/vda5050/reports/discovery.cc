@@ -145,7 +145,7 @@ Result<std::vector<std::string>> FiltersByPlace(const TopicScheme& scheme,
                                                 std::set<std::string> places,
                                                 const RobotFilter& filter,
                                                 std::span<const std::string_view> topic_names) {
-  const auto specified = SpecifiedTopics(scheme, {"any", "any"}, topic_names);
+  auto specified = SpecifiedTopics(scheme, {"any", "any"}, topic_names);
   if (!specified) return specified;
   for (const std::string& topic : *specified) {
     if (const auto levels = ReadTopic(scheme, topic)) places.insert(levels->Place());
@@ -155,7 +155,7 @@ Result<std::vector<std::string>> FiltersByPlace(const TopicScheme& scheme,
     const std::size_t slash = place.rfind('/');
     const TopicScheme exact{place.substr(0, slash),
                             Replaced(scheme.topic_template, "{major}", place.substr(slash + 1))};
-    const auto some = DiscoveryFilters(exact, filter, topic_names);
+    auto some = DiscoveryFilters(exact, filter, topic_names);
     if (!some) return some;
     filters.insert(filters.end(), some->begin(), some->end());
   }
