@@ -86,8 +86,7 @@ Result<std::vector<RobotAddress>> FindRobots(const AwaitRequest& request,
                              if (is_other(robot)) return std::nullopt;
                              return dialect->topics;
                            });
-    robots = ListRobots(transport, dialect->topics, {}, Robots::kAll, expected);
-    std::erase_if(robots, is_other);
+    robots = ListByName(transport, dialect->topics, expected, {});
   }
   WarnOfEscapedNames(robots, log);
   if (!robots.empty()) return robots;

@@ -47,10 +47,7 @@ using SchemeHook =
 /// configured are no warning.
 void WarnOfUnheard(const std::vector<ExpectedRobot>& unheard, Log& log);
 
-/// What it means that nothing retained came for a filter with wildcards, though robots are there.
-inline constexpr std::string_view kNothingForWildcards =
-    "it has nothing retained for filters with wildcards, as RabbitMQ never has: found are robots "
-    "that the configuration names, that were commanded in the last 7 days, or that send a state "
-    "now";
+/// Nothing retained came for a filter with wildcards, though robots are there: who is found then.
+void WarnOfWildcards(const mqtt::BrokerUrl& broker, Log& log);
 
 }  // namespace fleetpub::app

@@ -182,9 +182,7 @@ Result<FleetView> DiscoverFleet(const FleetRequest& request, const Environment& 
   link->transport->Disconnect();
   if (view->size() == 0) return Fail(NoRobot(server, environment.config.profile, request.words));
   WarnOfLimit(reader.handed_out(), log);
-  if (!reader.handed_out().any) {
-    log.Warn(fmt::format("{}: {}", server.broker.ToString(), kNothingForWildcards));
-  }
+  if (!reader.handed_out().any) WarnOfWildcards(server.broker, log);
   WarnOfUnheard(
       FindUnheard(expected, [&](const RobotAddress& robot) { return view->Knows(robot); }), log);
   std::vector<RobotAddress> found;

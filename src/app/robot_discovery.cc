@@ -198,9 +198,8 @@ class Discoverer {
   }
 
   [[nodiscard]] std::vector<ExpectedRobot> Unheard() const {
-    return FindUnheard(options_.expected, [this](const RobotAddress& robot) {
-      return app::WasHeard(directory_, robot);
-    });
+    return FindUnheard(options_.expected,
+                       [this](const RobotAddress& robot) { return directory_.Knows(robot); });
   }
 
   // Of robots that were found by their states, where a filter with wildcards brings none.
@@ -209,13 +208,12 @@ class Discoverer {
     std::set<const RobotEntry*> waiting;
     bool any = false;
     for (const auto& [robot, entry] : directory_.robots()) {
-      any = any || app::WasHeard(directory_, robot);
+      any = any || entry.IsKnown();
       if (entry.connection || !entry.speaks) continue;
       waiting.insert(&entry);
       if (auto ok = AddBeside(robot, entry, "connection", filters); !ok) return ok;
     }
-    if (any)
-      log_.Warn(fmt::format("{}: {}", transport_.server().broker.ToString(), kNothingForWildcards));
+    if (any) WarnOfWildcards(transport_.server().broker, log_);
     return Read(filters.Take(), std::move(waiting), options_.discover,
                 [](const RobotEntry& entry) { return entry.connection.has_value(); });
   }
@@ -339,6 +337,24 @@ std::string FirstReason(const RobotDirectory& directory) {
   return "";
 }
 
+// Of those who have left a connection message under these filters.
+std::vector<RobotAddress> ReadNames(mqtt::Transport& transport, const vda5050::TopicScheme& scheme,
+                                    const std::vector<std::string>& filters,
+                                    const delivery::RetainedOptions& discover, Robots which) {
+  std::set<RobotAddress> robots;
+  const auto read =
+      delivery::ReadRetained(transport, filters, discover, [&](const mqtt::Message& message) {
+        const auto levels = vda5050::ReadTopic(scheme, message.topic);
+        if (!levels || message.payload.empty()) return false;
+        const auto connection = vda5050::ReadConnection(message.payload);
+        const bool is_online = connection && connection->connection_state == "ONLINE";
+        if (which == Robots::kAll || is_online) robots.insert(levels->robot);
+        return false;
+      });
+  if (!read) return {};
+  return {robots.begin(), robots.end()};
+}
+
 }  // namespace
 
 Result<RobotDirectory> MakeDirectory(const Targets& targets, const DialectResolver& resolver,
@@ -388,15 +404,11 @@ std::vector<ExpectedRobot> FindExpectedRobots(const Targets& targets,
       environment, broker, [&](const RobotAddress& robot) -> std::optional<vda5050::TopicScheme> {
         const auto matches = [&](const RobotPattern& pattern) { return pattern.Matches(robot); };
         const bool is_meant = std::any_of(patterns.begin(), patterns.end(), matches);
+        if (!is_meant || targets.IsExcepted(robot)) return std::nullopt;
         const auto addressed = resolver.Resolve(robot);
-        if (!is_meant || targets.IsExcepted(robot) || !addressed) return std::nullopt;
+        if (!addressed) return std::nullopt;
         return addressed->dialect->topics;
       });
-}
-
-bool WasHeard(const RobotDirectory& directory, const RobotAddress& robot) {
-  const auto found = directory.robots().find(robot);
-  return found != directory.robots().end() && (found->second.connection || found->second.speaks);
 }
 
 Chosen Choose(const Targets& targets, const RobotDirectory& directory, Log& log) {
@@ -427,7 +439,7 @@ Chosen Choose(const Targets& targets, const RobotDirectory& directory, Log& log)
   }
   if (!targets.include.patterns.empty()) {
     for (const ListedRobot& listed : directory.robots()) {
-      if (!WasHeard(directory, listed.first) || named.contains(listed.first)) continue;
+      if (!listed.second.IsKnown() || named.contains(listed.first)) continue;
       discovered.push_back(listed.first);
       consider(listed);
     }
@@ -465,7 +477,7 @@ Error NobodyChosen(mqtt::Transport& transport, const Targets& targets,
                    const delivery::RetainedOptions& discover, const std::string& site) {
   const auto meant =
       std::count_if(directory.robots().begin(), directory.robots().end(),
-                    [&](const ListedRobot& listed) { return WasHeard(directory, listed.first); });
+                    [](const ListedRobot& listed) { return listed.second.IsKnown(); });
   const std::string nobody =
       fmt::format("nothing was sent: no robot matches {} at {}", FormatSpec(targets), site);
   if (meant > 0) {
@@ -489,27 +501,19 @@ Error NobodyChosen(mqtt::Transport& transport, const Targets& targets,
 }
 
 std::vector<RobotAddress> ListRobots(mqtt::Transport& transport, const vda5050::TopicScheme& scheme,
-                                     const delivery::RetainedOptions& discover, Robots which,
-                                     const std::vector<ExpectedRobot>& expected) {
+                                     const delivery::RetainedOptions& discover, Robots which) {
   constexpr std::array<std::string_view, 1> kConnection = {"connection"};
   const auto filters = vda5050::DiscoveryFilters(scheme, {}, kConnection);
-  const auto names = TopicsByName(expected, "connection");
-  if (!filters || !names) return {};
-  std::set<RobotAddress> robots;
-  const auto take = [&](const mqtt::Message& message) {
-    const auto levels = vda5050::ReadTopic(scheme, message.topic);
-    if (!levels || message.payload.empty()) return false;
-    const auto connection = vda5050::ReadConnection(message.payload);
-    const bool is_online = connection && connection->connection_state == "ONLINE";
-    if (which == Robots::kAll || is_online) robots.insert(levels->robot);
-    return false;
-  };
-  auto collected = delivery::ReadRetained(transport, *filters, discover, take);
-  if (collected && robots.empty() && !names->empty()) {
-    collected = delivery::ReadRetained(transport, *names, discover, take);
-  }
-  if (!collected) return {};
-  return {robots.begin(), robots.end()};
+  if (!filters) return {};
+  return ReadNames(transport, scheme, *filters, discover, which);
+}
+
+std::vector<RobotAddress> ListByName(mqtt::Transport& transport, const vda5050::TopicScheme& scheme,
+                                     const std::vector<ExpectedRobot>& expected,
+                                     const delivery::RetainedOptions& discover) {
+  const auto topics = TopicsByName(expected, "connection");
+  if (!topics || topics->empty()) return {};
+  return ReadNames(transport, scheme, *topics, discover, Robots::kAll);
 }
 
 }  // namespace fleetpub::app

@@ -69,10 +69,6 @@ inline constexpr std::string_view kNothingRetained =
                                                             const Environment& environment,
                                                             const mqtt::BrokerUrl& broker);
 
-/// Whether it has left a connection message or sent a state.
-[[nodiscard]] bool WasHeard(const vda5050::RobotDirectory& directory,
-                            const vda5050::RobotAddress& robot);
-
 /// Those that are meant, and satisfy the conditions. Robots that have neither left a connection
 /// message nor sent a state are meant only when they are named outright. Warns of robots that are offline and whose state is not
 /// known. Nobody at all is not an error.
@@ -88,11 +84,14 @@ inline constexpr std::string_view kNothingRetained =
 
 enum class Robots { kAll, kOnline };
 
-/// The names of robots that the broker knows; the expected ones are asked for by name when a filter
-/// with wildcards brings nobody. Nothing when it cannot be asked.
+/// The names of robots that the broker knows. Nothing when it cannot be asked.
 [[nodiscard]] std::vector<vda5050::RobotAddress> ListRobots(
     mqtt::Transport& transport, const vda5050::TopicScheme& scheme,
-    const delivery::RetainedOptions& discover, Robots which = Robots::kAll,
-    const std::vector<ExpectedRobot>& expected = {});
+    const delivery::RetainedOptions& discover, Robots which = Robots::kAll);
+
+/// The same of these, each asked for by its own topics.
+[[nodiscard]] std::vector<vda5050::RobotAddress> ListByName(
+    mqtt::Transport& transport, const vda5050::TopicScheme& scheme,
+    const std::vector<ExpectedRobot>& expected, const delivery::RetainedOptions& discover);
 
 }  // namespace fleetpub::app

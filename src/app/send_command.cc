@@ -174,7 +174,7 @@ class CommandSender final : private delivery::CommandSource {
     if (discovered) {
       WarnOfUnheard(
           FindUnheard(options.expected,
-                      [this](const RobotAddress& robot) { return WasHeard(directory_, robot); }),
+                      [this](const RobotAddress& robot) { return directory_.Knows(robot); }),
           observer_);
       return discovered;
     }

@@ -105,8 +105,7 @@ void WarnOfLimit(const HandedOut& handed_out, Log& log) {
   log.Warn(fmt::format(
       "the broker has handed out just {} robots, which looks like a limit of its own: more may be "
       "there. try: its configuration (ejabberd hands out 1,000 for a subscription, mosquitto "
-      "queues as many over "
-      "WebSockets), or --expect N",
+      "queues as many over WebSockets), or --expect N",
       handed_out.limit));
 }
 

@@ -30,8 +30,8 @@ struct Reason {
 };
 
 /// The packets that a server sends on one connection (MQTT 3.1.1 and 5, §2 and §3), in pieces as
-/// they come. Reads each byte once and keeps none but those of a reason. Knows the turns too: CONNACK first and once, a
-/// SUBACK for each SUBSCRIBE, nothing after DISCONNECT.
+/// they come. Reads each byte once and keeps none but those of a reason. Knows the turns too:
+/// CONNACK first and once, a SUBACK for each SUBSCRIBE, nothing after DISCONNECT.
 class PacketCheck {
  public:
   explicit PacketCheck(ProtocolVersion version) : v5_(version == ProtocolVersion::k5) {}

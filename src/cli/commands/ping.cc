@@ -78,13 +78,7 @@ Result<std::vector<std::string>> MakeFilters(const app::VdaOptions& vda,
                                              const config::Config& config) {
   const auto dialect = app::ParseDialect(app::Configured(vda, config));
   if (!dialect) return Fail(dialect.error());
-  std::vector<std::string> filters;
-  for (const std::string_view topic : kTopics) {
-    auto some = vda5050::DiscoveryFilters(dialect->topics, {}, {&topic, 1});
-    if (!some) return Fail(std::move(some.error()));
-    filters.push_back(std::move(some->front()));
-  }
-  return filters;
+  return vda5050::DiscoveryFilters(dialect->topics, {}, kTopics);
 }
 
 Result<Finding> Explore(const mqtt::ConnectOptions& connect,

@@ -44,8 +44,8 @@ struct RobotFilter {
     const TopicScheme& scheme, const RobotAddress& robot,
     std::span<const std::string_view> topic_names);
 
-/// DiscoveryFilters for each of these places (TopicLevels::Place) and each that the releases have. Errors:
-/// as that.
+/// DiscoveryFilters for each of these places (TopicLevels::Place) and each that the releases have.
+/// Errors: as that.
 [[nodiscard]] Result<std::vector<std::string>> FiltersByPlace(
     const TopicScheme& scheme, std::set<std::string> places, const RobotFilter& filter,
     std::span<const std::string_view> topic_names);

@@ -153,8 +153,8 @@ bool RobotDirectory::Take(RobotEntry& entry, const TopicLevels& levels, std::str
   if (leaves) place.speaks = false;
   for (RobotPlace& other : entry.others) {
     RobotPlace& best = entry;
-    const bool is_better = (!best.connection && !best.speaks) || best.standing < other.standing;
-    if ((other.connection || other.speaks) && is_better) std::swap(best, other);
+    const bool is_better = !best.IsKnown() || best.standing < other.standing;
+    if (other.IsKnown() && is_better) std::swap(best, other);
   }
   return true;
 }

@@ -43,6 +43,9 @@ struct RobotPlace {
   /// One for each condition: what is said instead (`paused is false`), or "" when it is satisfied;
   /// nothing until its topic was heard.
   std::vector<std::optional<std::string>> unmet;
+
+  /// It has left a connection message or sent a state.
+  [[nodiscard]] bool IsKnown() const { return connection.has_value() || speaks; }
 };
 
 /// What is known of one robot: at the place that is to be believed, and of the others.
@@ -83,6 +86,10 @@ class RobotDirectory {
   /// Takes in a message of one of its robots. That robot; null when it tells nothing.
   const RobotEntry* Deliver(std::string_view topic, std::string_view payload, Origin origin);
 
+  [[nodiscard]] bool Knows(const RobotAddress& robot) const {
+    const auto found = robots_.find(robot);
+    return found != robots_.end() && found->second.IsKnown();
+  }
   [[nodiscard]] const std::map<RobotAddress, RobotEntry>& robots() const { return robots_; }
   [[nodiscard]] std::span<const TopicScheme> schemes() const { return schemes_; }
 

@@ -21,7 +21,8 @@ namespace fleetpub::vda5050 {
 /// Checks an order that already satisfies its schema: nodes and edges alternate, one edge fewer
 /// than nodes, sequenceIds continuous over both, each edge between its neighbours, a base that
 /// begins with a released node, ends with one and lies before the horizon (§6.6), actionIds unique,
-/// each predefined action where its table allows it, with its parameters. Characters of ids as above.
+/// each predefined action where its table allows it, with its parameters. Characters of ids as
+/// above.
 [[nodiscard]] std::vector<message::TextFinding> CheckOrder(const base::JsonValue& message,
                                                            Version version);
 
