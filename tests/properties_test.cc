@@ -236,7 +236,7 @@ TEST(AnyText, ComesBackFromAJsonString) {
     const std::string text = *LevelName() + base::Printable(*Bytes());
     const auto parsed = base::ParseJson(base::JsonString(text));
     RC_ASSERT(parsed.has_value());
-    RC_ASSERT(base::ViewOf(*parsed) == text);
+    RC_ASSERT(base::ToView(*parsed) == text);
   }));
 }
 

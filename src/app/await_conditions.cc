@@ -32,7 +32,7 @@ struct Places {
 Status AddPlaces(const AwaitRequest& request, const RobotAddress& robot,
                  const config::Config& config, Places& places) {
   // A version that the configuration names is none that the robot must keep to here.
-  VdaOptions vda = Configured(request.vda, config, robot);
+  VdaOptions vda = WithConfig(request.vda, config, robot);
   vda.version = request.vda.version;
   const auto dialect = ParseDialect(vda);
   if (!dialect) return Fail(dialect.error());
@@ -74,7 +74,7 @@ Result<std::vector<RobotAddress>> FindRobots(const AwaitRequest& request,
                                              const vda5050::RobotPattern& pattern,
                                              mqtt::Transport& transport,
                                              const Environment& environment, Log& log) {
-  const auto dialect = ParseDialect(Configured(request.vda, environment.config));
+  const auto dialect = ParseDialect(WithConfig(request.vda, environment.config));
   if (!dialect) return Fail(dialect.error());
   const auto is_other = [&](const RobotAddress& robot) { return !pattern.Matches(robot); };
   auto robots = ListRobots(transport, dialect->topics, {});
@@ -108,7 +108,7 @@ class Awaiter {
         MakeReconnectHooks(link.connection, log), start_ + request_.timeout);
     if (!subscription) return Fail(std::move(subscription.error()));
     auto read = subscription->Read([&](const mqtt::Message& message) {
-      const auto robot = SenderOf(places.schemes, message.topic);
+      const auto robot = FindSender(places.schemes, message.topic);
       if (robot == left_.end() || !Satisfies(message.payload, robot->second)) return false;
       satisfied_(robot->first, OneLine(message.payload), steady_clock::now() - start_);
       left_.erase(robot);
@@ -131,8 +131,8 @@ class Awaiter {
   using Left = std::map<RobotAddress, Heard>;
 
   // Whose message it is, of those that are waited for.
-  Left::iterator SenderOf(const std::vector<vda5050::TopicScheme>& schemes,
-                          const std::string& topic) {
+  Left::iterator FindSender(const std::vector<vda5050::TopicScheme>& schemes,
+                            const std::string& topic) {
     for (const vda5050::TopicScheme& scheme : schemes) {
       const auto levels = vda5050::ReadTopic(scheme, topic);
       if (!levels || levels->topic_name != request_.topic) continue;

@@ -155,7 +155,7 @@ Status CheckMember(std::string_view name, const Value& value, const Shape& shape
 
 Status CheckMembers(const Value& line, const Shape& shape) {
   for (const auto& [name, value] : line.GetObject()) {
-    if (auto ok = CheckMember(base::ViewOf(name), value, shape); !ok) return ok;
+    if (auto ok = CheckMember(base::ToView(name), value, shape); !ok) return ok;
   }
   const int kinds = int{shape.action} + int{shape.message} + int{shape.soar};
   if (kinds > 1) return Wrong("action, topic and soar exclude each other");
@@ -171,9 +171,9 @@ Status CheckMembers(const Value& line, const Shape& shape) {
 }
 
 std::vector<std::string_view> ListTargets(const Value& target) {
-  if (target.IsString()) return {base::ViewOf(target)};
+  if (target.IsString()) return {base::ToView(target)};
   std::vector<std::string_view> targets;
-  for (const Value& text : target.GetArray()) targets.push_back(base::ViewOf(text));
+  for (const Value& text : target.GetArray()) targets.push_back(base::ToView(text));
   return targets;
 }
 
@@ -206,7 +206,7 @@ Result<AddressedRobot> ReadDialect(const Value& line, AddressedRobot robot) {
   if (text != nullptr && *text == "auto") {
     speak(vda5050::kVersions.back(), true);
   } else if (text != nullptr) {
-    const auto version = vda5050::ParseVersion(base::ViewOf(*text));
+    const auto version = vda5050::ParseVersion(base::ToView(*text));
     if (!version) return Fail(version.error());
     speak(*version, false);
   } else if (const Value* payload = FindMember(line, "payload"); payload && robot.automatic) {
@@ -243,7 +243,7 @@ std::unique_ptr<RobotMessage> MakeAction(const Value& line, std::string type) {
                                 .parameters = {}};
   if (const Value* parameters = FindMember(line, "parameters")) {
     for (const auto& [key, value] : parameters->GetObject()) {
-      action.parameters.push_back({std::string(base::ViewOf(key)), base::ToJson(value)});
+      action.parameters.push_back({std::string(base::ToView(key)), base::ToJson(value)});
     }
   }
   return MakeInstantMessage(std::move(action), FindMember(line, "actionId") != nullptr);
@@ -255,7 +255,7 @@ struct Request {
   const LineDefaults& defaults;
   std::optional<WaitFor> wait_for;
 
-  [[nodiscard]] Result<LineCommand> For(std::string_view target) const {
+  [[nodiscard]] Result<LineCommand> MakeFor(std::string_view target) const {
     if (target.find_first_of("*?") != std::string_view::npos) {
       return Fail(
           ErrorKind::kUsage,
@@ -314,8 +314,8 @@ struct SoarRequest {
     type = *known;
     std::vector<soar::Member> members;
     for (const auto& [key, value] : FindMember(line, "payload")->GetObject()) {
-      if (base::ViewOf(key) != "message_type") {
-        members.push_back({std::string(base::ViewOf(key)), base::ToJson(value)});
+      if (base::ToView(key) != "message_type") {
+        members.push_back({std::string(base::ToView(key)), base::ToJson(value)});
       } else if (value != soar::GetName(type).data()) {
         return Wrong("the payload's message_type is another one than soar");
       }
@@ -325,7 +325,7 @@ struct SoarRequest {
     if (wait == nullptr ? defaults.wait_for.has_value() : wait->IsTrue()) {
       wait_for = soar::Level::kExecuted;
     } else if (wait != nullptr && wait->IsString()) {
-      wait_for = soar::ParseLevel(base::ViewOf(*wait));
+      wait_for = soar::ParseLevel(base::ToView(*wait));
       if (!wait_for) {
         return Wrong(
             "wait must be true, false, \"c2_received\", \"operator_approved_and_sent\" "
@@ -335,7 +335,7 @@ struct SoarRequest {
     return {};
   }
 
-  [[nodiscard]] Result<LineCommand> For(std::string_view target) const {
+  [[nodiscard]] Result<LineCommand> MakeFor(std::string_view target) const {
     const soar::Sender& sender = defaults.soar;
     const auto destination = target == "broadcast"
                                  ? Result<soar::Destination>(soar::Broadcast(sender.prefix))
@@ -396,7 +396,7 @@ Result<LineCommands> LineParser::ForEach(const Value& line, const Request& reque
   LineCommands result;
   std::set<std::string> named;
   for (const std::string_view target : targets) {
-    auto command = request.For(target);
+    auto command = request.MakeFor(target);
     if (!command) return Fail(std::move(command.error()));
     const std::string name =
         command->command ? command->command->target : command->robot.robot.ToString();

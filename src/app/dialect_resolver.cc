@@ -86,19 +86,19 @@ Status TopicOwners::Add(const vda5050::RobotAddress& robot, const vda5050::Topic
                   base::Printable(robot.ToString())));
 }
 
-VdaOptions Configured(VdaOptions given, const config::Config& config) {
+VdaOptions WithConfig(VdaOptions given, const config::Config& config) {
   return Completed(std::move(given), [&](std::string_view key) { return config.Find(key); });
 }
 
-VdaOptions Configured(VdaOptions given, const config::Config& config,
+VdaOptions WithConfig(VdaOptions given, const config::Config& config,
                       const vda5050::RobotAddress& robot) {
   return Completed(std::move(given), [&](std::string_view key) { return config.Find(robot, key); });
 }
 
-Result<DialectResolver> DialectResolver::For(const VdaOptions& given,
-                                             const config::Config& config) {
+Result<DialectResolver> DialectResolver::Make(const VdaOptions& given,
+                                              const config::Config& config) {
   DialectResolver resolver(given, config);
-  const VdaOptions common = Configured(given, config);
+  const VdaOptions common = WithConfig(given, config);
   auto dialect = Shared(common, {});
   if (!dialect) return Fail(std::move(dialect.error()));
   resolver.common_ = *std::move(dialect);
@@ -108,7 +108,7 @@ Result<DialectResolver> DialectResolver::For(const VdaOptions& given,
 Result<AddressedRobot> DialectResolver::Resolve(vda5050::RobotAddress robot) const {
   auto dialect = common_;
   if (config_->robots.contains(robot)) {
-    auto own = Shared(Configured(given_, *config_, robot), assumed_);
+    auto own = Shared(WithConfig(given_, *config_, robot), assumed_);
     if (!own) return Fail(std::move(own.error()));
     dialect = *std::move(own);
   }

@@ -27,9 +27,9 @@ struct VdaOptions {
 };
 
 /// `given`, completed with what the configuration says of everybody.
-[[nodiscard]] VdaOptions Configured(VdaOptions given, const config::Config& config);
+[[nodiscard]] VdaOptions WithConfig(VdaOptions given, const config::Config& config);
 /// `given`, completed with what the configuration says of this robot, and of everybody.
-[[nodiscard]] VdaOptions Configured(VdaOptions given, const config::Config& config,
+[[nodiscard]] VdaOptions WithConfig(VdaOptions given, const config::Config& config,
                                     const vda5050::RobotAddress& robot);
 
 /// Errors: ErrorKind::kUsage; kInvalid (a header that is not UTF-8).
@@ -59,8 +59,8 @@ class TopicOwners {
 class DialectResolver {
  public:
   /// Errors: ErrorKind::kUsage.
-  [[nodiscard]] static Result<DialectResolver> For(const VdaOptions& given,
-                                                   const config::Config& config);
+  [[nodiscard]] static Result<DialectResolver> Make(const VdaOptions& given,
+                                                    const config::Config& config);
 
   /// In its own version unless somebody states one. Errors: ErrorKind::kUsage, in the robot's own
   /// table.

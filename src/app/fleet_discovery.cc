@@ -138,7 +138,7 @@ Error NoRobot(const mqtt::ServerInfo& server, const std::string& profile,
 // An empty view of the robots that are meant. Errors: ErrorKind::kUsage.
 Result<FleetView> MakeFleetView(const FleetRequest& request, const config::Config& config,
                                 Log& log) {
-  const auto dialect = ParseDialect(Configured(request.vda, config));
+  const auto dialect = ParseDialect(WithConfig(request.vda, config));
   if (!dialect) return Fail(dialect.error());
   auto spec = ParseTargetSpec(request.words, config, log);
   if (!spec) return Fail(std::move(spec.error()));

@@ -25,7 +25,7 @@ using vda5050::RobotPattern;
 
 bool Needs(const Targets& targets, std::string_view topic_name) {
   return std::any_of(targets.where.begin(), targets.where.end(), [&](const Condition& condition) {
-    return vda5050::TopicOf(condition) == topic_name;
+    return vda5050::FindTopicName(condition) == topic_name;
   });
 }
 
@@ -250,7 +250,7 @@ class Discoverer {
     return ok;
   }
 
-  // Of a robot that is away nothing more is asked than whether it is meant.
+  // Of a robot that is offline nothing more is asked than whether it is meant.
   [[nodiscard]] bool LacksFactsheet(const RobotEntry& entry) const {
     const bool counts = IsThere(entry) || Needs(targets_, "factsheet");
     return counts && IsWanted(entry) && entry.own && !HasFactsheet(entry);
@@ -303,16 +303,16 @@ class Discoverer {
   std::string retained_topic_;  // of the last connection message that was retained
 };
 
-enum class Answer { kYes, kNo, kUnheard, kAway };
+enum class Answer { kYes, kNo, kUnheard, kOffline };
 
 Answer Satisfies(const Targets& targets, const RobotEntry& entry) {
   Answer answer = Answer::kYes;
   for (std::size_t i = 0; i < targets.where.size(); ++i) {
     const auto unmet = i < entry.unmet.size() ? entry.unmet[i] : std::nullopt;
     if (unmet && unmet->empty()) continue;
-    const bool is_state = vda5050::TopicOf(targets.where[i]) == "state";
+    const bool is_state = vda5050::FindTopicName(targets.where[i]) == "state";
     if (unmet || !is_state) return Answer::kNo;
-    answer = entry.IsAlive() ? Answer::kUnheard : Answer::kAway;
+    answer = entry.IsAlive() ? Answer::kUnheard : Answer::kOffline;
   }
   return answer;
 }
@@ -413,15 +413,15 @@ std::vector<ExpectedRobot> FindExpectedRobots(const Targets& targets,
 
 Chosen Choose(const Targets& targets, const RobotDirectory& directory, Log& log) {
   Chosen chosen;
-  std::vector<RobotAddress> away;
+  std::vector<RobotAddress> offline;
   const auto consider = [&](const ListedRobot& listed) {
     switch (Satisfies(targets, listed.second)) {
       case Answer::kYes:
         return chosen.robots.push_back(&listed);
       case Answer::kUnheard:
         return chosen.unheard.push_back(&listed);
-      case Answer::kAway:
-        return away.push_back(listed.first);
+      case Answer::kOffline:
+        return offline.push_back(listed.first);
       case Answer::kNo:
         return;
     }
@@ -445,9 +445,9 @@ Chosen Choose(const Targets& targets, const RobotDirectory& directory, Log& log)
     }
   }
   WarnOfEscapedNames(discovered, log);
-  if (!away.empty()) {
+  if (!offline.empty()) {
     log.Warn(fmt::format("left out, as they are offline and have left no state: {}",
-                         FormatRobotList(away)));
+                         FormatRobotList(offline)));
   }
   return chosen;
 }

@@ -61,13 +61,13 @@ class InstantMessage final : public RobotMessage {
 class UserMessage final : public RobotMessage {
  public:
   UserMessage(std::string_view topic, std::shared_ptr<const base::JsonDocument> message,
-              vda5050::HeaderMismatch foreign)
-      : topic_(topic), message_(std::move(message)), foreign_(foreign) {}
+              vda5050::HeaderMismatch on_mismatch)
+      : topic_(topic), message_(std::move(message)), on_mismatch_(on_mismatch) {}
 
   [[nodiscard]] Result<message::Command> Build(
       const RobotAddress& robot, const Dialect& dialect,
       std::optional<std::uint32_t> header_id) const override {
-    return vda5050::BuildUserMessage(robot, dialect, topic_, *message_, foreign_, header_id);
+    return vda5050::BuildUserMessage(robot, dialect, topic_, *message_, on_mismatch_, header_id);
   }
 
   [[nodiscard]] vda5050::PreflightFindings Check(const RobotAddress& robot, const Dialect& dialect,
@@ -93,7 +93,7 @@ class UserMessage final : public RobotMessage {
  private:
   std::string_view topic_;
   std::shared_ptr<const base::JsonDocument> message_;
-  vda5050::HeaderMismatch foreign_;
+  vda5050::HeaderMismatch on_mismatch_;
 };
 
 }  // namespace

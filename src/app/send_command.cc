@@ -28,13 +28,13 @@ class Warnings {
  public:
   explicit Warnings(Log& log) : log_(log) {}
 
-  void Tell(const std::string& target, const std::string& warning) {
+  void Warn(const std::string& target, const std::string& warning) {
     const std::string words = warning.starts_with(target) ? warning.substr(target.size()) : warning;
     if (++told_[words] <= kTold) log_.Warn(warning);
   }
-  void Tell(const std::string& warning) {
+  void Warn(const std::string& warning) {
     const std::size_t colon = warning.find_first_of(": ");
-    Tell(warning.substr(0, colon == std::string::npos ? 0 : colon), warning);
+    Warn(warning.substr(0, colon == std::string::npos ? 0 : colon), warning);
   }
   void TellRest() const {
     for (const auto& [words, count] : told_) {
@@ -270,7 +270,7 @@ class CommandSender final : private delivery::CommandSource {
     if (request_.waiting.wait_for) wait = request_.waiting.wait;
     TidyUp tidy_up(request_.waiting.tidy);
     auto sent = Deliver(*this, *link_, **ledger, settings_, wait, observer_,
-                        [&](const Report& report) { tidy_up.Note(report); });
+                        [&](const Report& report) { tidy_up.Add(report); });
     tidy_up.Run(robots_, *link_, **ledger, settings_.qos, environment_.schema_directory, observer_);
     if (link_->transport != nullptr) link_->transport->Disconnect();
     if (sent || !built_all_) return sent;
@@ -294,7 +294,7 @@ class CommandSender final : private delivery::CommandSource {
         explanations_.push_back(ExplainDryRun(*robots_[next_]));
       }
     }
-    for (const std::string& warning : built_.warnings) warnings_.Tell(warning);
+    for (const std::string& warning : built_.warnings) warnings_.Warn(warning);
     for (const Report& refused : built_.refused) observer_.Report(refused);
     return built_.commands;
   }

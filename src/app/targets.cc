@@ -166,7 +166,7 @@ class WordReader {
 // What no robot can satisfy is refused, what is doubtful said.
 Status CheckConditions(std::span<const vda5050::Condition> conditions, Log& log) {
   for (const vda5050::Condition& condition : conditions) {
-    const auto doubt = vda5050::CheckCondition(condition, vda5050::TopicOf(condition));
+    const auto doubt = vda5050::CheckCondition(condition, vda5050::FindTopicName(condition));
     if (!doubt) return Fail(doubt.error());
     if (!doubt->empty()) log.Warn("--where: " + *doubt);
   }

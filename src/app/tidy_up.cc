@@ -38,7 +38,7 @@ Result<std::optional<message::Command>> CommandFor(const ListedRobot& robot,
 
 }  // namespace
 
-void TidyUp::Note(const message::Report& report) {
+void TidyUp::Add(const message::Report& report) {
   if (report.status == message::CommandStatus::kOffline) return;  // nobody would answer
   if (report.kept == Kept::kTooMuch || (is_asked_ && report.kept == Kept::kEntry)) {
     targets_.insert(report.target);

@@ -22,7 +22,7 @@ class TidyUp {
   explicit TidyUp(bool is_asked) : is_asked_(is_asked) {}
 
   /// What became of a command.
-  void Note(const message::Report& report);
+  void Add(const message::Report& report);
 
   /// Clears the lists of those of these robots that need it, waits for their word, and tells what
   /// came of it. Changes nobody's result.

@@ -40,7 +40,7 @@ class Inspector {
       ++tally->messages;
       if (!result->findings.errors.empty()) ++tally->invalid;
     }
-    Tell(message, *result);
+    Report(message, *result);
   }
 
   // Asks where no connection message came of robots that send states. Some brokers have nothing
@@ -64,7 +64,7 @@ class Inspector {
     for (const auto& [topic, robot] : std::exchange(unknown_, {})) {
       if (!asked) continue;
       ++summary_.without_connection;
-      Tell({.topic = topic}, conformance_.MissingConnection(robot));
+      Report({.topic = topic}, conformance_.MissingConnection(robot));
     }
   }
 
@@ -93,7 +93,7 @@ class Inspector {
     }
   }
 
-  void Tell(const mqtt::Message& message, const ValidationResult& result) {
+  void Report(const mqtt::Message& message, const ValidationResult& result) {
     const auto& [errors, warnings, satisfies_schema] = result.findings;
     if (!errors.empty() || !warnings.empty()) observer_.Found(message, result);
   }

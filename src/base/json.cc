@@ -207,7 +207,7 @@ const JsonValue* RepeatedName(const JsonValue& object) {
   if (object.MemberCount() <= kFew) {  // nearly always: comparing pairs beats allocating
     for (auto a = begin; a != end; ++a) {
       for (auto b = begin; b != a; ++b) {
-        if (ViewOf(a->name) == ViewOf(b->name)) return &a->name;
+        if (ToView(a->name) == ToView(b->name)) return &a->name;
       }
     }
     return nullptr;
@@ -216,10 +216,10 @@ const JsonValue* RepeatedName(const JsonValue& object) {
   names.reserve(object.MemberCount());
   for (auto it = begin; it != end; ++it) names.push_back(&it->name);
   std::sort(names.begin(), names.end(),
-            [](const auto* a, const auto* b) { return ViewOf(*a) < ViewOf(*b); });
+            [](const auto* a, const auto* b) { return ToView(*a) < ToView(*b); });
   const auto twice =
       std::adjacent_find(names.begin(), names.end(),
-                         [](const auto* a, const auto* b) { return ViewOf(*a) == ViewOf(*b); });
+                         [](const auto* a, const auto* b) { return ToView(*a) == ToView(*b); });
   return twice == names.end() ? nullptr : *twice;
 }
 
@@ -227,11 +227,11 @@ const JsonValue* RepeatedName(const JsonValue& object) {
 // JsonLimits::depth.
 std::string FindRepeatedName(const JsonValue& value) {
   if (value.IsObject()) {
-    if (const auto* name = RepeatedName(value)) return "/" + PointerToken(ViewOf(*name));
+    if (const auto* name = RepeatedName(value)) return "/" + PointerToken(ToView(*name));
     for (const auto& member : value.GetObject()) {
       if (!member.value.IsObject() && !member.value.IsArray()) continue;
       std::string below = FindRepeatedName(member.value);
-      if (!below.empty()) return "/" + PointerToken(ViewOf(member.name)) + below;
+      if (!below.empty()) return "/" + PointerToken(ToView(member.name)) + below;
     }
   } else if (value.IsArray()) {
     for (rapidjson::SizeType i = 0; i < value.Size(); ++i) {
@@ -323,7 +323,7 @@ void KeepLastOfEachName(JsonValue& value, JsonPool& pool) {
   std::vector<bool> is_last(value.MemberCount());
   for (std::size_t i = is_last.size(); i > 0; --i) {
     const auto member = value.MemberBegin() + static_cast<std::ptrdiff_t>(i - 1);
-    is_last[i - 1] = names.insert(ViewOf(member->name)).second;
+    is_last[i - 1] = names.insert(ToView(member->name)).second;
     KeepLastOfEachName(member->value, pool);
   }
   if (names.size() == is_last.size()) return;
@@ -431,7 +431,7 @@ std::string JsonString(std::string_view text) {
 
 std::string_view StringMember(const JsonValue& object, std::string_view name) {
   const JsonValue* member = FindMember(object, name);
-  return member != nullptr && member->IsString() ? ViewOf(*member) : std::string_view();
+  return member != nullptr && member->IsString() ? ToView(*member) : std::string_view();
 }
 
 const JsonValue* FindMember(const JsonValue& value, std::string_view name) {
@@ -451,7 +451,7 @@ void RenameMember(JsonDocument& document, std::string_view from, std::string_vie
   if (!document.IsObject()) return;
   const auto end = document.MemberEnd();
   for (auto it = document.MemberBegin(); it < end; ++it) {
-    if (ViewOf(it->name) != from) continue;
+    if (ToView(it->name) != from) continue;
     it->name.SetString(to.data(), static_cast<rapidjson::SizeType>(to.size()),
                        document.GetAllocator());
   }

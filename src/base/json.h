@@ -57,7 +57,7 @@ struct JsonLimits {
 /// Gives a top-level member another name; nothing happens when there is none of the first name.
 void RenameMember(JsonDocument& document, std::string_view from, std::string_view to);
 
-[[nodiscard]] inline std::string_view ViewOf(const JsonValue& string) {
+[[nodiscard]] inline std::string_view ToView(const JsonValue& string) {
   return {string.GetString(), string.GetStringLength()};
 }
 

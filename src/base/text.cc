@@ -93,7 +93,7 @@ struct Stem {
 };
 
 // The word as it stands, and without a beginning that says yes or no.
-std::vector<Stem> StemsOf(std::string_view word) {
+std::vector<Stem> FindStems(std::string_view word) {
   constexpr std::array<std::pair<std::string_view, bool>, 11> kBeginnings = {{{"start", false},
                                                                               {"en", false},
                                                                               {"stop", true},
@@ -120,8 +120,8 @@ std::vector<Stem> StemsOf(std::string_view word) {
 
 bool AreOpposites(std::string_view a, std::string_view b) {
   const int likeness = std::min(2, EditDistance(a, b));
-  const auto stems = StemsOf(a);
-  for (const Stem& other : StemsOf(b)) {
+  const auto stems = FindStems(a);
+  for (const Stem& other : FindStems(b)) {
     for (const Stem& one : stems) {
       if (one.is_negative != other.is_negative && EditDistance(one.rest, other.rest) < likeness) {
         return true;

@@ -43,7 +43,7 @@ Result<ExitCode> SendInstantAction(const InstantSendingOptions& options, std::st
   if (!target_request) return Fail(std::move(target_request.error()));
   auto targets = app::ResolveTargets(*std::move(target_request), context.config, context.output);
   if (!targets) return Fail(std::move(targets.error()));
-  auto resolver = app::DialectResolver::For(options.instant.vda, context.config);
+  auto resolver = app::DialectResolver::Make(options.instant.vda, context.config);
   if (!resolver) return Fail(std::move(resolver.error()));
   const auto action = BuildInstantAction(options.instant, type, std::move(parameters),
                                          targets->IsSet() ? 2 : targets->include.robots.size());

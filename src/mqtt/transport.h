@@ -70,7 +70,7 @@ struct TlsOptions {
   bool verify = true;       ///< chain and host name; false only for `--insecure`
 
   /// That the certificate must be for.
-  [[nodiscard]] const std::string& NameOf(const BrokerUrl& broker) const {
+  [[nodiscard]] const std::string& FindServerName(const BrokerUrl& broker) const {
     return server_name.empty() ? broker.host : server_name;
   }
 };

@@ -16,7 +16,7 @@
 namespace fleetpub::schema {
 namespace {
 
-using base::ViewOf;
+using base::ToView;
 using Value = base::JsonValue;
 
 // Keywords whose values are data, whatever they look like.
@@ -30,7 +30,7 @@ class Bundler {
         find_(find),
         root_uri_(FindBase(root, std::string(uri))) {
     if (const Value* known = base::FindMember(root, "definitions"); known && known->IsObject()) {
-      for (const auto& member : known->GetObject()) names_.emplace(ViewOf(member.name));
+      for (const auto& member : known->GetObject()) names_.emplace(ToView(member.name));
     }
   }
 
@@ -63,7 +63,7 @@ class Bundler {
     const std::string here = FindBase(value, base);
     const auto end = value.MemberEnd();
     for (auto member = value.MemberBegin(); member < end; ++member) {
-      const std::string_view name = ViewOf(member->name);
+      const std::string_view name = ToView(member->name);
       if (name == "$ref" && member->value.IsString()) {
         Redirect(member->value, here);
       } else if (std::find(kData.begin(), kData.end(), name) == kData.end()) {
@@ -73,14 +73,14 @@ class Bundler {
   }
 
   void Redirect(Value& reference, const std::string& base) {
-    const auto [uri, fragment] = SplitFragment(ResolveUri(base, ViewOf(reference)));
+    const auto [uri, fragment] = SplitFragment(ResolveUri(base, ToView(reference)));
     std::string target = "#" + fragment;
     if (uri != root_uri_) {
       const std::string name = Import(uri, fragment);
       if (name.empty()) return;
       target = "#/definitions/" + base::PointerToken(name);
     }
-    if (ViewOf(reference).starts_with('#') && base == root_uri_) return;
+    if (ToView(reference).starts_with('#') && base == root_uri_) return;
     reference.SetString(target, allocator_);
   }
 

@@ -84,7 +84,7 @@ void DropDescriptions(base::JsonValue& value) {
   }
   const auto end = value.MemberEnd();
   for (auto member = value.MemberBegin(); member < end; ++member) {
-    const std::string_view name = base::ViewOf(member->name);
+    const std::string_view name = base::ToView(member->name);
     if (name != "const" && name != "enum") DropDescriptions(member->value);
   }
 }

@@ -17,7 +17,7 @@ namespace fleetpub::schema {
 namespace {
 
 using base::FindMember;
-using base::ViewOf;
+using base::ToView;
 using rapidjson::SizeType;
 using Value = base::JsonValue;
 
@@ -94,7 +94,7 @@ class Translator {
     if (!schemas.IsObject()) return true;
     const auto end = schemas.MemberEnd();
     for (auto it = schemas.MemberBegin(); it < end; ++it) {
-      if (!Schema(it->value, place.Below(ViewOf(it->name)))) return false;
+      if (!Schema(it->value, place.Below(ToView(it->name)))) return false;
     }
     return true;
   }
@@ -105,7 +105,7 @@ class Translator {
     Value* type = Member(schema, "type");
     if (nullable == nullptr || !nullable->IsTrue() || type == nullptr || !type->IsString()) return;
     Value types(rapidjson::kArrayType);
-    types.PushBack(Text(ViewOf(*type)), allocator_);
+    types.PushBack(Text(ToView(*type)), allocator_);
     types.PushBack(Text("null"), allocator_);
     *type = types;
   }
@@ -141,7 +141,7 @@ class Translator {
     std::vector<Alternative> meant;
     if (!Mapped(*discriminator, place, meant)) return false;
     if (!Implied(*alternatives, above.Below(list), meant)) return false;
-    Value rules = Rules(ViewOf(*property), meant);
+    Value rules = Rules(ToView(*property), meant);
     schema.RemoveMember(Text(list));
     schema.RemoveMember("discriminator");
     if (Value* all = Member(schema, "allOf"); all != nullptr && all->IsArray()) {
@@ -159,10 +159,10 @@ class Translator {
     const Place place = above.Below("mapping");
     if (!mapping->IsObject()) return Refuse(place, "must be an object");
     for (const auto& [name, target] : mapping->GetObject()) {
-      if (!target.IsString()) return Refuse(place.Below(ViewOf(name)), "must be a string");
-      const bool is_name = FindMember(*components_, ViewOf(target)) != nullptr;
-      meant.push_back({std::string(ViewOf(name)),
-                       fmt::format("{}{}", is_name ? kComponents : "", ViewOf(target))});
+      if (!target.IsString()) return Refuse(place.Below(ToView(name)), "must be a string");
+      const bool is_name = FindMember(*components_, ToView(target)) != nullptr;
+      meant.push_back({std::string(ToView(name)),
+                       fmt::format("{}{}", is_name ? kComponents : "", ToView(target))});
     }
     return true;
   }

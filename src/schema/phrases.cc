@@ -13,7 +13,7 @@
 namespace fleetpub::schema {
 namespace {
 
-using base::ViewOf;
+using base::ToView;
 using Value = base::JsonValue;
 
 std::string WithArticle(std::string_view type) {
@@ -26,9 +26,9 @@ std::string WithArticle(std::string_view type) {
 std::vector<std::string> ListTypes(const Value& schema) {
   const Value* type = base::FindMember(schema, "type");
   if (type == nullptr) return {};
-  if (type->IsString()) return {std::string(ViewOf(*type))};
+  if (type->IsString()) return {std::string(ToView(*type))};
   std::vector<std::string> types;
-  for (const Value& each : type->GetArray()) types.emplace_back(ViewOf(each));
+  for (const Value& each : type->GetArray()) types.emplace_back(ToView(each));
   return types;
 }
 
@@ -39,7 +39,7 @@ std::string Choice(const Value& value) {
            c == '-' || c == '.';
   };
   if (!value.IsString()) return Shown(value);
-  const std::string_view text = ViewOf(value);
+  const std::string_view text = ToView(value);
   const bool word =
       !text.empty() && text.size() <= 40 && std::all_of(text.begin(), text.end(), plain);
   return word ? std::string(text) : Shown(value);

@@ -20,7 +20,7 @@
 namespace fleetpub::schema {
 namespace {
 
-using base::ViewOf;
+using base::ToView;
 using rapidjson::SizeType;
 using Value = base::JsonValue;
 using Node = SchemaNode;
@@ -74,7 +74,7 @@ class Loader {
     if (dialect == nullptr) return true;
     const Place place = root.Below("$schema");
     if (!IsText(*dialect, place)) return false;
-    std::string_view uri = ViewOf(*dialect);
+    std::string_view uri = ToView(*dialect);
     uri.remove_prefix(uri.find("//") == std::string_view::npos ? 0 : uri.find("//") + 2);
     if (uri.ends_with('#')) uri.remove_suffix(1);
     constexpr std::string_view kSite = "json-schema.org/";
@@ -106,7 +106,7 @@ class Loader {
     if (!only_reference && !Identify(schema, here)) return false;
     if (reference != nullptr && !Reference(node, *reference, here)) return false;
     for (const auto& member : schema.GetObject()) {
-      const std::string_view name = ViewOf(member.name);
+      const std::string_view name = ToView(member.name);
       if (only_reference && name != "definitions" && name != "$defs") continue;
       const Keyword* keyword = FindKeyword(name);
       if (keyword == nullptr) continue;
@@ -128,14 +128,14 @@ class Loader {
     const Value* id = base::FindMember(schema, "$id");
     if (id == nullptr) return true;
     const Place place = here.Below("$id");
-    return IsText(*id, place) && (references_.Identify(schema, ViewOf(*id), here) ||
+    return IsText(*id, place) && (references_.Identify(schema, ToView(*id), here) ||
                                   Refuse(place, "stands there for a second schema"));
   }
 
   bool Reference(Node& node, const Value& reference, const Place& here) {
     const Place place = here.Below("$ref");
     if (!IsText(reference, place)) return false;
-    references_.Add(node, ViewOf(reference), place);
+    references_.Add(node, ToView(reference), place);
     return true;
   }
 
@@ -173,7 +173,7 @@ class Loader {
 
   bool Format(const Value& value, const Place& place, Node& node) {
     if (!IsText(value, place)) return false;
-    node.is_date_time = ViewOf(value) == "date-time";  // others: annotations (draft-07 §7.2)
+    node.is_date_time = ToView(value) == "date-time";  // others: annotations (draft-07 §7.2)
     return true;
   }
 
@@ -221,7 +221,7 @@ class Loader {
          {"object", 1U << rapidjson::kObjectType},
          {"string", 1U << rapidjson::kStringType}}};
     for (const auto& [name, bit] : kTypes) {
-      if (!value.IsString() || ViewOf(value) != name) continue;
+      if (!value.IsString() || ToView(value) != name) continue;
       bits |= bit;
       return true;
     }
@@ -272,7 +272,7 @@ class Loader {
   bool SchemaMap(const Value& value, const Place& place, const Take& take) {
     if (!MustBe(value.IsObject(), place, "an object of schemas", value)) return false;
     for (const auto& [name, schema] : value.GetObject()) {
-      const Place below = place.Below(ViewOf(name));
+      const Place below = place.Below(ToView(name));
       const Node* node = Load(schema, below);
       if (node == nullptr || !take(name, below, node)) return false;
     }
@@ -285,7 +285,7 @@ class Loader {
 
   bool Properties(const Value& value, const Place& place, Node& node) {
     const bool fine = SchemaMap(value, place, [&](const Value& name, const Place&, const Node* of) {
-      return node.properties.emplace_back(ViewOf(name), of), true;
+      return node.properties.emplace_back(ToView(name), of), true;
     });
     std::sort(node.properties.begin(), node.properties.end());
     return fine;
@@ -302,8 +302,8 @@ class Loader {
   bool Dependencies(const Value& value, const Place& place, Node& node) {
     if (!MustBe(value.IsObject(), place, "an object", value)) return false;
     for (const auto& [name, needs] : value.GetObject()) {
-      const Place below = place.Below(ViewOf(name));
-      auto& dependency = node.dependencies.emplace_back(Node::Dependency{ViewOf(name), &needs});
+      const Place below = place.Below(ToView(name));
+      auto& dependency = node.dependencies.emplace_back(Node::Dependency{ToView(name), &needs});
       const bool fine = needs.IsArray() ? Names(needs, below, node)
                                         : (dependency.schema = Load(needs, below)) != nullptr;
       if (!fine) return false;
@@ -312,7 +312,7 @@ class Loader {
   }
 
   std::optional<Pattern> Expression(const Value& expression, const Place& place) {
-    auto pattern = Pattern::Compile(ViewOf(expression));
+    auto pattern = Pattern::Compile(ToView(expression));
     if (pattern) return std::move(*pattern);
     Refuse(place, "is a pattern that cannot be used: " + pattern.error().message);
     return std::nullopt;

@@ -14,7 +14,7 @@
 namespace fleetpub::schema {
 namespace {
 
-using base::ViewOf;
+using base::ToView;
 using Value = base::JsonValue;
 using Nodes = std::vector<const SchemaNode*>;
 
@@ -76,7 +76,7 @@ class Speller {
 
   void Object(const Nodes& nodes, const Value& object, const std::string& pointer) {
     for (const auto& [key, value] : object.GetObject()) {
-      const std::string_view name = ViewOf(key);
+      const std::string_view name = ToView(key);
       const std::string here = fmt::format("{}/{}", pointer, base::PointerToken(name));
       const Nodes below = Below(nodes, name);
       if (below.empty()) {

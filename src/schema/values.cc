@@ -60,11 +60,11 @@ void AppendCanonicalObject(const Value& object, std::string& text) {
   members.reserve(object.MemberCount());
   for (const auto& member : object.GetObject()) members.push_back(&member);
   std::sort(members.begin(), members.end(), [](const auto* a, const auto* b) {
-    return base::ViewOf(a->name) < base::ViewOf(b->name);
+    return base::ToView(a->name) < base::ToView(b->name);
   });
   text += '{';
   for (const auto* member : members) {
-    text += base::JsonString(base::ViewOf(member->name));
+    text += base::JsonString(base::ToView(member->name));
     text += ':';
     AppendCanonical(member->value, text);
   }
@@ -108,7 +108,7 @@ bool IsOfType(const Value& value, std::string_view type) {
 bool Equal(const Value& a, const Value& b) {
   if (a.IsNumber() && b.IsNumber()) return EqualNumbers(a, b);
   if (a.GetType() != b.GetType()) return false;
-  if (a.IsString()) return base::ViewOf(a) == base::ViewOf(b);
+  if (a.IsString()) return base::ToView(a) == base::ToView(b);
   if (a.IsObject()) return EqualObjects(a, b);
   if (!a.IsArray()) return true;  // null, true, false
   return std::equal(a.Begin(), a.End(), b.Begin(), b.End(), Equal);
@@ -161,7 +161,7 @@ std::string Shown(const Value& value) {
     std::size_t end = kLongest - 20;
     while ((static_cast<unsigned char>(text[end]) & 0xC0U) == 0x80) --end;
     text = fmt::format("{}… ({} characters)", text.substr(0, end),
-                       value.IsString() ? CountCharacters(base::ViewOf(value)) : text.size());
+                       value.IsString() ? CountCharacters(base::ToView(value)) : text.size());
   }
   return base::Printable(text);
 }

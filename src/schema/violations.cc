@@ -18,7 +18,7 @@ namespace fleetpub::schema {
 namespace {
 
 using base::FindMember;
-using base::ViewOf;
+using base::ToView;
 using rapidjson::SizeType;
 using Value = base::JsonValue;
 using Node = SchemaNode;
@@ -187,7 +187,7 @@ class Walk {
   }
 
   void Text(const Node& schema, const Value& value, const Where& where) {
-    const std::string_view text = ViewOf(value);
+    const std::string_view text = ToView(value);
     if (schema.min_length != nullptr || schema.max_length != nullptr) {
       Size(schema.min_length, schema.max_length, CountCharacters(text), "character", where);
     }
@@ -253,7 +253,7 @@ class Walk {
     std::size_t index = 0;
     for (const auto& member : object.GetObject()) {
       if (IsDone()) return;
-      const Where below{&where, ViewOf(member.name), index++};
+      const Where below{&where, ToView(member.name), index++};
       Member(schema, member, below);
       const Node* named = schema.property_names;
       if (named == nullptr || Satisfies(*named, member.name) || !Violated()) continue;
@@ -270,10 +270,10 @@ class Walk {
     std::vector<std::string> corrected;
     bool are_all = true;
     for (const Value& name : schema.required->GetArray()) {
-      const bool is_missing = FindMember(object, ViewOf(name)) == nullptr;
+      const bool is_missing = FindMember(object, ToView(name)) == nullptr;
       if (!is_missing) continue;
-      if (IsCorrected(schema, ViewOf(name))) {
-        corrected.emplace_back(ViewOf(name));
+      if (IsCorrected(schema, ToView(name))) {
+        corrected.emplace_back(ToView(name));
       } else {
         are_all = false;
       }
@@ -286,8 +286,8 @@ class Walk {
   void Missing(const Value& names, const Value& object, const Where& where, std::string_view how) {
     std::vector<std::string> missing;
     for (const Value& name : names.GetArray()) {
-      if (FindMember(object, ViewOf(name)) == nullptr && Violated()) {
-        missing.push_back(base::Printable(ViewOf(name)));
+      if (FindMember(object, ToView(name)) == nullptr && Violated()) {
+        missing.push_back(base::Printable(ToView(name)));
       }
     }
     if (missing.empty()) return;
@@ -308,7 +308,7 @@ class Walk {
   }
 
   void Member(const Node& schema, const Value::Member& member, const Where& where) {
-    const std::string_view name = ViewOf(member.name);
+    const std::string_view name = ToView(member.name);
     const Node* known = schema.FindProperty(name);
     bool matched = known != nullptr;
     if (known != nullptr) Check(*known, member.value, where);
@@ -326,7 +326,7 @@ class Walk {
   void Unknown(const Node& schema, std::string_view name, const Where& where) {
     std::vector<std::string_view> known;
     if (const Value* properties = FindMember(*schema.source, "properties")) {
-      for (const auto& property : properties->GetObject()) known.push_back(ViewOf(property.name));
+      for (const auto& property : properties->GetObject()) known.push_back(ToView(property.name));
     }
     const auto near = base::Nearest(name, known);
     Add(where, near ? fmt::format("is not known here; did you mean {}?", base::Printable(*near))
@@ -362,7 +362,7 @@ class Walk {
     const Value* names = FindMember(schema, "required");
     const bool alone = schema.IsObject() && schema.MemberCount() == 1;
     if (alone && names != nullptr && value.IsObject() && names->Size() == 1) {
-      return Add(where, fmt::format("must not have {}", base::Printable(ViewOf((*names)[0]))));
+      return Add(where, fmt::format("must not have {}", base::Printable(ToView((*names)[0]))));
     }
     if (const std::string type = TypePhrase(schema); alone && !type.empty()) {
       return Add(where, fmt::format("must not be {}", type));

@@ -31,7 +31,7 @@ std::vector<Parameter> ReadParameters(const Value& action) {
     if (value == nullptr) continue;
     std::string key(StringMember(item, "key"));
     if (value->IsString()) {
-      parameters.push_back({std::move(key), std::string(base::ViewOf(*value))});
+      parameters.push_back({std::move(key), std::string(base::ToView(*value))});
     } else if (value->IsNumber()) {
       parameters.push_back({std::move(key), value->GetDouble()});
     }

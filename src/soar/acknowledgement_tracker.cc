@@ -79,14 +79,14 @@ class MessageTracker : public message::ResponseTracker {
   }
 
   void UpdateMessage() {
-    progress_.message = levels_.empty() ? "nobody acknowledged it" : Told();
+    progress_.message = levels_.empty() ? "nobody acknowledged it" : FormatLevels();
     if (unreadable_ == 0) return;
     progress_.message += fmt::format("; {} message{} that name it cannot be read, the last one: {}",
                                      unreadable_, unreadable_ == 1 ? "" : "s", why_);
   }
 
   // `executed`; of several: `2 of 3 executed`.
-  [[nodiscard]] std::string Told() const {
+  [[nodiscard]] std::string FormatLevels() const {
     if (options_.count == 1) {
       const auto highest =
           std::max_element(levels_.begin(), levels_.end(),

@@ -44,9 +44,9 @@ Result<std::string> ParsePlanningConfiguration(std::string_view json,
     members.push_back({"planning_config_ID", std::string(planning_config_id)});
   }
   for (const auto& [name, value] : document->GetObject()) {
-    const std::string_view key = base::ViewOf(name);
+    const std::string_view key = base::ToView(name);
     if (key == "message_type") {
-      if (value.IsString() && base::ViewOf(value) == GetName(kType)) continue;
+      if (value.IsString() && base::ToView(value) == GetName(kType)) continue;
       return Fail(ErrorKind::kInvalid,
                   fmt::format("its message_type is {}, not {}",
                               base::Printable(base::ToJson(value).substr(0, 60)), GetName(kType)));

@@ -13,7 +13,7 @@ namespace {
 
 using base::FindMember;
 using base::StringMember;
-using base::ViewOf;
+using base::ToView;
 using rapidjson::SizeType;
 using Value = base::JsonValue;
 using Pair = std::pair<std::string_view, std::string_view>;
@@ -85,9 +85,9 @@ Result<Item> ReadWaypoint(const Value& value) {
   if (!value.IsObject()) return Refuse("it must be an object");
   Item item;
   for (const auto& [name, member] : value.GetObject()) {
-    const Field* field = FindField(WaypointFields(), ViewOf(name));
+    const Field* field = FindField(WaypointFields(), ToView(name));
     if (field == nullptr) {
-      item.push_back({std::string(ViewOf(name)), base::ToJson(member)});
+      item.push_back({std::string(ToView(name)), base::ToJson(member)});
       continue;
     }
     auto taken = TakeField(*field, member);

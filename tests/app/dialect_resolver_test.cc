@@ -20,7 +20,7 @@ config::Config WithTug(const std::string& key, const std::string& value) {
 
 TEST(DialectResolver, AssumesTheNewestVersionUntilTheRobotSaysItsOwn) {
   const config::Config config;
-  const auto resolver = DialectResolver::For({}, config);
+  const auto resolver = DialectResolver::Make({}, config);
   ASSERT_TRUE(resolver);
   const auto named = resolver->Resolve(kTug);
   ASSERT_TRUE(named);
@@ -31,7 +31,7 @@ TEST(DialectResolver, AssumesTheNewestVersionUntilTheRobotSaysItsOwn) {
 
 TEST(DialectResolver, SpeaksAsTheRobotsTableSays) {
   const config::Config config = WithTug("vda", "2.0.0");
-  const auto resolver = DialectResolver::For({}, config);
+  const auto resolver = DialectResolver::Make({}, config);
   ASSERT_TRUE(resolver);
   EXPECT_EQ(resolver->Resolve(kTug)->dialect->version, Version::k200);
   EXPECT_FALSE(resolver->Resolve(kTug)->automatic);
@@ -40,14 +40,14 @@ TEST(DialectResolver, SpeaksAsTheRobotsTableSays) {
 
 TEST(DialectResolver, PrefersWhatWasSaidToTheTable) {
   const config::Config config = WithTug("vda", "2.0.0");
-  const auto resolver = DialectResolver::For({.version = "2.1.0"}, config);
+  const auto resolver = DialectResolver::Make({.version = "2.1.0"}, config);
   ASSERT_TRUE(resolver);
   EXPECT_EQ(resolver->Resolve(kTug)->dialect->version, Version::k210);
 }
 
 TEST(DialectResolver, TakesTheMessagesVersionWhereNobodyStatesOne) {
   const config::Config config = WithTug("vda", "2.0.0");
-  auto resolver = DialectResolver::For({}, config);
+  auto resolver = DialectResolver::Make({}, config);
   ASSERT_TRUE(resolver);
   resolver->Assume(Version::k110);
   EXPECT_EQ(resolver->Resolve({"KIT", "0001"})->dialect->version, Version::k110);
@@ -57,7 +57,7 @@ TEST(DialectResolver, TakesTheMessagesVersionWhereNobodyStatesOne) {
 
 TEST(DialectResolver, KnowsEachShapeOfTopicsOnce) {
   const config::Config config = WithTug("interface", "own");
-  const auto resolver = DialectResolver::For({}, config);
+  const auto resolver = DialectResolver::Make({}, config);
   ASSERT_TRUE(resolver);
   const auto schemes = resolver->Schemes();
   ASSERT_TRUE(schemes);
@@ -66,9 +66,9 @@ TEST(DialectResolver, KnowsEachShapeOfTopicsOnce) {
 
 TEST(DialectResolver, RefusesWhatIsNoVersion) {
   const config::Config config;
-  EXPECT_FALSE(DialectResolver::For({.version = "4"}, config));
-  EXPECT_FALSE(DialectResolver::For({.actions_key = "action"}, config));
-  EXPECT_FALSE(DialectResolver::For({.header_serial = "\xFF"}, config));
+  EXPECT_FALSE(DialectResolver::Make({.version = "4"}, config));
+  EXPECT_FALSE(DialectResolver::Make({.actions_key = "action"}, config));
+  EXPECT_FALSE(DialectResolver::Make({.header_serial = "\xFF"}, config));
 }
 
 }  // namespace

@@ -149,7 +149,7 @@ class LookingUpTheRobotsOfABatch : public RunningBatches {
  protected:
   LookingUpTheRobotsOfABatch() {
     const config::Config& config = world_.config;
-    const auto resolver = DialectResolver::For({}, config).value();
+    const auto resolver = DialectResolver::Make({}, config).value();
     request_.defaults.address = [resolver](std::string_view word) {
       return resolver.Resolve(vda5050::ParseRobotAddress(word).value());
     };

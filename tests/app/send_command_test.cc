@@ -89,7 +89,7 @@ class SendingCommands : public ::testing::Test {
     const CommandRequest request{
         .targets = *std::move(targets),
         .resolver =
-            DialectResolver::For({.version = version_, .topic_template = template_}, world_.config)
+            DialectResolver::Make({.version = version_, .topic_template = template_}, world_.config)
                 .value(),
         .needs_consent = needs_consent_,
         .header_id = {},

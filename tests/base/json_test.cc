@@ -107,7 +107,7 @@ TEST(ParseJson, RefusesANulByteWhereverItStands) {
 TEST(ParseJson, KeepsAnEscapedNulInAText) {
   const auto document = ParseJson(R"("a\u0000b")");
   ASSERT_TRUE(document);
-  EXPECT_EQ(ViewOf(*document), std::string_view("a\0b", 3));
+  EXPECT_EQ(ToView(*document), std::string_view("a\0b", 3));
 }
 
 TEST(ParseJson, RefusesInvalidUtf8) {

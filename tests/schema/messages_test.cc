@@ -58,7 +58,7 @@ bool ConcernsVersion(const Value& change, std::string_view version) {
   const Value* versions = base::FindMember(change, "versions");
   if (versions == nullptr) return true;
   return std::any_of(versions->Begin(), versions->End(),
-                     [&](const Value& each) { return base::ViewOf(each) == version; });
+                     [&](const Value& each) { return base::ToView(each) == version; });
 }
 
 std::vector<std::string> Expected(const Value& change, std::string_view version) {

@@ -50,7 +50,7 @@ class BatchPrinter final : public app::BatchObserver {
                      ReportJson(report).replace(0, 1, ","));
   }
   [[nodiscard]] Status Flush() override { return output_.Flush(); }
-  [[nodiscard]] bool IsStopped() const override { return StopSignal::Noted().has_value(); }
+  [[nodiscard]] bool IsStopped() const override { return StopSignal::Received().has_value(); }
   [[nodiscard]] int stop_descriptor() const override { return stop_->descriptor(); }
 
   [[nodiscard]] ExitCode worst() const { return worst_; }
@@ -65,7 +65,7 @@ class BatchPrinter final : public app::BatchObserver {
 std::string DescribeStop(app::BatchStop reason, std::chrono::milliseconds reconnect) {
   switch (reason) {
     case app::BatchStop::kStopped:
-      return StopSignal::Noted() == ExitCode::kInterrupted ? "interrupted" : "terminated";
+      return StopSignal::Received() == ExitCode::kInterrupted ? "interrupted" : "terminated";
     case app::BatchStop::kUnread:
       return "nobody reads the results";
     case app::BatchStop::kFirstError:
@@ -80,7 +80,7 @@ std::string DescribeStop(app::BatchStop reason, std::chrono::milliseconds reconn
 
 Status ParseDefaults(const Options& options, const config::Config& config,
                      app::BatchRequest& request) {
-  auto resolver = app::DialectResolver::For(options.vda, config);
+  auto resolver = app::DialectResolver::Make(options.vda, config);
   if (!resolver) return Fail(std::move(resolver.error()));
   request.topics = resolver->common().topics;
   request.defaults.address = [&config, resolver = *std::move(resolver)](
@@ -135,7 +135,7 @@ Result<ExitCode> RunBatch(const Options& options, const Context& context) {
                      end->sent == 1 ? " was" : "s were", end->last_line + 1)});
   }
   ExitCode code = printer.worst();
-  if (const auto signal = StopSignal::Noted()) code = Worse(code, *signal);
+  if (const auto signal = StopSignal::Received()) code = Worse(code, *signal);
   return end->reason == app::BatchStop::kNoConnection ? Worse(code, ExitCode::kBroker) : code;
 }
 

@@ -76,7 +76,7 @@ std::vector<std::string> ListLimits(const mqtt::ServerInfo& server) {
 // What to subscribe to for each of kTopics. Errors: ErrorKind::kUsage.
 Result<std::vector<std::string>> MakeFilters(const app::VdaOptions& vda,
                                              const config::Config& config) {
-  const auto dialect = app::ParseDialect(app::Configured(vda, config));
+  const auto dialect = app::ParseDialect(app::WithConfig(vda, config));
   if (!dialect) return Fail(dialect.error());
   return vda5050::DiscoveryFilters(dialect->topics, {}, kTopics);
 }

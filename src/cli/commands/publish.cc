@@ -58,7 +58,7 @@ void DeclareUserMessage(OptionSet& set, UserMessageOptions& options) {
 }
 
 Result<ExitCode> Send(std::string_view topic, const TargetOptions& target_options,
-                      base::JsonDocument message, vda5050::HeaderMismatch foreign,
+                      base::JsonDocument message, vda5050::HeaderMismatch on_mismatch,
                       const UserMessageOptions& options, const Context& context) {
   WaitingOptions waiting_options = options.waiting;
   // An order may take hours: that the robot has it is what one usually waits for.
@@ -71,7 +71,7 @@ Result<ExitCode> Send(std::string_view topic, const TargetOptions& target_option
   if (!request) return Fail(std::move(request.error()));
   auto targets = app::ResolveTargets(*std::move(request), context.config, context.output);
   if (!targets) return Fail(std::move(targets.error()));
-  auto resolver = app::DialectResolver::For(options.vda, context.config);
+  auto resolver = app::DialectResolver::Make(options.vda, context.config);
   if (!resolver) return Fail(std::move(resolver.error()));
   if (const auto said = vda5050::VersionSaidBy(message)) resolver->Assume(said->version);
   const auto settings = ParseSendingOptions(options.sending);
@@ -86,14 +86,15 @@ Result<ExitCode> Send(std::string_view topic, const TargetOptions& target_option
     if (!possible) return Fail(possible.error());
   }
   const auto shared = std::make_shared<const base::JsonDocument>(std::move(message));
-  return SendToRobots({.targets = *std::move(targets),
-                       .resolver = *std::move(resolver),
-                       .title = std::string(topic),
-                       .needs_consent = app::NeedsConsent::kYes,
-                       .header_id = options.header_id,
-                       .make_message = [=] { return app::MakeUserMessage(topic, shared, foreign); },
-                       .waiting = *waiting},
-                      *settings, context);
+  return SendToRobots(
+      {.targets = *std::move(targets),
+       .resolver = *std::move(resolver),
+       .title = std::string(topic),
+       .needs_consent = app::NeedsConsent::kYes,
+       .header_id = options.header_id,
+       .make_message = [=] { return app::MakeUserMessage(topic, shared, on_mismatch); },
+       .waiting = *waiting},
+      *settings, context);
 }
 
 Result<base::JsonDocument> ReadMessage(const std::string& file) {
@@ -124,9 +125,9 @@ Result<ExitCode> RunPublish(const PublishOptions& options, const Context& contex
   }
   auto message = ReadMessage(options.file);
   if (!message) return Fail(std::move(message.error()));
-  const auto foreign =
+  const auto on_mismatch =
       options.restamp ? vda5050::HeaderMismatch::kReplace : vda5050::HeaderMismatch::kRefuse;
-  return Send(options.topic, options.targets, std::move(*message), foreign, options, context);
+  return Send(options.topic, options.targets, std::move(*message), on_mismatch, options, context);
 }
 
 Result<ExitCode> RunRespond(const RespondOptions& options, const Context& context) {

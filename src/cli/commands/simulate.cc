@@ -88,8 +88,8 @@ void AddTypes(const std::vector<std::string>& words, Version version,
 // As this robot, or each of them, is configured; never `auto`, which is for robots that are there.
 app::VdaOptions SpokenBy(const std::vector<RobotAddress>& robots, const Options& o,
                          const config::Config& config) {
-  app::VdaOptions vda = robots.size() == 1 ? app::Configured(o.vda, config, robots.front())
-                                           : app::Configured(o.vda, config);
+  app::VdaOptions vda = robots.size() == 1 ? app::WithConfig(o.vda, config, robots.front())
+                                           : app::WithConfig(o.vda, config);
   if (vda.IsAutomatic()) vda.version.clear();
   return vda;
 }

@@ -56,7 +56,7 @@ class Printer final : public app::LiveObserver {
   void Found(const mqtt::Message& message, const ValidationResult& result) override {
     for (const auto& violation : result.findings.errors) Show(message, result, violation);
     for (const auto& [path, words] : result.findings.warnings) {
-      output_.Warn(fmt::format("{}: {}{}{}", PlaceOf(message, result), base::Printable(path),
+      output_.Warn(fmt::format("{}: {}{}{}", FormatPlace(message, result), base::Printable(path),
                                path.empty() ? "" : ": ", words));
     }
     has_violations_ = has_violations_ || !result.findings.errors.empty();
@@ -64,13 +64,13 @@ class Printer final : public app::LiveObserver {
 
   Result<bool> GoesOn() override {
     if (auto flushed = output_.Flush(); !flushed) return Fail(std::move(flushed.error()));
-    return !StopSignal::Noted();
+    return !StopSignal::Received();
   }
 
   [[nodiscard]] bool has_violations() const { return has_violations_; }
 
  private:
-  static std::string PlaceOf(const mqtt::Message& message, const ValidationResult& result) {
+  static std::string FormatPlace(const mqtt::Message& message, const ValidationResult& result) {
     return fmt::format("{} {}{}{}", base::Printable(result.robot.ToString()), result.topic_name,
                        result.header_id ? fmt::format(" headerId {}", *result.header_id) : "",
                        message.retained ? " (retained)" : "");
@@ -80,7 +80,7 @@ class Printer final : public app::LiveObserver {
             const schema::Violation& violation) const {
     if (!output_.json()) {
       const std::string path = base::Printable(violation.path);
-      return output_.Line(fmt::format("{}: {}{}{}", PlaceOf(message, result), path,
+      return output_.Line(fmt::format("{}: {}{}{}", FormatPlace(message, result), path,
                                       path.empty() ? "" : ": ", violation.message));
     }
     output_.Line(fmt::format(

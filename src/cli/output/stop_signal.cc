@@ -49,7 +49,7 @@ StopSignal::~StopSignal() {
   close(g_writer.exchange(-1));
 }
 
-std::optional<ExitCode> StopSignal::Noted() {
+std::optional<ExitCode> StopSignal::Received() {
   if (g_signal == 0) return std::nullopt;
   return g_signal == SIGINT ? ExitCode::kInterrupted : ExitCode::kTerminated;
 }

@@ -18,7 +18,7 @@ class StopSignal {
   ~StopSignal();
 
   /// kInterrupted or kTerminated once there was one.
-  [[nodiscard]] static std::optional<ExitCode> Noted();
+  [[nodiscard]] static std::optional<ExitCode> Received();
   /// Readable from the first one on.
   [[nodiscard]] int descriptor() const { return reader_; }
 

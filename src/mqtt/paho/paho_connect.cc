@@ -261,7 +261,7 @@ Attempted Attempt(const BrokerUrl& broker, const ConnectOptions& options,
 
   const std::lock_guard lock(PahoMutex());
   PahoConnection connection;
-  connection.tls = std::make_unique<TlsWatch>(options.tls.NameOf(broker),
+  connection.tls = std::make_unique<TlsWatch>(options.tls.FindServerName(broker),
                                               broker.UsesTls() && options.tls.verify);
   connection.server.broker = broker;
   connection.server.version = options.version;

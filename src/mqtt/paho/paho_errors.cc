@@ -238,7 +238,7 @@ std::string Cause(const BrokerUrl& broker, const ConnectOptions& options,
         "it sent {}: is it a sound MQTT broker, and does it speak this version of MQTT (-V)?",
         facts.fault);
   }
-  if (facts.verify_code != 0) return VerifyCause(facts, options.tls.NameOf(broker));
+  if (facts.verify_code != 0) return VerifyCause(facts, options.tls.FindServerName(broker));
   if (!facts.http_status.empty()) {
     return fmt::format("it refuses the WebSocket (HTTP status {}): check the path in the URL",
                        base::Printable(facts.http_status));

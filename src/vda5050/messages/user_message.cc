@@ -70,7 +70,7 @@ Status CheckHeader(const Value& message, const OwnHeader& own, const RobotAddres
        {"serialNumber", own.serial_number}}};
   for (const auto& [name, expected] : fields) {
     const Value* said = FindMember(message, name);
-    if (said == nullptr || (said->IsString() && base::ViewOf(*said) == expected)) continue;
+    if (said == nullptr || (said->IsString() && base::ToView(*said) == expected)) continue;
     if (name == "version" && spoken && spoken->version == version) continue;
     return Fail(ErrorKind::kInvalid,
                 fmt::format("{}: the message's {} is {}, and not \"{}\": is it meant for another "
@@ -93,7 +93,7 @@ void WarnOfVersion(const Value& message, const Dialect& dialect,
   const auto spoken = VersionSaidBy(message);
   if (spoken && spoken->is_release) return;  // ours, or to be replaced
   const std::string text =
-      said->IsString() ? std::string(base::ViewOf(*said)) : base::ToJson(*said);
+      said->IsString() ? std::string(base::ToView(*said)) : base::ToJson(*said);
   if (text == dialect.header_version) return;
   warnings.push_back("the message's version " + NoReleaseText(text, dialect.version) +
                      "; --vda states another");
@@ -116,7 +116,7 @@ std::string CopyRest(const Value& message, const OwnHeader& own) {
       fmt::format(R"(","version":{},"manufacturer":{},"serialNumber":{})", JsonString(own.version),
                   JsonString(own.manufacturer), JsonString(own.serial_number));
   for (const auto& member : message.GetObject()) {
-    const std::string_view name = base::ViewOf(member.name);
+    const std::string_view name = base::ToView(member.name);
     if (IsHeader(name)) continue;
     rest += fmt::format(",{}:{}", JsonString(name), base::ToJson(member.value));
   }
@@ -163,7 +163,7 @@ std::optional<SpokenVersion> VersionSaidBy(const Value& message) {
 
 Result<message::Command> BuildUserMessage(const RobotAddress& robot, const Dialect& dialect,
                                           std::string_view topic, const Value& message,
-                                          HeaderMismatch foreign,
+                                          HeaderMismatch on_mismatch,
                                           std::optional<std::uint32_t> header_id) {
   const VersionFacts& facts = GetFacts(dialect.version);
   const Version since = SinceWhen(topic);
@@ -173,7 +173,7 @@ Result<message::Command> BuildUserMessage(const RobotAddress& robot, const Diale
   }
   if (!message.IsObject()) return Fail(ErrorKind::kInvalid, "the message must be a JSON object");
   const OwnHeader own = HeaderFor(robot, dialect, message);
-  if (foreign == HeaderMismatch::kRefuse) {
+  if (on_mismatch == HeaderMismatch::kRefuse) {
     if (auto ok = CheckHeader(message, own, robot, dialect.version); !ok) return Fail(ok.error());
   }
   const std::string_view key = base::NonEmptyOr(dialect.actions_key, facts.actions_key);

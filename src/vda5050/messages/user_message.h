@@ -35,7 +35,7 @@ enum class HeaderMismatch {
 /// that is no release, and of none that had to be assumed.
 [[nodiscard]] Result<message::Command> BuildUserMessage(
     const RobotAddress& robot, const Dialect& dialect, std::string_view topic,
-    const base::JsonValue& message, HeaderMismatch foreign,
+    const base::JsonValue& message, HeaderMismatch on_mismatch,
     std::optional<std::uint32_t> header_id = std::nullopt);
 
 /// The actions of an instantActions message, for CheckRobot: types, ids, parameters.

@@ -33,7 +33,7 @@ constexpr std::array kOperators = {
     Operator{">", Comparison::kMore},
 };
 
-std::string_view SignOf(Comparison comparison) {
+std::string_view FormatComparison(Comparison comparison) {
   if (comparison == Comparison::kEqual) return "=";
   return std::find_if(kOperators.begin(), kOperators.end(),
                       [comparison](const Operator& each) { return each.comparison == comparison; })
@@ -101,12 +101,12 @@ void AddMembers(std::string_view rules, Members& members) {
   const Value* properties = schema ? base::FindMember(*schema, "properties") : nullptr;
   if (properties == nullptr || !properties->IsObject()) return;
   for (const auto& [name, property] : properties->GetObject()) {
-    auto& values = members[std::string(base::ViewOf(name))];
+    auto& values = members[std::string(base::ToView(name))];
     if (base::StringMember(property, "type") == "boolean") values.insert({"true", "false"});
     const Value* choices = base::FindMember(property, "enum");
     if (choices == nullptr) continue;
     for (const Value& choice : choices->GetArray()) {
-      if (choice.IsString()) values.emplace(base::ViewOf(choice));
+      if (choice.IsString()) values.emplace(base::ToView(choice));
     }
   }
 }
@@ -168,11 +168,11 @@ std::string (*NormalForm(std::string_view path))(std::string_view) {
 bool Equals(const Condition& condition, const Value& member) {
   if (!member.IsString()) return condition.value && member == *condition.value;
   const bool quoted = condition.value && condition.value->IsString();
-  const std::string_view wanted = quoted ? base::ViewOf(*condition.value) : condition.wanted;
+  const std::string_view wanted = quoted ? base::ToView(*condition.value) : condition.wanted;
   if (auto* const normal_form = NormalForm(condition.path)) {
-    return normal_form(base::ViewOf(member)) == normal_form(wanted);
+    return normal_form(base::ToView(member)) == normal_form(wanted);
   }
-  return base::ViewOf(member) == wanted;
+  return base::ToView(member) == wanted;
 }
 
 // A whole number of more than 64 bits: neither equal nor unequal to anything but a text.
@@ -247,7 +247,7 @@ Result<std::string> CheckCondition(const Condition& condition, std::string_view 
         ErrorKind::kUsage,
         fmt::format("condition '{}': {} {}: did you mean {}{}{}? '/{}' is taken as it stands",
                     base::Printable(ToString(condition)), topic_name, what, nearest_path,
-                    SignOf(condition.comparison), base::Printable(nearest_value),
+                    FormatComparison(condition.comparison), base::Printable(nearest_value),
                     base::Printable(ToString(condition))));
   };
   std::set<std::string_view> names;
@@ -269,7 +269,7 @@ Result<std::string> CheckCondition(const Condition& condition, std::string_view 
   const std::set<std::string>& values = member->second;
   auto* const normal_form = NormalForm(path);
   const std::string wanted = condition.value && condition.value->IsString()
-                                 ? std::string(base::ViewOf(*condition.value))
+                                 ? std::string(base::ToView(*condition.value))
                                  : condition.wanted;
   if (values.contains(normal_form == nullptr ? wanted : normal_form(wanted))) return "";
   const auto nearest = NearestIn(wanted, values);
@@ -278,7 +278,7 @@ Result<std::string> CheckCondition(const Condition& condition, std::string_view 
 }
 
 std::string ToString(const Condition& condition) {
-  return condition.path + std::string(SignOf(condition.comparison)) + condition.wanted;
+  return condition.path + std::string(FormatComparison(condition.comparison)) + condition.wanted;
 }
 
 std::optional<std::string> Unmet(const Condition& condition, const Value& message) {

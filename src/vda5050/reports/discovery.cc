@@ -50,7 +50,7 @@ std::string Replaced(std::string text, std::string_view what, std::string_view b
 }
 
 // The template with what the user states in place.
-std::string TemplateOf(const TopicScheme& scheme) {
+std::string MakeTemplate(const TopicScheme& scheme) {
   if (scheme.interface_name.empty()) return scheme.topic_template;
   return Replaced(scheme.topic_template, "{interface}", scheme.interface_name);
 }
@@ -77,8 +77,8 @@ void TakeOver(std::string& field, std::string_view theirs, std::string_view expe
   if (field.empty() && !theirs.empty() && theirs != expected) field = theirs;
 }
 
-Dialect DialectOf(const Dialect& base, const TopicLevels& levels, const MessageHeader& header,
-                  const SpokenVersion& spoken) {
+Dialect MakeDialect(const Dialect& base, const TopicLevels& levels, const MessageHeader& header,
+                    const SpokenVersion& spoken) {
   Dialect dialect = base;
   const Version version = spoken.version;
   const VersionFacts& facts = GetFacts(version);
@@ -97,7 +97,7 @@ Dialect DialectOf(const Dialect& base, const TopicLevels& levels, const MessageH
   return dialect;
 }
 
-int RankOf(const Discovered& found) {
+int RankConnection(const Discovered& found) {
   if (found.topic_name != "connection") return 0;
   if (found.message.connection_state == "ONLINE") return 3;
   return found.message.connection_state == "HIBERNATING" ? 2 : 1;
@@ -182,7 +182,7 @@ Result<std::vector<std::string>> TopicsAnywhere(const TopicScheme& scheme,
 std::optional<TopicLevels> ReadTopic(const TopicScheme& scheme, std::string_view topic,
                                      std::string_view manufacturer) {
   if (!scheme.Names("{topic}")) return std::nullopt;  // what comes there is our own
-  const auto patterns = base::Split(TemplateOf(scheme), '/');
+  const auto patterns = base::Split(MakeTemplate(scheme), '/');
   const auto levels = base::Split(topic, '/');
   if (patterns.size() != levels.size()) return std::nullopt;
   Values values;
@@ -216,14 +216,14 @@ std::optional<Discovered> DialectFrom(const Dialect& base, std::string_view topi
                    .place = levels->Place(),
                    .message = std::move(message)};
   if (const auto version = VersionSpoken(found.message.header.version, levels->major)) {
-    found.dialect = DialectOf(base, *levels, found.message.header, *version);
+    found.dialect = MakeDialect(base, *levels, found.message.header, *version);
   }
   return found;
 }
 
-Standing StandingOf(const Discovered& found) {
-  return {.rank = RankOf(found),
-          .time = TimeOf(found.message.header),
+Standing ToStanding(const Discovered& found) {
+  return {.rank = RankConnection(found),
+          .time = ReadTime(found.message.header),
           .version = found.dialect ? std::optional(found.dialect->version) : std::nullopt};
 }
 
@@ -231,7 +231,7 @@ std::vector<Discovered> OnePerRobot(std::vector<Discovered> found) {
   std::map<std::string, Discovered> best;
   for (Discovered& one : found) {
     const auto [it, is_new] = best.try_emplace(one.robot.ToString(), one);
-    if (!is_new && StandingOf(it->second) < StandingOf(one)) it->second = std::move(one);
+    if (!is_new && ToStanding(it->second) < ToStanding(one)) it->second = std::move(one);
   }
   std::vector<Discovered> robots;
   robots.reserve(best.size());

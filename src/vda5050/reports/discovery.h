@@ -109,7 +109,7 @@ struct Standing {
   friend auto operator<=>(const Standing&, const Standing&) = default;
 };
 
-[[nodiscard]] Standing StandingOf(const Discovered& found);
+[[nodiscard]] Standing ToStanding(const Discovered& found);
 
 /// One entry per robot, in order of address: the one of the greatest standing.
 [[nodiscard]] std::vector<Discovered> OnePerRobot(std::vector<Discovered> found);

@@ -15,7 +15,7 @@ constexpr std::array<std::string_view, 2> kTopics = {"state", "connection"};
 
 constexpr std::size_t kMostFaults = 1'000;  // of robots that nothing else is known of
 
-int WeightOf(std::string_view level) {
+int WeighLevel(std::string_view level) {
   constexpr std::array<std::string_view, 4> kLevels = {"WARNING", "URGENT", "CRITICAL", "FATAL"};
   const auto* const found = std::find(kLevels.begin(), kLevels.end(), level);
   return found == kLevels.end() ? -1 : static_cast<int>(found - kLevels.begin());
@@ -55,7 +55,7 @@ RobotState Slimmed(RobotState state) {
   return state;
 }
 
-std::size_t SizeOf(const RobotState& state) {
+std::size_t CountBytes(const RobotState& state) {
   std::size_t size = state.operating_mode.size() + state.order_id.size();
   for (const RobotError& error : state.errors) {
     size += sizeof error + error.type.size() + error.level.size() + error.description.size();
@@ -228,11 +228,11 @@ void FleetView::DropState(Entry& entry) {
 
 void FleetView::Keep(Entry& entry, RobotState state) {
   DropState(entry);
-  entry.kept = SizeOf(state);
+  entry.kept = CountBytes(state);
   entry.is_abridged = entry.kept > kShort && kept_ + entry.kept > kMostKept;
   if (entry.is_abridged) {
     entry.view.errors_left_out = Abridge(state);
-    entry.kept = SizeOf(state);
+    entry.kept = CountBytes(state);
     ++abridged_;
   }
   kept_ += entry.kept;
@@ -259,7 +259,7 @@ std::vector<const RobotView*> FleetView::robots() const {
 const RobotError* WorstError(const std::vector<RobotError>& errors) {
   const auto worst =
       std::max_element(errors.begin(), errors.end(), [](const RobotError& a, const RobotError& b) {
-        return WeightOf(a.level) < WeightOf(b.level);
+        return WeighLevel(a.level) < WeighLevel(b.level);
       });
   return worst == errors.end() ? nullptr : &*worst;
 }

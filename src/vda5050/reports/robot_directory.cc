@@ -40,7 +40,7 @@ std::string_view FirstLevel(std::string_view path) {
 
 }  // namespace
 
-std::string_view TopicOf(const Condition& condition) {
+std::string_view FindTopicName(const Condition& condition) {
   // Which every message has stand in the one that is always there.
   constexpr std::array<std::string_view, 4> kConnection = {"connectionState", "version",
                                                            "manufacturer", "serialNumber"};
@@ -172,7 +172,7 @@ void RobotDirectory::TakeState(RobotPlace& place, const Dialect& base, std::stri
   if (!message || !is_live) return;
   place.state_heard = true;
   place.operating_mode = NormalisedMode(base::StringMember(*message, "operatingMode"));
-  Judge(place, "state", *message);
+  TestConditions(place, "state", *message);
 }
 
 // Of what cannot be read the topic still tells something.
@@ -187,7 +187,7 @@ bool RobotDirectory::TakeOther(RobotPlace& place, const Dialect& base, std::stri
     place.factsheet = message ? Share(ReadFactsheet(*message)) : nullptr;
     place.factsheet_fault = fault;
   }
-  if (message) Judge(place, found->topic_name, *message);
+  if (message) TestConditions(place, found->topic_name, *message);
   if (found->topic_name == "connection" || !place.connection) {
     TakeDialect(place, *std::move(found));
   }
@@ -196,7 +196,7 @@ bool RobotDirectory::TakeOther(RobotPlace& place, const Dialect& base, std::stri
 
 void RobotDirectory::TakeDialect(RobotPlace& place, Discovered found) {
   const bool is_live = place.standing.is_live;
-  place.standing = StandingOf(found);
+  place.standing = ToStanding(found);
   place.standing.is_live = is_live;
   place.own = found.dialect ? Share(*std::move(found.dialect)) : nullptr;
   place.topic = std::move(found.topic);
@@ -204,11 +204,11 @@ void RobotDirectory::TakeDialect(RobotPlace& place, Discovered found) {
   if (found.topic_name == "connection") place.connection = std::move(found.message);
 }
 
-void RobotDirectory::Judge(RobotPlace& place, std::string_view topic_name,
-                           const base::JsonValue& message) {
+void RobotDirectory::TestConditions(RobotPlace& place, std::string_view topic_name,
+                                    const base::JsonValue& message) {
   place.unmet.resize(conditions_.size());
   for (std::size_t i = 0; i < conditions_.size(); ++i) {
-    if (TopicOf(conditions_[i]) != topic_name) continue;
+    if (FindTopicName(conditions_[i]) != topic_name) continue;
     place.unmet[i] = Unmet(conditions_[i], message).value_or("");
   }
 }

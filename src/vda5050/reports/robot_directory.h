@@ -23,7 +23,7 @@
 namespace fleetpub::vda5050 {
 
 /// The topic on which a condition's member is looked for: `connection`, `factsheet`, else `state`.
-[[nodiscard]] std::string_view TopicOf(const Condition& condition);
+[[nodiscard]] std::string_view FindTopicName(const Condition& condition);
 
 /// What is known of one robot at one place (TopicLevels::Place).
 struct RobotPlace {
@@ -105,7 +105,8 @@ class RobotDirectory {
   bool TakeOther(RobotPlace& place, const Dialect& base, std::string_view topic,
                  const Result<base::JsonDocument>& message);
   void TakeDialect(RobotPlace& place, Discovered found);
-  void Judge(RobotPlace& place, std::string_view topic_name, const base::JsonValue& message);
+  void TestConditions(RobotPlace& place, std::string_view topic_name,
+                      const base::JsonValue& message);
   std::shared_ptr<const Dialect> Share(Dialect dialect);
   std::shared_ptr<const Factsheet> Share(Factsheet factsheet);
 

@@ -13,7 +13,7 @@ namespace fleetpub::vda5050 {
 namespace {
 
 // `order.action.actionId` and `action_id` both end in `actionid`.
-std::string LettersOf(std::string_view key) {
+std::string KeepLetters(std::string_view key) {
   std::string letters = base::ToLower(key);
   letters.erase(std::remove_if(letters.begin(), letters.end(),
                                [](char c) { return c == '_' || c == '-' || c == '.' || c == ' '; }),
@@ -58,8 +58,8 @@ bool IsTopic(std::string_view written, std::string_view topic) {
          base::EqualsIgnoringCase(name, std::string(topic) + "s");
 }
 
-void Note(const ErrorReference& reference, const SentItem& item, Named& named) {
-  const std::string letters = LettersOf(reference.key);
+void AddReference(const ErrorReference& reference, const SentItem& item, Named& named) {
+  const std::string letters = KeepLetters(reference.key);
   const std::string own_key = base::ToLower(item.id_key);
   if (letters.ends_with("id")) named.something = true;
   if (reference.value == item.id &&
@@ -89,13 +89,13 @@ void Note(const ErrorReference& reference, const SentItem& item, Named& named) {
 
 // `validationError`, `VALIDATION_FAILURE`, `InvalidHeader`: about a message as a whole.
 bool IsAboutAMessage(std::string_view type) {
-  const std::string letters = LettersOf(type);
+  const std::string letters = KeepLetters(type);
   return letters.find("validation") != std::string::npos ||
          letters.find("header") != std::string::npos;
 }
 
 // The same for the same error in a later state.
-std::size_t FingerprintOf(const RobotError& error) {
+std::size_t ComputeFingerprint(const RobotError& error) {
   std::string text = error.type + '\n' + error.description;
   for (const ErrorReference& reference : error.references) {
     text += '\n' + reference.key + '=' + reference.value;
@@ -116,9 +116,9 @@ void AddNew(std::vector<std::string>& texts, std::string text) {
 
 }  // namespace
 
-Attribution AttributionOf(const RobotError& error, const SentItem& item) {
+Attribution Attribute(const RobotError& error, const SentItem& item) {
   Named named;
-  for (const ErrorReference& reference : error.references) Note(reference, item, named);
+  for (const ErrorReference& reference : error.references) AddReference(reference, item, named);
   const bool another_update = named.another_update && !named.our_update;
   if (named.our_item && !another_update) return Attribution::kItem;
   const bool another = named.another_item || another_update;
@@ -128,11 +128,11 @@ Attribution AttributionOf(const RobotError& error, const SentItem& item) {
   return named.something ? Attribution::kOther : Attribution::kUnnamed;
 }
 
-bool IsNoOrder(const RobotError& error) { return LettersOf(error.type) == "noordertocancel"; }
+bool IsNoOrder(const RobotError& error) { return KeepLetters(error.type) == "noordertocancel"; }
 
 bool IsInstantActionListFull(const std::vector<RobotError>& errors) {
   return std::any_of(errors.begin(), errors.end(), [](const RobotError& error) {
-    return LettersOf(error.type) == "instantactionstatesfull";
+    return KeepLetters(error.type) == "instantactionstatesfull";
   });
 }
 
@@ -143,7 +143,7 @@ std::optional<std::uint32_t> HighestHeaderId(const std::vector<RobotError>& erro
     std::optional<std::uint32_t> id;
     bool is_of_topic = false;
     for (const auto& [key, value] : error.references) {
-      const std::string letters = LettersOf(key);
+      const std::string letters = KeepLetters(key);
       is_of_topic = is_of_topic || (letters.ends_with("topic") && IsTopic(value, topic));
       std::uint32_t number = 0;
       const auto [end, wrong] = std::from_chars(value.data(), value.data() + value.size(), number);
@@ -155,7 +155,7 @@ std::optional<std::uint32_t> HighestHeaderId(const std::vector<RobotError>& erro
   return highest;
 }
 
-std::string Told(const RobotError& error) {
+std::string FormatError(const RobotError& error) {
   constexpr std::size_t kType = 60;
   std::string told = error.type.empty() ? "error" : Shown(error.type, kType);
   if (!error.description.empty()) told += ": " + Shown(error.description);
@@ -165,27 +165,29 @@ std::string Told(const RobotError& error) {
 
 void RelatedErrors::Remember(const std::vector<RobotError>& errors, bool retained) {
   knows_before_ = knows_before_ || !retained;
-  for (const RobotError& error : errors) old_.push_back(FingerprintOf(error));
+  for (const RobotError& error : errors) old_.push_back(ComputeFingerprint(error));
 }
 
-Attribution RelatedErrors::Note(const std::vector<RobotError>& errors, const SentItem& item) {
+Attribution RelatedErrors::Add(const std::vector<RobotError>& errors, const SentItem& item) {
   id_is_fresh_ = item.topic == "instantActions";
   auto nearest = Attribution::kOther;
   for (const RobotError& error : errors) {
-    const Attribution attribution = AttributionOf(error, item);
-    const bool is_old = std::find(old_.begin(), old_.end(), FingerprintOf(error)) != old_.end();
+    const Attribution attribution = Attribute(error, item);
+    const bool is_old =
+        std::find(old_.begin(), old_.end(), ComputeFingerprint(error)) != old_.end();
     if (is_old || attribution == Attribution::kOther) continue;
     nearest = std::max(nearest, attribution);
     say_no_order_ = say_no_order_ || IsNoOrder(error);
     constexpr std::size_t kEnough = 10;
-    if (IsSevere(error) && told_.size() < kEnough && told_.insert(FingerprintOf(error)).second) {
+    if (IsSevere(error) && told_.size() < kEnough &&
+        told_.insert(ComputeFingerprint(error)).second) {
       severe_.push_back((attribution == Attribution::kUnnamed ? "possibly related: " : "") +
-                        fmt::format("{} ({})", Told(error), Shown(error.level)));
+                        fmt::format("{} ({})", FormatError(error), Shown(error.level)));
     }
     AddNew(attribution >= Attribution::kPart       ? item_
            : attribution == Attribution::kHeaderId ? header_id_
                                                    : unnamed_,
-           Told(error));
+           FormatError(error));
   }
   return nearest;
 }

@@ -39,7 +39,7 @@ struct SentItem {
 /// A short id (`1`) is no match under a key that names another thing (`headerId`). What an error
 /// names beside our order, such as the order and the update that the robot has, does not make it
 /// another's.
-[[nodiscard]] Attribution AttributionOf(const RobotError& error, const SentItem& item);
+[[nodiscard]] Attribution Attribute(const RobotError& error, const SentItem& item);
 
 /// Whether it says that there is no order to cancel, by its type.
 [[nodiscard]] bool IsNoOrder(const RobotError& error);
@@ -53,7 +53,7 @@ struct SentItem {
                                                            std::string_view topic);
 
 /// `noOrderToCancel: there is no order; hint: send one`, printable and short.
-[[nodiscard]] std::string Told(const RobotError& error);
+[[nodiscard]] std::string FormatError(const RobotError& error);
 
 /// The errors that came with, and after, what was sent and are, or may be, about it.
 class RelatedErrors {
@@ -62,7 +62,7 @@ class RelatedErrors {
   void Remember(const std::vector<RobotError>& errors, bool retained);
 
   /// Of the new errors of one state, the nearest to being ours.
-  [[nodiscard]] Attribution Note(const std::vector<RobotError>& errors, const SentItem& item);
+  [[nodiscard]] Attribution Add(const std::vector<RobotError>& errors, const SentItem& item);
 
   /// Whether one of them names what was sent, be it by its header id.
   [[nodiscard]] bool AreOurs() const { return !item_.empty() || !header_id_.empty(); }

@@ -38,14 +38,14 @@ const Value* Member(const Value& object, std::initializer_list<std::string_view>
 }
 
 // A text, or what a robot wrote in place of one: an id as a number.
-std::string TextOf(const Value& value) {
-  if (value.IsString()) return std::string(base::ViewOf(value));
+std::string ReadText(const Value& value) {
+  if (value.IsString()) return std::string(base::ToView(value));
   return value.IsNumber() || value.IsBool() ? base::ToJson(value) : std::string();
 }
 
 std::string Text(const Value& object, std::initializer_list<std::string_view> names) {
   const Value* member = Member(object, names);
-  return member == nullptr ? std::string() : TextOf(*member);
+  return member == nullptr ? std::string() : ReadText(*member);
 }
 
 std::optional<double> Number(const Value& object, std::initializer_list<std::string_view> names) {
@@ -53,7 +53,7 @@ std::optional<double> Number(const Value& object, std::initializer_list<std::str
   if (member == nullptr) return std::nullopt;
   if (member->IsNumber()) return member->GetDouble();
   if (!member->IsString()) return std::nullopt;
-  const std::string_view text = base::ViewOf(*member);
+  const std::string_view text = base::ToView(*member);
   double number = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
   const bool is_number = error == std::errc() && end == text.data() + text.size();
@@ -64,7 +64,7 @@ std::optional<bool> Truth(const Value& object, std::initializer_list<std::string
   const Value* member = Member(object, names);
   if (member == nullptr) return std::nullopt;
   if (member->IsBool()) return member->GetBool();
-  const std::string text = TextOf(*member);
+  const std::string text = ReadText(*member);
   if (base::EqualsIgnoringCase(text, "true")) return true;
   if (base::EqualsIgnoringCase(text, "false")) return false;
   return std::nullopt;
@@ -169,12 +169,12 @@ FactsheetParameter ReadParameter(const Value& entry) {
           .is_optional = Truth(entry, {"isOptional"})};
 }
 
-std::string ReadUpperCase(const Value& entry) { return ToUpper(TextOf(entry)); }
+std::string ReadUpperCase(const Value& entry) { return ToUpper(ReadText(entry)); }
 
 // A list of names; some write them in one text: `NODE, INSTANT`.
 std::vector<std::string> Names(const Value* value) {
   if (value == nullptr || !value->IsString()) return List(value, ReadUpperCase);
-  std::string text = ToUpper(base::ViewOf(*value));
+  std::string text = ToUpper(base::ToView(*value));
   std::replace_if(
       text.begin(), text.end(), [](char c) { return !(c >= 'A' && c <= 'Z') && c != '_'; }, ' ');
   auto names = base::Split(text, ' ');
@@ -223,7 +223,7 @@ bool IsOfType(const ActionState& entry, std::string_view type) {
 
 // How far an entry has come: of two for one action, the one that says more. Of a contradiction, the
 // one that is no false success.
-int RankOf(std::string_view status) {
+int RankStatus(std::string_view status) {
   constexpr std::array<std::string_view, 7> kOrder = {
       "WAITING", "INITIALIZING", "PAUSED", "RUNNING", "RETRIABLE", "FINISHED", "FAILED"};
   const auto* const found = std::find(kOrder.begin(), kOrder.end(), status);
@@ -257,7 +257,7 @@ MessageHeader ReadHeader(const Value& message) {
           .serial_number = Text(message, {"serialNumber"})};
 }
 
-std::optional<base::WallTime> TimeOf(const MessageHeader& header) {
+std::optional<base::WallTime> ReadTime(const MessageHeader& header) {
   std::string text = header.timestamp;
   std::int64_t number = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
@@ -278,8 +278,8 @@ std::optional<base::WallTime> TimeOf(const MessageHeader& header) {
 }
 
 bool IsBefore(const MessageHeader& a, const MessageHeader& b) {
-  const auto time_a = TimeOf(a);
-  const auto time_b = TimeOf(b);
+  const auto time_a = ReadTime(a);
+  const auto time_b = ReadTime(b);
   if (!a.count || !b.count || !time_a || !time_b) return false;
   return *a.count <= *b.count && *time_a <= *time_b && (*a.count < *b.count || *time_a < *time_b);
 }
@@ -379,7 +379,7 @@ const ActionState* FindActionState(const RobotState& state, std::string_view id,
   for (const auto* list : {&state.instant_action_states, &state.action_states}) {
     for (const ActionState& entry : *list) {
       if (entry.id != id || !IsOfType(entry, type)) continue;
-      if (found == nullptr || RankOf(entry.status) > RankOf(found->status)) found = &entry;
+      if (found == nullptr || RankStatus(entry.status) > RankStatus(found->status)) found = &entry;
     }
   }
   return found;

@@ -163,7 +163,7 @@ struct Factsheet {
 /// When a robot says that it made a message: date-time, also without a zone (UTC, then), with a
 /// blank for the T, with an offset without colon, and a number of milliseconds. Robots are not held
 /// to agree with our clock.
-[[nodiscard]] std::optional<base::WallTime> TimeOf(const MessageHeader& header);
+[[nodiscard]] std::optional<base::WallTime> ReadTime(const MessageHeader& header);
 
 /// Whether one message of a topic was made before another. Only when header id and timestamp say so
 /// together: a falling id alone is a robot that was restarted, a falling time alone its clock. One

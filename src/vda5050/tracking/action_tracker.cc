@@ -180,7 +180,7 @@ void ActionTracker::OnState(const RobotState& state) {
   last_timestamp_ = state.header.timestamp;
   if (!state.operating_mode.empty()) mode_ = state.operating_mode;
   if (first_mode_.empty()) first_mode_ = mode_;
-  const auto nearest = errors_.Note(
+  const auto nearest = errors_.Add(
       state.errors,
       {.topic = "instantActions", .id_key = "actionId", .id = id_, .header_ids = header_ids_});
   if (const ActionState* entry = OwnEntry(state)) {

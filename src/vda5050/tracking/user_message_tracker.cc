@@ -104,12 +104,12 @@ class ItemTracker final : public message::ResponseTracker {
   // a zone set of an id that it has goes on showing the old one. Once ours is shown, errors are of
   // its way; so are those of its nodes and actions in the state that shows it first.
   void OnState(const RobotState& state) {
-    const auto nearest = errors_.Note(state.errors, {.topic = item_.topic,
-                                                     .id_key = item_.id_key,
-                                                     .id = item_.id,
-                                                     .header_ids = header_ids_,
-                                                     .update_id = item_.update_id,
-                                                     .parts = item_.parts});
+    const auto nearest = errors_.Add(state.errors, {.topic = item_.topic,
+                                                    .id_key = item_.id_key,
+                                                    .id = item_.id,
+                                                    .header_ids = header_ids_,
+                                                    .update_id = item_.update_id,
+                                                    .parts = item_.parts});
     auto shown = item_.look(state);
     const bool is_shown = shown && shown->seen;
     const bool is_refused = nearest == Attribution::kItem || nearest == Attribution::kHeaderId ||

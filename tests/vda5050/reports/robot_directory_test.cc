@@ -84,9 +84,9 @@ TEST_F(RobotDirectoryTest, BelievesTheMessageOfTheGreaterStanding) {
 }
 
 TEST_F(RobotDirectoryTest, TestsConditionsByTheTopicThatTheyAreAbout) {
-  EXPECT_EQ(TopicOf(*ParseCondition("connectionState=ONLINE")), "connection");
-  EXPECT_EQ(TopicOf(*ParseCondition("/typeSpecification/agvClass=FORKLIFT")), "factsheet");
-  EXPECT_EQ(TopicOf(*ParseCondition("/batteryState/batteryCharge<20")), "state");
+  EXPECT_EQ(FindTopicName(*ParseCondition("connectionState=ONLINE")), "connection");
+  EXPECT_EQ(FindTopicName(*ParseCondition("/typeSpecification/agvClass=FORKLIFT")), "factsheet");
+  EXPECT_EQ(FindTopicName(*ParseCondition("/batteryState/batteryCharge<20")), "state");
   RobotDirectory directory = Open();
   const auto* entry = directory.Deliver("uagv/v2/KIT/0001/connection",
                                         Connection("2.1.0", "ONLINE"), Origin::kRetained);

@@ -18,12 +18,12 @@ RobotError Error(std::string type, std::vector<ErrorReference> references) {
 }
 
 Attribution Of(std::string type, std::vector<ErrorReference> references) {
-  return AttributionOf(
+  return Attribute(
       Error(std::move(type), std::move(references)),
       {.topic = "instantActions", .id_key = "actionId", .id = kId, .header_ids = kHeaderIds});
 }
 
-TEST(AttributionOf, KnowsOurActionIdUnderAnyKey) {
+TEST(Attribute, KnowsOurActionIdUnderAnyKey) {
   // VDA 5050's own, libVDA5050++'s, ros_amr_interop's, and one that nobody has thought of.
   for (const std::string key : {"actionId", "action.actionId", "order.action.actionId", "action_id",
                                 "instantActionId", "headerId", "what", ""}) {
@@ -32,9 +32,9 @@ TEST(AttributionOf, KnowsOurActionIdUnderAnyKey) {
   }
 }
 
-TEST(AttributionOf, KnowsAShortActionIdOnlyWhereItCanBeOne) {
+TEST(Attribute, KnowsAShortActionIdOnlyWhereItCanBeOne) {
   const auto of = [](std::string key) {
-    return AttributionOf(
+    return Attribute(
         Error("E", {{std::move(key), "18"}}),
         {.topic = "instantActions", .id_key = "actionId", .id = "18", .header_ids = {}});
   };
@@ -47,7 +47,7 @@ TEST(AttributionOf, KnowsAShortActionIdOnlyWhereItCanBeOne) {
   }
 }
 
-TEST(AttributionOf, NeverGoesByTheTypeAlone) {
+TEST(Attribute, NeverGoesByTheTypeAlone) {
   for (const std::string type : {"NO_ORDER_TO_CANCEL", "noOrderToCancel", "INVALID_INSTANT_ACTION",
                                  "instantActionError", "validationError"}) {
     EXPECT_EQ(Of(type, {{"actionId", std::string(kOther)}}), Attribution::kOther) << type;
@@ -55,7 +55,7 @@ TEST(AttributionOf, NeverGoesByTheTypeAlone) {
   }
 }
 
-TEST(AttributionOf, TakesHeaderIdAndTopicForProbablyOurs) {
+TEST(Attribute, TakesHeaderIdAndTopicForProbablyOurs) {
   // vda-5050-lib: a message whose header it does not like.
   EXPECT_EQ(Of("validationError", {{"topic", "instantActions"}, {"headerId", "18"}}),
             Attribution::kHeaderId);
@@ -65,7 +65,7 @@ TEST(AttributionOf, TakesHeaderIdAndTopicForProbablyOurs) {
             Attribution::kHeaderId);
 }
 
-TEST(AttributionOf, TakesAHeaderIdWithoutTopicOnlyForAnErrorAboutAMessage) {
+TEST(Attribute, TakesAHeaderIdWithoutTopicOnlyForAnErrorAboutAMessage) {
   for (const std::string type :
        {"InvalidHeader", "validationError", "VALIDATION_FAILURE", "invalid_header"}) {
     EXPECT_EQ(Of(type, {{"header.headerId", "18"}}), Attribution::kHeaderId) << type;
@@ -73,7 +73,7 @@ TEST(AttributionOf, TakesAHeaderIdWithoutTopicOnlyForAnErrorAboutAMessage) {
   EXPECT_EQ(Of("orderError", {{"headerId", "18"}}), Attribution::kOther);
 }
 
-TEST(AttributionOf, LeavesOthersHeaderIdsAlone) {
+TEST(Attribute, LeavesOthersHeaderIdsAlone) {
   EXPECT_EQ(Of("validationError", {{"topic", "instantActions"}, {"headerId", "17"}}),
             Attribution::kOther);
   EXPECT_EQ(Of("validationError", {{"topic", "order"}, {"headerId", "18"}}), Attribution::kOther);
@@ -86,23 +86,23 @@ TEST(AttributionOf, LeavesOthersHeaderIdsAlone) {
       Attribution::kOther);
 }
 
-TEST(AttributionOf, CallsAnErrorWithoutAnyIdUnnamed) {
+TEST(Attribute, CallsAnErrorWithoutAnyIdUnnamed) {
   // libVDA5050++'s ActionBlockingTypeMismatch names no id whatsoever.
   EXPECT_EQ(Of("ActionBlockingTypeMismatch", {{"action.blockingType", "NONE"}}),
             Attribution::kUnnamed);
   EXPECT_EQ(Of("lowBattery", {{"nodeId", "n1"}}), Attribution::kOther);
 }
 
-TEST(AttributionOf, KnowsTheActionsNodesAndEdgesOfAnOrder) {
+TEST(Attribute, KnowsTheActionsNodesAndEdgesOfAnOrder) {
   const std::vector<ErrorReference> parts = {
       {"nodeId", "n-1"}, {"edgeId", "e-1"}, {"actionId", "a-1"}};
   const auto of = [&](std::vector<ErrorReference> references) {
-    return AttributionOf(Error("E", std::move(references)), {.topic = "order",
-                                                             .id_key = "orderId",
-                                                             .id = "o-7",
-                                                             .header_ids = kHeaderIds,
-                                                             .update_id = 2,
-                                                             .parts = parts});
+    return Attribute(Error("E", std::move(references)), {.topic = "order",
+                                                         .id_key = "orderId",
+                                                         .id = "o-7",
+                                                         .header_ids = kHeaderIds,
+                                                         .update_id = 2,
+                                                         .parts = parts});
   };
   for (const ErrorReference& part : parts) EXPECT_EQ(of({part}), Attribution::kPart) << part.key;
   EXPECT_EQ(of({{"order.nodes.node_id", "n-1"}}), Attribution::kPart);
@@ -118,13 +118,13 @@ TEST(RelatedErrors, AreThoseThatAreNew) {
   errors.Remember({old}, false);
   RobotError grown = old;
   grown.level = "FATAL";  // still the same
-  EXPECT_EQ(errors.Note({grown}, item), Attribution::kOther);
+  EXPECT_EQ(errors.Add({grown}, item), Attribution::kOther);
   EXPECT_EQ(errors.Text(), "");
   for (const RobotError& other :
        {RobotError{.type = "F", .description = "d", .references = {{"orderId", "o-7"}}},
         RobotError{.type = "E", .description = "e", .references = {{"orderId", "o-7"}}},
         RobotError{.type = "E", .description = "d", .references = {{"id", "o-7"}}}}) {
-    EXPECT_EQ(errors.Note({grown, other}, item), Attribution::kItem) << other.type;
+    EXPECT_EQ(errors.Add({grown, other}, item), Attribution::kItem) << other.type;
   }
   EXPECT_TRUE(errors.AreOurs());
 }
@@ -134,7 +134,7 @@ TEST(RelatedErrors, SayWhenNoStateFromBeforeIsKnown) {
   for (const bool is_known : {true, false}) {
     RelatedErrors errors;
     errors.Remember({}, !is_known);  // a retained one does not tell all
-    EXPECT_EQ(errors.Note(unnamed, {.topic = "order", .id_key = "orderId", .id = "o-7"}),
+    EXPECT_EQ(errors.Add(unnamed, {.topic = "order", .id_key = "orderId", .id = "o-7"}),
               Attribution::kUnnamed);
     EXPECT_FALSE(errors.AreOurs());
     EXPECT_THAT(errors.Text(), HasSubstr("possibly related: orderUpdateError"));
@@ -142,26 +142,26 @@ TEST(RelatedErrors, SayWhenNoStateFromBeforeIsKnown) {
   }
 }
 
-TEST(Told, HasTypeDescriptionAndHint) {
-  EXPECT_EQ(Told({.type = "noOrderToCancel", .description = "no order", .hint = "send one"}),
+TEST(FormatError, HasTypeDescriptionAndHint) {
+  EXPECT_EQ(FormatError({.type = "noOrderToCancel", .description = "no order", .hint = "send one"}),
             "noOrderToCancel: no order; hint: send one");
-  EXPECT_EQ(Told({.type = "E"}), "E");
-  EXPECT_EQ(Told({.description = "lost"}), "error: lost");
+  EXPECT_EQ(FormatError({.type = "E"}), "E");
+  EXPECT_EQ(FormatError({.description = "lost"}), "error: lost");
 }
 
-TEST(Told, IsOneShortLineThatMovesNoCursor) {
-  const auto told = Told({.type = "E\x1b[2J", .description = std::string(10'000, 'x') + "\n"});
+TEST(FormatError, IsOneShortLineThatMovesNoCursor) {
+  const auto told = FormatError({.type = "E\x1b[2J", .description = std::string(10'000, 'x') + "\n"});
   EXPECT_LT(told.size(), 600U);
   EXPECT_EQ(told.find_first_of("\x1b\n"), std::string::npos);
 }
 
-TEST(AttributionOf, KnowsAnOrderByItsIdAndItsUpdate) {
+TEST(Attribute, KnowsAnOrderByItsIdAndItsUpdate) {
   const auto of = [](std::vector<ErrorReference> references) {
-    return AttributionOf(Error("orderError", std::move(references)), {.topic = "order",
-                                                                      .id_key = "orderId",
-                                                                      .id = "o-7",
-                                                                      .header_ids = kHeaderIds,
-                                                                      .update_id = 2});
+    return Attribute(Error("orderError", std::move(references)), {.topic = "order",
+                                                                  .id_key = "orderId",
+                                                                  .id = "o-7",
+                                                                  .header_ids = kHeaderIds,
+                                                                  .update_id = 2});
   };
   EXPECT_EQ(of({{"orderId", "o-7"}}), Attribution::kItem);
   EXPECT_EQ(of({{"orderId", "o-7"}, {"orderUpdateId", "2"}}), Attribution::kItem);
