@@ -107,13 +107,17 @@ class Awaiter {
         std::move(link.transport), std::move(places.filters),
         MakeReconnectHooks(link.connection, log), start_ + request_.timeout);
     if (!subscription) return Fail(std::move(subscription.error()));
+    const auto end = start_ + request_.timeout;
+    log.Wait(DescribeLeft(), end);
     auto read = subscription->Read([&](const mqtt::Message& message) {
       const auto robot = FindSender(places.schemes, message.topic);
       if (robot == left_.end() || !Satisfies(message.payload, robot->second)) return false;
       satisfied_(robot->first, OneLine(message.payload), steady_clock::now() - start_);
       left_.erase(robot);
+      log.Wait(DescribeLeft(), end);
       return left_.empty();
     });
+    log.Wait("");
     if (!left_.empty()) {
       return Fail(ErrorKind::kUnconfirmed, InVain(subscription->transport() != nullptr));
     }
@@ -122,6 +126,12 @@ class Awaiter {
   }
 
  private:
+  [[nodiscard]] std::string DescribeLeft() const {
+    if (left_.empty()) return "";
+    return "waiting for " + (left_.size() == 1 ? base::Printable(left_.begin()->first.ToString())
+                                               : fmt::format("{} robots", left_.size()));
+  }
+
   // What one robot has said so far.
   struct Heard {
     bool came = false;

@@ -71,7 +71,13 @@ Status Deliver(delivery::CommandSource& source, Link& link, ledger::Ledger& ledg
                                     .reconnect = MakeReconnectHooks(link.connection, observer),
                                     .news = [&](std::string_view line) { observer.Info(line); }});
   auto sent = delivery::SendAll(
-      source, session, {.batch = send.batch, .rate = settings.rate, .tick = observer.tick()});
+      source, session,
+      {.batch = send.batch,
+       .rate = settings.rate,
+       .waits = [&](const delivery::CommandSession& waiting) { observer.Waits(waiting); },
+       .is_stopped = [&] { return observer.IsStopped(); },
+       .stop_descriptor = [&] { return observer.stop_descriptor(); }});
+  observer.Wait("");
   if (sent && !session.trouble()) {
     observer.Warn(fmt::format("sent, but the outcome is not in the ledger: {}",
                               session.trouble().error().message));

@@ -17,7 +17,10 @@ std::string FormatSite(const mqtt::BrokerUrl& broker, const std::string& profile
 Result<Link> Connect(const Environment& environment, Log& log) {
   auto connection = environment.connection();
   if (!connection) return Fail(std::move(connection.error()));
-  auto transport = connection->open(std::chrono::steady_clock::now() + connection->timeout);
+  const auto deadline = std::chrono::steady_clock::now() + connection->timeout;
+  log.Wait("connecting to " + environment.site, deadline);
+  auto transport = connection->open(deadline);
+  log.Wait("");
   if (!transport) return Fail(std::move(transport.error()));
   log.Debug(fmt::format("connected to {}", (*transport)->server().broker.ToString()));
   return Link{*std::move(connection), *std::move(transport)};

@@ -1,13 +1,16 @@
 // What a use case tells while it runs. Who called it decides what a person gets to see.
 #pragma once
 
+#include <chrono>
 #include <cstddef>
-#include <functional>
+#include <filesystem>
 #include <span>
 #include <string>
 #include <string_view>
 
+#include "base/file.h"
 #include "base/result.h"
+#include "delivery/command_session.h"
 #include "message/report.h"
 #include "vda5050/model/robot_address.h"
 
@@ -25,7 +28,18 @@ class Log {
   /// What happens meanwhile.
   virtual void Info(std::string_view text) = 0;
   virtual void Debug(std::string_view text) = 0;
+  /// What is waited for from now on (`connecting to mqtt://north`), until when at most, and what a
+  /// person may do meanwhile; "": nothing any more.
+  virtual void Wait(std::string_view /*what*/,
+                    std::chrono::steady_clock::time_point /*limit*/ =
+                        std::chrono::steady_clock::time_point::max(),
+                    std::string_view /*hint*/ = "") {}
 
+  /// What is read now, and may have to be typed.
+  void Reads(const std::filesystem::path& path) {
+    if (base::IsTyped(path))
+      Info("reading from this terminal: Ctrl-D on a line of its own ends it");
+  }
   /// The connection was lost and is opened again.
   void Lost(const Error& error) { Warn(error.message + ": connecting again"); }
   void ConnectedAgain() { Warn("connected again"); }
@@ -55,8 +69,12 @@ class Observer : public Log {
   virtual void Report(const message::Report& report) = 0;
   /// Of each target, when nothing at all was sent: the error that says why is returned.
   virtual void NothingSent(const message::Report& report) = 0;
-  /// Called every 100 ms at least while messages travel; empty: not wanted.
-  [[nodiscard]] virtual std::function<void()> tick() { return {}; }
+  /// Answers are waited for, or the rate: called before each wait.
+  virtual void Waits(const delivery::CommandSession& /*session*/) {}
+  /// Whether to stop: what has not left stays, and nobody is waited for any more.
+  [[nodiscard]] virtual bool IsStopped() const { return false; }
+  /// Readable from then on; asked after Waits.
+  [[nodiscard]] virtual int stop_descriptor() const { return -1; }
 };
 
 }  // namespace fleetpub::app

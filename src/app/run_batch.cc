@@ -302,7 +302,8 @@ class Batch {
       end_.reason = BatchStop::kFirstError;
     } else if (session.lost() && steady_clock::now() >= lost_at_ + request_.reconnect) {
       end_.reason = BatchStop::kNoConnection;
-      session.EndAll({ErrorKind::kBroker,
+      session.EndAll(message::CommandStatus::kError,
+                     {ErrorKind::kBroker,
                       "sent, but the connection was lost before the robot answered: whether it "
                       "was done is not known"});
     }

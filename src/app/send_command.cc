@@ -271,7 +271,10 @@ class CommandSender final : private delivery::CommandSource {
     TidyUp tidy_up(request_.waiting.tidy);
     auto sent = Deliver(*this, *link_, **ledger, settings_, wait, observer_,
                         [&](const Report& report) { tidy_up.Add(report); });
-    tidy_up.Run(robots_, *link_, **ledger, settings_.qos, environment_.schema_directory, observer_);
+    if (!observer_.IsStopped()) {
+      tidy_up.Run(robots_, *link_, **ledger, settings_.qos, environment_.schema_directory,
+                  observer_);
+    }
     if (link_->transport != nullptr) link_->transport->Disconnect();
     if (sent || !built_all_) return sent;
     return Fail(ReportNothingSent(CommandStatus::kError, std::move(sent.error())));

@@ -107,6 +107,7 @@ class WordReader {
   // broker: what looks like a pattern or a group is a robot's name.
   Status TakeStandardInput(bool patterns) {
     NoteSet("-");
+    log_.Reads("-");
     auto reader = base::LineReader::Open("-");
     if (!reader) return Fail(std::move(reader.error()));
     bool any = false;

@@ -29,6 +29,8 @@ Result<std::string> ReadAll(int descriptor, std::string_view name, std::size_t l
   }
 }
 
+bool IsTyped(const std::filesystem::path& path) { return path == "-" && isatty(STDIN_FILENO) == 1; }
+
 Result<std::string> ReadFile(const std::filesystem::path& path, std::size_t limit) {
   if (path == "-") return ReadAll(STDIN_FILENO, "standard input", limit);
   const int descriptor = open(path.c_str(), O_RDONLY | O_CLOEXEC);

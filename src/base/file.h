@@ -16,6 +16,9 @@ constexpr std::size_t kMaxFileBytes = std::size_t{64} * 1024 * 1024;
 [[nodiscard]] Result<std::string> ReadFile(const std::filesystem::path& path,
                                            std::size_t limit = kMaxFileBytes);
 
+/// Whether a person is to type what is read from there: `-`, and standard input is a terminal.
+[[nodiscard]] bool IsTyped(const std::filesystem::path& path);
+
 /// Everything from this descriptor. `name` is for messages. Blocks until the end of input.
 [[nodiscard]] Result<std::string> ReadAll(int descriptor, std::string_view name,
                                           std::size_t limit = kMaxFileBytes);

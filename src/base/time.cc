@@ -168,7 +168,8 @@ std::string FormatElapsed(nanoseconds elapsed) {
   const double ms = static_cast<double>(elapsed.count()) / 1e6;
   if (ms < 9.95) return fmt::format("{:.1f} ms", ms);
   if (ms < 999.5) return fmt::format("{:.0f} ms", ms);
-  if (ms < 59'950) return fmt::format("{:.1f} s", ms / 1e3);
+  if (ms < 9'950) return fmt::format("{:.1f} s", ms / 1e3);
+  if (ms < 59'500) return fmt::format("{:.0f} s", ms / 1e3);
   const auto seconds = std::lround(ms / 1e3);
   return fmt::format("{} min {:02} s", seconds / 60, seconds % 60);
 }

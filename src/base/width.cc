@@ -2,6 +2,8 @@
 
 #include <utf8proc.h>
 
+#include <algorithm>
+
 namespace fleetpub::base {
 namespace {
 
@@ -20,6 +22,20 @@ Glyph ReadFront(std::string_view text) {
   const bool is_new = utf8proc_category(code) == UTF8PROC_CATEGORY_CN;
   const auto columns = static_cast<std::size_t>(is_new ? 1 : utf8proc_charwidth(code));
   return {static_cast<std::size_t>(bytes), columns};
+}
+
+// Of a word that may be coloured.
+std::size_t MeasureColoured(std::string_view word) {
+  std::size_t width = 0;
+  while (!word.empty()) {
+    const std::size_t colour = word.find("\x1b[");
+    width += MeasureWidth(word.substr(0, colour));
+    if (colour == std::string_view::npos) break;
+    const std::size_t end = word.find('m', colour);
+    if (end == std::string_view::npos) break;
+    word.remove_prefix(end + 1);
+  }
+  return width;
 }
 
 }  // namespace
@@ -56,6 +72,28 @@ std::string Padded(std::size_t width, std::string_view text) {
   const std::size_t taken = MeasureWidth(text);
   if (taken < width) padded.append(width - taken, ' ');
   return padded;
+}
+
+std::string Wrapped(std::size_t width, std::size_t indent, std::string_view text) {
+  std::string lines;
+  std::size_t column = 0;
+  bool has_word = false;  // in this line
+  while (!text.empty()) {
+    const std::size_t begin = std::min(text.find_first_not_of(' '), text.size());
+    const std::size_t end = std::min(text.find(' ', begin), text.size());
+    const std::string_view word = text.substr(begin, end - begin);
+    const std::size_t taken = MeasureColoured(word);
+    if (has_word && column + begin + taken > width) {
+      lines.append("\n").append(indent, ' ').append(word);
+      column = indent + taken;
+    } else {
+      lines.append(text.substr(0, end));
+      column += begin + taken;
+    }
+    has_word = has_word || !word.empty();
+    text.remove_prefix(end);
+  }
+  return lines;
 }
 
 std::string_view Utf8procVersion() { return utf8proc_version(); }

@@ -264,8 +264,8 @@ void CommandSession::WakeOn(std::vector<int> descriptors) {
   if (!lost()) transport_->WakeOn(wake_);
 }
 
-void CommandSession::EndAll(const Error& reason) {
-  pending_.EndAll(reason);
+void CommandSession::EndAll(message::CommandStatus status, const Error& reason) {
+  pending_.EndAll(status, reason);
   TellEnded();
 }
 

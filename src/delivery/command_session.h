@@ -71,9 +71,10 @@ class CommandSession {
   void WakeOn(std::vector<int> descriptors);
 
   /// Ends all waiting: nothing more will be heard.
-  void EndAll(const Error& reason);
+  void EndAll(message::CommandStatus status, const Error& reason);
 
   [[nodiscard]] std::size_t waiting() const { return pending_.waiting(); }
+  [[nodiscard]] Waiting DescribeWaiting() const { return pending_.DescribeWaiting(); }
   /// Why there is no connection at the moment.
   [[nodiscard]] const std::optional<Error>& lost() const { return reconnector_.lost(); }
   /// What changes no status: the first outcome that could not be recorded.

@@ -150,11 +150,23 @@ std::vector<PendingCommands::Key> PendingCommands::Expire() {
   return again;
 }
 
-void PendingCommands::EndAll(const Error& reason) {
+void PendingCommands::EndAll(message::CommandStatus status, const Error& reason) {
   while (!limits_.empty()) {
-    End(*tracked_.find(limits_.begin()->second), message::CommandStatus::kError, reason.kind,
-        reason.message);
+    Entry& entry = *tracked_.find(limits_.begin()->second);
+    const std::string& said = entry.second.tracker->progress().message;
+    End(entry, status, reason.kind, reason.message + (said.empty() ? "" : "; " + said));
   }
+}
+
+Waiting PendingCommands::DescribeWaiting() const {
+  if (limits_.empty()) return {};
+  const Tracked& next = tracked_.find(limits_.begin()->second)->second;
+  return {.commands = waiting_,
+          .target = next.report.target,
+          .seen = next.seen,
+          .message = next.tracker->progress().message,
+          .published = next.published,
+          .limit = next.limit};
 }
 
 PendingCommands::Clock::time_point PendingCommands::NextLimit() const {

@@ -33,6 +33,17 @@ struct WaitOptions {
   int resend = 0;
 };
 
+/// Who is waited for, as somebody who looks on wants to know.
+struct Waiting {
+  std::size_t commands = 0;  ///< that are waited for
+  /// Of these the one whose time is up next, and what it last said.
+  std::string target;
+  bool seen = false;
+  std::string message;
+  std::chrono::steady_clock::time_point published;
+  std::chrono::steady_clock::time_point limit;
+};
+
 /// Follows commands that were published, any number of them one after the other: what has ended is
 /// forgotten. Knows no connection: it is fed.
 class PendingCommands {
@@ -71,11 +82,14 @@ class PendingCommands {
   /// again.
   [[nodiscard]] std::vector<Key> Expire();
 
-  /// Ends all that are waited for: nothing more will be heard.
-  void EndAll(const Error& reason);
+  /// Ends all that are waited for: nothing more will be heard. Their reports say what they last
+  /// said, too.
+  void EndAll(message::CommandStatus status, const Error& reason);
 
   /// Published and not ended.
   [[nodiscard]] std::size_t waiting() const { return waiting_; }
+
+  [[nodiscard]] Waiting DescribeWaiting() const;
 
   /// When somebody's time is up next; the end of time when nobody waits.
   [[nodiscard]] Clock::time_point NextLimit() const;

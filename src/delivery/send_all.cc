@@ -9,7 +9,7 @@ namespace {
 using std::chrono::milliseconds;
 using std::chrono::steady_clock;
 
-constexpr milliseconds kTickInterval{100};
+constexpr milliseconds kStopInterval{100};  // while no connection tells of a stop
 
 }  // namespace
 
@@ -25,15 +25,23 @@ void CommandList::GiveUp(const Error& reason) {
 
 Status SendAll(CommandSource& source, CommandSession& session, SendAllOptions options) {
   const std::size_t all = source.left();
+  const auto is_stopped = [&] { return options.is_stopped && options.is_stopped(); };
   while (source.left() > 0 || session.waiting() > 0) {
-    if (options.tick) options.tick();
+    if (is_stopped()) {
+      source.GiveUp({ErrorKind::kUnconfirmed, "interrupted"});
+      session.EndAll(message::CommandStatus::kInterrupted,
+                     {ErrorKind::kUnconfirmed, "sent, and no longer waited for"});
+      break;
+    }
     const auto now = steady_clock::now();
     const std::size_t room = kMostWaiting - std::min(kMostWaiting, session.waiting());
     const std::size_t most = std::min({options.batch, options.rate.Available(now), room});
     if (source.left() == 0 || most == 0) {
       const bool awaits_rate = source.left() > 0 && room > 0;
       auto deadline = awaits_rate ? options.rate.Next() : mqtt::Deadline::max();
-      if (options.tick) deadline = std::min(deadline, now + kTickInterval);
+      if (options.waits) options.waits(session);
+      if (options.stop_descriptor) session.WakeOn({options.stop_descriptor()});
+      if (options.is_stopped && session.lost()) deadline = std::min(deadline, now + kStopInterval);
       session.Listen(deadline);
       continue;
     }

@@ -52,7 +52,12 @@ class CommandList final : public CommandSource {
 struct SendAllOptions {
   std::size_t batch = SendOptions{}.batch;
   RateLimiter rate;
-  std::function<void()> tick;  ///< called every 100 ms at least; may be empty
+  /// Called before each wait. May be empty.
+  std::function<void(const CommandSession& session)> waits;
+  /// Whether to stop: what is left is given up, and nobody is waited for any more. May be empty.
+  std::function<bool()> is_stopped;
+  /// Readable from then on; asked before each wait. May be empty.
+  std::function<int()> stop_descriptor;
 };
 
 /// Sends what the source makes and waits until nothing is waited for. When the connection is lost,

@@ -11,21 +11,22 @@
 namespace fleetpub::message {
 
 enum class CommandStatus {
-  kDryRun,     ///< built and validated; nothing was sent
-  kSent,       ///< handed to the operating system at QoS 0: a hope
-  kPublished,  ///< acknowledged by the broker
-  kAccepted,   ///< the target lists it and has not refused it
-  kFinished,   ///< the target says that it is done
-  kNoOrder,    ///< the target says that it has no order, or not this one, to cancel
-  kFailed,     ///< the target says that it failed
-  kRejected,   ///< the target refused it
-  kRetriable,  ///< neither done nor failed: it waits for retry, skipRetry or a person
-  kVanished,   ///< the target had listed it and no longer does, without an end
-  kOffline,    ///< the target lost its connection while we waited
-  kTimeout,    ///< the target did not say in time
-  kRefused,    ///< by us, before sending: unknown, offline, not supported
-  kInvalid,    ///< breaks the specification; nothing was sent
-  kError,      ///< broker, ledger or file trouble; the message says whether anything was sent
+  kDryRun,       ///< built and validated; nothing was sent
+  kSent,         ///< handed to the operating system at QoS 0: a hope
+  kPublished,    ///< acknowledged by the broker
+  kAccepted,     ///< the target lists it and has not refused it
+  kFinished,     ///< the target says that it is done
+  kNoOrder,      ///< the target says that it has no order, or not this one, to cancel
+  kFailed,       ///< the target says that it failed
+  kRejected,     ///< the target refused it
+  kRetriable,    ///< neither done nor failed: it waits for retry, skipRetry or a person
+  kVanished,     ///< the target had listed it and no longer does, without an end
+  kOffline,      ///< the target lost its connection while we waited
+  kTimeout,      ///< the target did not say in time
+  kInterrupted,  ///< whoever waited has stopped waiting (Ctrl-C)
+  kRefused,      ///< by us, before sending: unknown, offline, not supported
+  kInvalid,      ///< breaks the specification; nothing was sent
+  kError,        ///< broker, ledger or file trouble; the message says whether anything was sent
 };
 
 /// Under which word a summary counts it.
@@ -52,7 +53,7 @@ struct StatusFacts {
 };
 
 /// In the order of the enumeration.
-inline constexpr std::array<StatusFacts, 15> kCommandStatuses = {{
+inline constexpr std::array<StatusFacts, 16> kCommandStatuses = {{
     {"DRY_RUN", StatusGroup::kSent},
     {"SENT", StatusGroup::kSent},
     {"PUBLISHED", StatusGroup::kSent},
@@ -65,6 +66,7 @@ inline constexpr std::array<StatusFacts, 15> kCommandStatuses = {{
     {"VANISHED", StatusGroup::kUnconfirmed, ErrorKind::kUnconfirmed},
     {"OFFLINE", StatusGroup::kOffline, ErrorKind::kUnconfirmed},
     {"TIMEOUT", StatusGroup::kUnconfirmed, ErrorKind::kUnconfirmed},
+    {"INTERRUPTED", StatusGroup::kUnconfirmed, ErrorKind::kUnconfirmed},
     {"REFUSED", StatusGroup::kRefused},
     {"INVALID", StatusGroup::kRefused},
     {"ERROR", StatusGroup::kErrors},
@@ -91,6 +93,7 @@ inline constexpr auto kRecordedStatuses = std::to_array<std::string_view>(
      GetName(CommandStatus::kNoOrder), GetName(CommandStatus::kFailed),
      GetName(CommandStatus::kRejected), GetName(CommandStatus::kRetriable),
      GetName(CommandStatus::kVanished), GetName(CommandStatus::kOffline),
-     GetName(CommandStatus::kTimeout), GetName(CommandStatus::kError)});
+     GetName(CommandStatus::kTimeout), GetName(CommandStatus::kInterrupted),
+     GetName(CommandStatus::kError)});
 
 }  // namespace fleetpub::message

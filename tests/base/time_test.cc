@@ -173,11 +173,24 @@ TEST(ParseDuration, RefusesTheRest) {
 
 TEST(FormatElapsed, SuitsTheSize) {
   const std::pair<nanoseconds, std::string_view> cases[] = {
-      {0ns, "0.0 ms"},           {42'300us, "42 ms"},      {1'234us, "1.2 ms"},
-      {9'940us, "9.9 ms"},       {9'960us, "10 ms"},       {999'400us, "999 ms"},
-      {999'600us, "1.0 s"},      {3'400ms, "3.4 s"},       {59'900ms, "59.9 s"},
-      {59'949ms, "59.9 s"},      {59'951ms, "1 min 00 s"}, {59'999ms, "1 min 00 s"},
-      {60s, "1 min 00 s"},       {125s, "2 min 05 s"},     {119'600ms, "2 min 00 s"},
+      {0ns, "0.0 ms"},
+      {42'300us, "42 ms"},
+      {1'234us, "1.2 ms"},
+      {9'940us, "9.9 ms"},
+      {9'960us, "10 ms"},
+      {999'400us, "999 ms"},
+      {999'600us, "1.0 s"},
+      {3'400ms, "3.4 s"},
+      {9'940ms, "9.9 s"},
+      {9'960ms, "10 s"},
+      {35s, "35 s"},
+      {59'400ms, "59 s"},
+      {59'499ms, "59 s"},
+      {59'501ms, "1 min 00 s"},
+      {59'999ms, "1 min 00 s"},
+      {60s, "1 min 00 s"},
+      {125s, "2 min 05 s"},
+      {119'600ms, "2 min 00 s"},
       {2h + 3s, "120 min 03 s"},
   };
   for (const auto& [elapsed, text] : cases) EXPECT_EQ(FormatElapsed(elapsed), text);

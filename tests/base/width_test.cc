@@ -47,5 +47,23 @@ TEST(Padded, FillsUpToTheWidth) {
   EXPECT_EQ(Padded(2, "abc"), "abc");
 }
 
+TEST(Wrapped, BreaksBetweenWords) {
+  EXPECT_EQ(Wrapped(80, 4, "a short line"), "a short line");
+  EXPECT_EQ(Wrapped(10, 2, "one two three four"), "one two\n  three\n  four");
+  EXPECT_EQ(Wrapped(9, 4, "搬送 車車 a"), "搬送 車車\n    a") << "as wide as the letters";
+}
+
+TEST(Wrapped, KeepsWhatStandsApartAndWhatIsTooLong) {
+  EXPECT_EQ(Wrapped(12, 4, "  KIT/1  FAILED  x"), "  KIT/1\n    FAILED\n    x");
+  EXPECT_EQ(Wrapped(20, 4, "KIT/1  FAILED  x"), "KIT/1  FAILED  x");
+  EXPECT_EQ(Wrapped(4, 2, "abcdefgh i"), "abcdefgh\n  i");
+  EXPECT_EQ(Wrapped(4, 2, ""), "");
+}
+
+TEST(Wrapped, CountsNoColours) {
+  EXPECT_EQ(Wrapped(7, 2, "\x1b[31mred\x1b[0m \x1b[1;32mtea\x1b[0m"),
+            "\x1b[31mred\x1b[0m \x1b[1;32mtea\x1b[0m");
+}
+
 }  // namespace
 }  // namespace fleetpub::base

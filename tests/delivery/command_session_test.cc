@@ -117,7 +117,7 @@ TEST_F(Streaming, GoesOnWaitingWhenAnAcknowledgementIsLost) {
   stream->Listen(std::chrono::steady_clock::now() + std::chrono::seconds(5));
   EXPECT_TRUE(fake_->subscribed().contains("state/0"));
   EXPECT_THAT(fake_->published(), IsEmpty()) << "nothing is sent twice";
-  stream->EndAll({ErrorKind::kBroker, "enough"});
+  stream->EndAll(message::CommandStatus::kError, {ErrorKind::kBroker, "enough"});
   EXPECT_THAT(reports_, ElementsAre(HasSubstr("did not acknowledge")));
 }
 

@@ -147,7 +147,7 @@ TEST_F(Following, ForgetsWhatDidNotLeave) {
   pending.Forget(1);
   pending.Forget(1);
   EXPECT_EQ(pending.waiting(), 1U);
-  pending.EndAll({ErrorKind::kBroker, "gone"});
+  pending.EndAll(message::CommandStatus::kError, {ErrorKind::kBroker, "gone"});
   EXPECT_THAT(ended_, ElementsAre("2 ERROR"));
 }
 

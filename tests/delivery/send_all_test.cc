@@ -64,7 +64,7 @@ class Sending : public ::testing::Test {
              .lost = {},
              .again = {}}});
     CommandList list(commands, report);
-    EXPECT_TRUE(SendAll(list, session, {.batch = options_.batch, .rate = rate_, .tick = {}}));
+    EXPECT_TRUE(SendAll(list, session, {.batch = options_.batch, .rate = rate_}));
     return session.trouble();
   }
 
@@ -441,6 +441,31 @@ TEST_F(Sending, SendsNoFasterThanTheRate) {
   EXPECT_THAT(reports_, SizeIs(40));
 }
 
+TEST_F(Sending, StopsWaitingAndSaysWhoIsOpenWhenStopped) {
+  const ReportSink report = [&](const message::Report& done) { reports_.push_back(done); };
+  CommandSession session(connection_, ledger_, options_, WaitOptions{.resend = 0},
+                         {.report = report, .sent = {}, .reconnect = {}});
+  auto commands = CommandsFor(2);
+  for (message::Command& command : commands) {
+    command.tracker = std::make_shared<testing::FakeTracker>("state/" + command.target,
+                                                             testing::FakeTracker::Ends::kNever);
+  }
+  CommandList list(commands, report);
+  Waiting seen;
+  EXPECT_TRUE(SendAll(list, session,
+                      {.batch = 1,
+                       .rate = RateLimiter(0.001),
+                       .waits = [&](const CommandSession& open) { seen = open.DescribeWaiting(); },
+                       .is_stopped = [&] { return seen.commands == 1; }}));
+  EXPECT_EQ(seen.target, "0");
+  EXPECT_FALSE(seen.seen);
+  using enum message::CommandStatus;
+  ASSERT_THAT(reports_, SizeIs(2));
+  EXPECT_EQ(reports_[0].status, kError) << "it did not leave";
+  EXPECT_EQ(reports_[1].status, kInterrupted);
+  EXPECT_EQ(ledger_.rows().size(), 1U);
+}
+
 TEST_F(Sending, FailsWhenNothingCouldBeSubscribedTo) {
   const ReportSink report = [&](const message::Report& done) { reports_.push_back(done); };
   CommandSession session(connection_, ledger_, options_, WaitOptions{.resend = 0},
@@ -449,7 +474,7 @@ TEST_F(Sending, FailsWhenNothingCouldBeSubscribedTo) {
   commands[1].tracker = std::make_shared<testing::FakeTracker>("state/1");
   transport_.forbidden = "state/1";
   CommandList list(commands, report);
-  const Status sent = SendAll(list, session, {.batch = 2, .rate = {}, .tick = {}});
+  const Status sent = SendAll(list, session, {.batch = 2});
   ASSERT_FALSE(sent);
   EXPECT_EQ(sent.error().kind, ErrorKind::kBroker);
   EXPECT_THAT(journal_.entries(), IsEmpty());

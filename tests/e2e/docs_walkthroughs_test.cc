@@ -57,7 +57,7 @@ TEST(DocsWalkthroughs, SetUpASite) {
   const Finished run = RunPage(commands);
   EXPECT_EQ(run.exit_code, 0) << run.output << run.errors;
   EXPECT_THAT(run.output, HasSubstr("reachable  MQTT 5"));
-  EXPECT_THAT(run.output, HasSubstr("KIT/0001  startPause  FINISHED  headerId 0 "));
+  EXPECT_THAT(run.output, HasSubstr("KIT/0001  startPause  FINISHED  "));
   EXPECT_THAT(run.output, HasSubstr("not authorized"));
   EXPECT_THAT(run.output, HasSubstr("exit 4\nexit 4\nexit 4\n"));
   EXPECT_THAT(run.errors, HasSubstr("from an authority that is not trusted here"));

@@ -51,6 +51,18 @@ std::set<std::string> Names(const char* manufacturer, int count) {
   return names;
 }
 
+TEST_F(ManyRobots, QuietKeepsTheSummaryWhenSomethingWentWrong) {
+  const auto robots = Robot({"KIT/0001", "--count", "2"});
+  const Finished good = Fleetpub({"pause", "--all", "--wait", "--quiet"});
+  EXPECT_EQ(good.output + good.errors, "");
+  const auto refusing = Robot({"NO/0001", "--reject", "pause"});
+  const Finished bad = Fleetpub({"pause", "--all", "--wait", "--quiet"});
+  EXPECT_EQ(bad.exit_code, 5);
+  EXPECT_THAT(Lines(bad.output), SizeIs(1)) << "the result of the one that refused";
+  EXPECT_THAT(bad.errors, AllOf(HasSubstr("3 robots at "), HasSubstr("2 finished, 1 failed"),
+                                HasSubstr("NO/0001")));
+}
+
 TEST_F(ManyRobots, TheReportOnAThousandNamesExactlyThoseThatAreNotPaused) {
   const auto first = Robot({"A/0001", "--count", "250", "--vda", "1.1.0"});
   const auto second = Robot({"B/0001", "--count", "250", "--vda", "2.0.0"});

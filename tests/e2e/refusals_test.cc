@@ -164,9 +164,7 @@ TEST_F(Refusals, CtrlCEndsWith130AndSaysWhatWasSent) {
   ASSERT_TRUE(run.AwaitErrors("-> PUBLISH"));
   run.Signal(SIGINT);
   EXPECT_EQ(run.Wait(), 130);
-  // It may be interrupted before the message is counted.
-  EXPECT_THAT(run.Errors(), AnyOf(HasSubstr("1 of 1 messages were sent"),
-                                  HasSubstr("perhaps a message was sent")));
+  EXPECT_THAT(run.Errors(), HasSubstr("fleetpub history lists what was sent"));
 }
 
 TEST_F(Refusals, AnObjectSaysThatNothingWasSent) {

@@ -20,6 +20,7 @@ using ::testing::IsEmpty;
 using ::testing::Le;
 using ::testing::MatchesRegex;
 using ::testing::Not;
+using ::testing::SizeIs;
 using ::testing::StartsWith;
 
 class OnATerminal : public EndToEnd {
@@ -27,14 +28,15 @@ class OnATerminal : public EndToEnd {
   [[nodiscard]] std::string Line(const std::vector<std::string>& arguments) const {
     return ShellLine(operator_.Prepare(arguments));
   }
-  // As a robot leaves that was there.
-  void LeaveOffline(const std::string& serial) const {
+  void SayConnection(const std::string& serial, const std::string& state) const {
     Say("vda5050/v3/KIT/" + serial + "/connection",
         fmt::format(R"({{"headerId":1,"timestamp":"2026-01-02T03:04:05.000Z","version":"3.0.0",)"
-                    R"("manufacturer":"KIT","serialNumber":"{}","connectionState":"OFFLINE"}})",
-                    serial),
+                    R"("manufacturer":"KIT","serialNumber":"{}","connectionState":"{}"}})",
+                    serial, state),
         true);
   }
+  // As a robot leaves that was there.
+  void LeaveOffline(const std::string& serial) const { SayConnection(serial, "OFFLINE"); }
 };
 
 // Its end, and whether the terminal is as it was, are shown below it.
@@ -205,7 +207,7 @@ class Progress : public OnATerminal {
     for (int i = 1; i <= 6; ++i) LeaveOffline(fmt::format("r~000{}", i));
   }
   [[nodiscard]] std::string PauseAll() const {
-    return Line({"pause", "--all", "--rate", "3", "--discover", "60"});
+    return Line({"pause", "--all", "--rate", "2", "--discover", "60"});
   }
 };
 
@@ -235,10 +237,11 @@ TEST_F(Progress, StaysOnOneLineOfANarrowWindow) {
 
 TEST_F(Progress, IsClearedWhenInterrupted) {
   Terminal terminal(AndTellTheEnd(PauseAll()), 150, 24);
-  ASSERT_TRUE(terminal.Await("] 2 of 6"));
+  ASSERT_TRUE(terminal.Await("] 3 of 6"));
   terminal.Press("C-c");
   ASSERT_TRUE(terminal.Await("exit code 130"));
-  EXPECT_THAT(terminal.Shown(), HasSubstr("fleetpub: interrupted: "));
+  EXPECT_THAT(terminal.Shown(), HasSubstr("not sent: interrupted"));
+  EXPECT_THAT(terminal.Shown(), HasSubstr("6 robots at "));
   EXPECT_THAT(terminal.Shown(), Not(HasSubstr("[=")));
 }
 
@@ -253,6 +256,48 @@ TEST_F(Progress, IsNotShownWhereItWouldGarble) {
   }
   EXPECT_THAT(Lines(Contents(file)),
               Each(MatchesRegex("(fleetpub: warning: )?KIT/.*|6 robots at .*|  offline.*")));
+}
+
+TEST_F(OnATerminal, AWaitIsSeenAndCtrlCTellsWhoIsOpen) {
+  SayConnection("0001", "ONLINE");
+  Terminal terminal(AndTellTheEnd(Line({"pause", "KIT/0001", "--wait"})), 120, 24);
+  ASSERT_TRUE(terminal.Await("waiting for KIT/0001: sent, not yet seen  ") &&
+              terminal.Await(" s of 35 s  (Ctrl-C"));
+  terminal.Press("C-c");
+  ASSERT_TRUE(terminal.Await("exit code 130"));
+  const auto lines = WhatIsLeft(terminal);
+  EXPECT_THAT(lines[0], StartsWith("KIT/0001  startPause  INTERRUPTED")) << terminal.Shown();
+  EXPECT_THAT(terminal.Shown(), Not(HasSubstr("waiting for")));
+  const auto history = Json(Fleetpub({"history", "-o", "json"}).output);
+  EXPECT_STREQ(history["status"].GetString(), "INTERRUPTED");
+}
+
+TEST_F(OnATerminal, OfManyRobotsItShowsWhoIsNotFinishedByReason) {
+  const auto robots = Robot({"KIT/0001", "--count", "11"});
+  SayConnection("0099", "ONLINE");
+  const std::vector<std::string> call = {"pause", "--all", "--wait", "--timeout", "1s"};
+  Terminal terminal(AndTellTheEnd(Line(call)), 80, 30);
+  ASSERT_TRUE(terminal.Await("exit code 6"));
+  const auto lines = WhatIsLeft(terminal);
+  ASSERT_GE(lines.size(), 3U);
+  EXPECT_THAT(lines[0], MatchesRegex("12 robots at .*: 11 finished, 1 unconfirmed .*"));
+  EXPECT_THAT(lines[1], StartsWith("  TIMEOUT     KIT/0099  the robot has sent no state"));
+  EXPECT_THAT(terminal.Shown(), Not(HasSubstr("FINISHED")));
+  std::vector<std::string> whole = call;
+  whole.emplace_back("-v");
+  Terminal verbose(AndTellTheEnd(Line(whole)), 80, 50);
+  ASSERT_TRUE(verbose.Await("exit code 6"));
+  EXPECT_THAT(verbose.Shown(), HasSubstr("KIT/0011  startPause  FINISHED"));
+  EXPECT_THAT(Lines(Fleetpub(call).output), SizeIs(14)) << "a pipe gets everything";
+}
+
+TEST_F(OnATerminal, BreaksLongLinesBetweenWords) {
+  Terminal terminal(AndTellTheEnd(Line({"resume", "KIT/0099"})), 50, 24);
+  ASSERT_TRUE(terminal.Await("exit code 7"));
+  const auto lines = WhatIsLeft(terminal);
+  ASSERT_GE(lines.size(), 3U) << terminal.Shown();
+  EXPECT_THAT(lines[0], StartsWith("KIT/0099  stopPause  REFUSED"));
+  EXPECT_THAT(lines[1], MatchesRegex("    [^ ].*"));
 }
 
 TEST_F(Progress, ShowsOnTheTerminalWhatGoesToAFile) {

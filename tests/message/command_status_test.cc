@@ -31,6 +31,7 @@ TEST(CommandStatus, HasOneRowForWordSummaryAndTrouble) {
       {kVanished, "VANISHED", Group::kUnconfirmed, kOpen},
       {kOffline, "OFFLINE", Group::kOffline, kOpen},
       {kTimeout, "TIMEOUT", Group::kUnconfirmed, kOpen},
+      {kInterrupted, "INTERRUPTED", Group::kUnconfirmed, kOpen},
       {kRefused, "REFUSED", Group::kRefused, kNone},
       {kInvalid, "INVALID", Group::kRefused, kNone},
       {kError, "ERROR", Group::kErrors, kNone},

@@ -120,6 +120,7 @@ Result<app::BatchRequest> ParseBatchOptions(const Options& options, const config
 Result<ExitCode> RunBatch(const Options& options, const Context& context) {
   auto request = ParseBatchOptions(options, context.config);
   if (!request) return Fail(std::move(request.error()));
+  context.output.Reads(options.file);
   auto lines = base::LineReader::Open(options.file);
   if (!lines) return Fail(std::move(lines.error()));
   const auto reconnect = request->reconnect;

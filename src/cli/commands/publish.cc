@@ -123,6 +123,7 @@ Result<ExitCode> RunPublish(const PublishOptions& options, const Context& contex
     return Fail(ErrorKind::kUsage,
                 "standard input is the message or the targets, not both: put one into a file");
   }
+  context.output.Reads(options.file);
   auto message = ReadMessage(options.file);
   if (!message) return Fail(std::move(message.error()));
   const auto on_mismatch =

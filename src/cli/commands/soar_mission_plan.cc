@@ -46,6 +46,7 @@ Result<soar::PlanFile> ReadPlanFile(const Options& options) {
 }
 
 Result<ExitCode> RunMissionPlan(const Options& options, const Context& context) {
+  context.output.Reads(options.file);
   auto plan = ReadPlanFile(options);
   if (!plan) return Fail(std::move(plan.error()));
   if (!options.each.empty()) {

@@ -12,12 +12,11 @@ namespace fleetpub::cli {
 namespace {
 
 using message::StatusGroup;
-using std::chrono::milliseconds;
 using std::chrono::nanoseconds;
-using std::chrono::steady_clock;
 
 constexpr std::size_t kNamed = 50;
 constexpr std::size_t kSlowNamed = 5;
+constexpr std::size_t kReasons = 100;
 
 // In the order of StatusGroup; as people read them, and in JSON.
 constexpr std::array<std::string_view, 8> kGroupNames = {
@@ -42,9 +41,25 @@ void FleetSummary::Add(const message::Report& report) {
                                     [&](const Slow& slow) { return slow.first < report.elapsed; });
     slowest_.insert(place, {report.elapsed, report.target});
     if (slowest_.size() > kSlowNamed) slowest_.pop_back();
-  } else if (group != StatusGroup::kSent && names_[index].size() < kNamed) {
-    names_[index].push_back(report.target);
+  } else if (group != StatusGroup::kSent) {
+    names_[index].Add(report.target);
+    const std::string reason = reasons_.size() < kReasons ? report.message : "";
+    reasons_[{report.status, reason}].Add(report.target);
   }
+}
+
+void FleetSummary::Named::Add(const std::string& name) {
+  ++count;
+  if (names.size() < kNamed) names.push_back(name);
+}
+
+std::string FleetSummary::Format(std::string_view title, const Named& named) {
+  std::vector<std::string> names;
+  for (const std::string& name : named.names) names.push_back(base::Printable(name));
+  std::sort(names.begin(), names.end());
+  const std::size_t more = named.count - names.size();
+  return fmt::format("  {:<11} {}{}", title, base::Join(names, ", "),
+                     more > 0 ? fmt::format(" and {} more", more) : "");
 }
 
 std::string FleetSummary::Counts() const {
@@ -68,18 +83,20 @@ std::vector<FleetSummary::Slow> FleetSummary::TheSlow() const {
   return slow;
 }
 
-std::vector<std::string> FleetSummary::Lines(nanoseconds elapsed, std::string_view site) const {
+std::vector<std::string> FleetSummary::Lines(nanoseconds elapsed, std::string_view site,
+                                             Names names) const {
   std::vector<std::string> lines = {fmt::format("{} robot{} at {}: {}  {}", robots(),
                                                 robots() == 1 ? "" : "s", site, Counts(),
                                                 base::FormatElapsed(elapsed))};
-  for (std::size_t i = 0; i < kGroups; ++i) {
-    if (names_[i].empty()) continue;
-    std::vector<std::string> names;
-    for (const std::string& name : names_[i]) names.push_back(base::Printable(name));
-    std::sort(names.begin(), names.end());
-    const std::size_t more = counts_[i] - names.size();
-    lines.push_back(fmt::format("  {:<11} {}{}", kGroupNames[i], base::Join(names, ", "),
-                                more > 0 ? fmt::format(" and {} more", more) : ""));
+  if (names == Names::kByReason) {
+    for (const auto& [what, named] : reasons_) {
+      const auto& [status, reason] = what;
+      lines.push_back(Format(GetName(status), named) + (reason.empty() ? "" : "  " + reason));
+    }
+  } else {
+    for (std::size_t i = 0; i < kGroups; ++i) {
+      if (names_[i].count > 0) lines.push_back(Format(kGroupNames[i], names_[i]));
+    }
   }
   std::vector<std::string> slow;
   for (const auto& [took, name] : TheSlow()) {
@@ -104,20 +121,11 @@ std::string FleetSummary::Json(nanoseconds elapsed, ExitCode code, std::string_v
                             base::Join(slow, ","), SecondsJson(elapsed), static_cast<int>(code));
 }
 
-ProgressBar::ProgressBar(std::size_t total, Output& output)
-    : output_(output),
-      total_(total),
-      possible_(output.CanPass()),
-      next_(steady_clock::now() + milliseconds(500)) {}
-
-void ProgressBar::Draw(const FleetSummary& summary) {
-  const auto now = steady_clock::now();
-  if (!possible_ || now < next_) return;
-  next_ = now + milliseconds(100);
+std::string FormatProgress(const FleetSummary& summary, std::size_t total) {
   constexpr std::size_t kWidth = 24;
-  const std::size_t done = total_ == 0 ? kWidth : summary.robots() * kWidth / total_;
-  output_.Pass(fmt::format("[{:<{}}] {} of {}  {}", std::string(std::min(done, kWidth), '='),
-                           kWidth, summary.robots(), total_, summary.Counts()));
+  const std::size_t done = total == 0 ? kWidth : summary.robots() * kWidth / total;
+  return fmt::format("[{:<{}}] {} of {}  {}", std::string(std::min(done, kWidth), '='), kWidth,
+                     summary.robots(), total, summary.Counts());
 }
 
 }  // namespace fleetpub::cli

@@ -4,6 +4,7 @@
 #include <array>
 #include <chrono>
 #include <cstddef>
+#include <map>
 #include <string>
 #include <utility>
 #include <vector>
@@ -26,10 +27,13 @@ class FleetSummary {
 
   /// `965 finished, 10 failed`: those groups that have any.
   [[nodiscard]] std::string Counts() const;
-  /// For people: a line of counts, and one for each group that a person has to look after, naming
-  /// the first fifty of it, and for those that took much longer than the others.
+  /// kByReason: of whom nothing was told before.
+  enum class Names { kByGroup, kByReason };
+  /// For people: a line of counts, and one for each group (or reason) that a person has to look
+  /// after, naming the first fifty of it, and for those that took much longer than the others.
   [[nodiscard]] std::vector<std::string> Lines(std::chrono::nanoseconds elapsed,
-                                               std::string_view site) const;
+                                               std::string_view site,
+                                               Names names = Names::kByGroup) const;
   /// The last object of the results (docs/manual.md).
   [[nodiscard]] std::string Json(std::chrono::nanoseconds elapsed, ExitCode code,
                                  std::string_view site) const;
@@ -38,32 +42,24 @@ class FleetSummary {
   static constexpr std::size_t kGroups =
       static_cast<std::size_t>(message::StatusGroup::kErrors) + 1;
   using Slow = std::pair<std::chrono::nanoseconds, std::string>;
+  // Robots of one group, and mostly of one reason.
+  struct Named {
+    std::size_t count = 0;
+    std::vector<std::string> names;  // the first fifty
+    void Add(const std::string& name);
+  };
+  static std::string Format(std::string_view title, const Named& named);
   /// Which of the finished took more than a second and three times the median; the slowest first.
   [[nodiscard]] std::vector<Slow> TheSlow() const;
 
   std::array<std::size_t, kGroups> counts_{};
-  std::array<std::vector<std::string>, kGroups> names_;
+  std::array<Named, kGroups> names_;
+  std::map<std::pair<message::CommandStatus, std::string>, Named> reasons_;
   std::vector<float> elapsed_;  ///< seconds, of all
   std::vector<Slow> slowest_;   ///< of the finished, the slowest first
 };
 
-/// A line on standard error that is redrawn in place, when that is a terminal and it takes long.
-class ProgressBar {
- public:
-  ProgressBar(std::size_t total, Output& output);
-  ProgressBar(const ProgressBar&) = delete;
-  ProgressBar& operator=(const ProgressBar&) = delete;
-  ~ProgressBar() { output_.ClearPassing(); }
-
-  [[nodiscard]] bool IsPossible() const { return possible_; }
-  /// At most ten times a second.
-  void Draw(const FleetSummary& summary);
-
- private:
-  Output& output_;
-  std::size_t total_;
-  bool possible_;
-  std::chrono::steady_clock::time_point next_;
-};
+/// `[====    ] 6 of 9  5 finished, 1 failed`
+[[nodiscard]] std::string FormatProgress(const FleetSummary& summary, std::size_t total);
 
 }  // namespace fleetpub::cli

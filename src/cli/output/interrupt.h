@@ -1,9 +1,8 @@
-// Ctrl-C and `kill` while commands are on their way: the process ends at once and says what was
-// sent.
+// Ctrl-C and `kill` while nobody is waited for: the process ends at once.
 #pragma once
 
 #include <csignal>
-#include <cstddef>
+#include <string_view>
 
 namespace fleetpub::cli {
 
@@ -17,15 +16,15 @@ class InterruptGuard {
   InterruptGuard& operator=(const InterruptGuard&) = delete;
   ~InterruptGuard();
 
-  /// From now on messages leave, so many in all: that none was counted no longer means that none
-  /// was sent.
-  static void Begin(std::size_t total);
-  /// One more message was handed to the network.
-  static void CountSent();
+  /// From now on messages may have left.
+  static void Begin();
 
  private:
   struct sigaction old_interrupt_ {};
   struct sigaction old_terminate_ {};
 };
+
+/// Inside a signal handler: writes the sentence to standard error and ends the process.
+[[noreturn]] void EndAtOnce(int signal, std::string_view sentence);
 
 }  // namespace fleetpub::cli

@@ -12,19 +12,23 @@
 #include <cstdlib>
 #include <cstring>
 #include <limits>
+#include <mutex>
 
 #include "base/json.h"
 #include "base/text.h"
 #include "base/time.h"
 #include "base/width.h"
+#include "cli/output/waiting_line.h"
 
 namespace fleetpub::cli {
 namespace {
 
 using message::CommandStatus;
 using message::Report;
+using std::chrono::steady_clock;
 
 std::atomic<bool> g_has_passing = false;
+std::mutex g_terminal;    // whoever draws or replaces a passing line
 int g_why_unwritten = 0;  // what first kept standard output from being written
 
 void Remember(bool is_written) {
@@ -49,6 +53,12 @@ std::string FormatTypes(const Report& report) {
   return base::Join(types, ",");
 }
 
+// In whole milliseconds.
+std::string FormatTook(std::chrono::nanoseconds elapsed) {
+  const auto ms = std::chrono::ceil<std::chrono::milliseconds>(elapsed);
+  return ms < std::chrono::seconds(1) ? fmt::format("{} ms", ms.count()) : base::FormatElapsed(ms);
+}
+
 Tone ChooseTone(const Report& report) {
   if (report.error) return Tone::kBad;
   return report.status == CommandStatus::kDryRun ? Tone::kPlain : Tone::kGood;
@@ -57,6 +67,7 @@ Tone ChooseTone(const Report& report) {
 }  // namespace
 
 void Print(std::FILE* stream, std::string_view text) {
+  const std::scoped_lock lock(g_terminal);
   ClearPassingLine();
   const bool is_written = std::fwrite(text.data(), 1, text.size(), stream) == text.size();
   if (stream == stdout) Remember(is_written);
@@ -68,7 +79,16 @@ std::size_t TerminalWidth(int descriptor) {
   return is_known ? size.ws_col : std::numeric_limits<std::size_t>::max();
 }
 
+std::string WrappedFor(int descriptor, std::string_view text) {
+  constexpr std::size_t kIndent = 4;
+  const std::size_t width = TerminalWidth(descriptor);
+  if (text.find('\n') != std::string_view::npos) return std::string(text);
+  return width < 2 * kIndent ? std::string(text) : base::Wrapped(width, kIndent, text);
+}
+
 Output::Output(Settings settings) : settings_(settings), colour_(WantsColour(STDOUT_FILENO)) {}
+
+Output::~Output() = default;
 
 void Output::Line(std::string_view text) {
   if (json()) return JsonLine(text);
@@ -83,19 +103,31 @@ void Output::JsonLine(std::string_view json) {
 }
 
 void Output::PeopleLine(std::string_view text) {
-  if (!settings_.quiet) Line(text);
+  if (!settings_.quiet) Line(WrappedFor(STDOUT_FILENO, text));
+}
+
+void Output::Important(std::string_view text) {
+  Print(stderr, WrappedFor(STDERR_FILENO, fmt::format("fleetpub: {}", text)) + "\n");
 }
 
 void Output::Warn(std::string_view text) {
-  if (!settings_.quiet) Print(stderr, fmt::format("fleetpub: warning: {}\n", text));
+  if (!settings_.quiet) Important(fmt::format("warning: {}", text));
 }
 
 void Output::Info(std::string_view text) {
-  if (!settings_.quiet) Print(stderr, fmt::format("fleetpub: {}\n", text));
+  if (!settings_.quiet) Important(text);
 }
 
 void Output::Debug(std::string_view text) {
-  if (settings_.verbose) Print(stderr, fmt::format("fleetpub: {}\n", text));
+  if (settings_.verbose) Important(text);
+}
+
+void Output::Wait(std::string_view what, steady_clock::time_point limit, std::string_view hint) {
+  if (waiting_ == nullptr) {
+    if (what.empty() || !CanPass()) return;
+    waiting_ = std::make_unique<WaitingLine>(*this);
+  }
+  waiting_->Set(what, limit, hint);
 }
 
 void Output::Trace(std::string_view line) {
@@ -103,9 +135,9 @@ void Output::Trace(std::string_view line) {
 }
 
 void Output::PrintError(const Error& error) {
-  Print(stderr, fmt::format("fleetpub: error: {}\n", error.message));
+  Important(fmt::format("error: {}", error.message));
   if (settings_.verbose && !error.detail.empty()) {
-    Print(stderr, fmt::format("fleetpub: detail: {}\n", base::Printable(error.detail)));
+    Important(fmt::format("detail: {}", base::Printable(error.detail)));
   }
 }
 
@@ -126,12 +158,16 @@ bool Output::CanPass() const {
 void Output::Pass(std::string_view text) {
   // The last column stays empty: some terminals go to the next line at once.
   const std::size_t width = TerminalWidth(STDERR_FILENO) - 1;
+  const std::scoped_lock lock(g_terminal);
   std::fputs(fmt::format("\r\x1b[K{}", base::CutTo(width, text)).c_str(), stderr);
   std::fflush(stderr);
   g_has_passing = true;
 }
 
-void Output::ClearPassing() { ClearPassingLine(); }
+void Output::ClearPassing() {
+  const std::scoped_lock lock(g_terminal);
+  ClearPassingLine();
+}
 
 bool Output::HasPassing() { return g_has_passing; }
 
@@ -159,8 +195,7 @@ std::string ReportText(const Report& report, std::size_t target_width, const Out
   std::string line =
       fmt::format("{}  {}  {}", base::Padded(target_width, base::Printable(report.target)),
                   FormatTypes(report), output.Toned(ChooseTone(report), GetName(report.status)));
-  if (report.header_id) line += fmt::format("  headerId {}", *report.header_id);
-  if (report.elapsed.count() > 0) line += "  " + base::FormatElapsed(report.elapsed);
+  if (report.elapsed.count() > 0) line += "  " + FormatTook(report.elapsed);
   if (report.version_assumed) line += fmt::format("  {} (assumed)", report.version);
   if (!report.message.empty()) line += "  " + report.message;
   return line;

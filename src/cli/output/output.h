@@ -2,8 +2,10 @@
 // error.
 #pragma once
 
+#include <chrono>
 #include <cstddef>
 #include <cstdio>
+#include <memory>
 #include <string>
 #include <string_view>
 
@@ -23,6 +25,8 @@ enum class Tone { kPlain, kGood, kBad, kDim };
 /// Output::Flush() tells.
 void Print(std::FILE* session, std::string_view text);
 
+class WaitingLine;
+
 /// The columns of the terminal behind a descriptor; without limit when it is none.
 [[nodiscard]] std::size_t TerminalWidth(int descriptor);
 
@@ -35,6 +39,9 @@ class Output final : public app::Log {
   };
 
   explicit Output(Settings settings);
+  Output(const Output&) = delete;
+  Output& operator=(const Output&) = delete;
+  ~Output() override;
 
   [[nodiscard]] Format format() const { return settings_.format; }
   [[nodiscard]] bool json() const { return settings_.format == Format::kJson; }
@@ -45,13 +52,19 @@ class Output final : public app::Log {
   void Line(std::string_view text);
   /// The same, of JSON in either format: with nothing in it that a person would not see.
   void JsonLine(std::string_view json);
-  /// The same when it is only for people: suppressed by `--quiet`.
+  /// The same when it is only for people: suppressed by `--quiet`. Too long for the terminal, it is
+  /// broken between words.
   void PeopleLine(std::string_view text);
+  /// What `--quiet` does not suppress, on standard error.
+  void Important(std::string_view text);
 
   void Warn(std::string_view text) override;
   /// What happens meanwhile; on standard error, suppressed by `--quiet`.
   void Info(std::string_view text) override;
   void Debug(std::string_view text) override;  ///< with `--verbose` only
+  /// After a second, a line that counts the seconds, if anyone can see it (CanPass).
+  void Wait(std::string_view what, std::chrono::steady_clock::time_point limit,
+            std::string_view hint) override;
   void Trace(std::string_view line);
   void PrintError(const Error& error);
   /// The error that ends the command. With `-o json` it also is an object on standard output, unless
@@ -86,7 +99,11 @@ class Output final : public app::Log {
   bool colour_;
   bool something_was_sent_ = false;
   bool has_lines_ = false;
+  std::unique_ptr<WaitingLine> waiting_;
 };
+
+/// Broken between words where the terminal behind the descriptor is narrower.
+[[nodiscard]] std::string WrappedFor(int descriptor, std::string_view text);
 
 /// One result line for a person. `target_width` aligns several.
 [[nodiscard]] std::string ReportText(const message::Report& report, std::size_t target_width,

@@ -1,5 +1,7 @@
 #include "cli/output/reporter.h"
 
+#include <unistd.h>
+
 #include <algorithm>
 
 #include "base/text.h"
@@ -12,19 +14,19 @@ void Reporter::Fit(const std::string& target) {
 }
 
 void Reporter::Show(const message::Report& report) {
-  worst_ = Worse(worst_, GetExitCode(report));
+  Count(report);
   if (output_.json()) {
     output_.Line(ReportJson(report));
   } else if (report.error) {
-    output_.Line(ReportText(report, width_, output_));
+    output_.Line(WrappedFor(STDOUT_FILENO, ReportText(report, width_, output_)));
   } else {
     output_.PeopleLine(ReportText(report, width_, output_));
   }
 }
 
 void Reporter::Explain(const message::Report& report) {
-  worst_ = Worse(worst_, GetExitCode(report));
-  Print(stderr, ReportText(report, width_, output_) + "\n");
+  Count(report);
+  Print(stderr, WrappedFor(STDERR_FILENO, ReportText(report, width_, output_)) + "\n");
 }
 
 }  // namespace fleetpub::cli

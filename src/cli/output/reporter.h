@@ -21,6 +21,9 @@ class Reporter {
   /// With `--quiet`, a person reads only what went wrong.
   void Show(const message::Report& report);
 
+  /// Remembers it without a word.
+  void Count(const message::Report& report) { worst_ = Worse(worst_, GetExitCode(report)); }
+
   /// On standard error: of a dry run, whose output is payloads.
   void Explain(const message::Report& report);
 

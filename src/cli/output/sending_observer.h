@@ -2,7 +2,8 @@
 #pragma once
 
 #include <chrono>
-#include <memory>
+#include <optional>
+#include <string>
 
 #include "app/observer.h"
 #include "cli/output/exit_code.h"
@@ -10,11 +11,12 @@
 #include "cli/output/interrupt.h"
 #include "cli/output/output.h"
 #include "cli/output/reporter.h"
+#include "cli/output/stop_signal.h"
 
 namespace fleetpub::cli {
 
-/// Prints a result for each command as it becomes known. While it lives, Ctrl-C tells what was
-/// sent.
+/// Prints a result for each command as it becomes known; on a terminal, of more than ten robots,
+/// only what went wrong, by reasons, at the end. While messages travel, Ctrl-C stops waiting.
 class SendingObserver final : public app::Observer {
  public:
   /// kPayloads: of a dry run, with everything else on standard error.
@@ -38,7 +40,15 @@ class SendingObserver final : public app::Observer {
   void Sent() override;
   void Report(const message::Report& report) override;
   void NothingSent(const message::Report& report) override;
-  [[nodiscard]] std::function<void()> tick() override;
+  void Waits(const delivery::CommandSession& session) override;
+  void Wait(std::string_view what, std::chrono::steady_clock::time_point limit,
+            std::string_view hint) override {
+    output_.Wait(what, limit, hint);
+  }
+  [[nodiscard]] bool IsStopped() const override {
+    return stop_ && StopSignal::Received().has_value();
+  }
+  [[nodiscard]] int stop_descriptor() const override { return stop_ ? stop_->descriptor() : -1; }
 
   /// Once all is done; a summary when progress is shown. Returns the worst result's.
   ExitCode Conclude();
@@ -49,9 +59,11 @@ class SendingObserver final : public app::Observer {
   std::string site_;
   bool no_order_is_fine_;
   const InterruptGuard interrupt_;
+  std::optional<StopSignal> stop_;  // once somebody is waited for
   Reporter reporter_;
   FleetSummary summary_;
-  std::unique_ptr<ProgressBar> bar_;
+  bool is_brief_ = false;             // reasons are told at the end
+  std::optional<std::size_t> total_;  // once messages leave
   std::chrono::steady_clock::time_point start_{};
 };
 

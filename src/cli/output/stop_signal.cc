@@ -5,7 +5,8 @@
 
 #include <array>
 #include <atomic>
-#include <string_view>
+
+#include "cli/output/interrupt.h"
 
 namespace fleetpub::cli {
 namespace {
@@ -20,10 +21,7 @@ void Remember(int signal) {
     [[maybe_unused]] const auto ignored = write(g_writer, "", 1);
     return;
   }
-  constexpr std::string_view kWords =
-      "fleetpub: ended at once; fleetpub history lists what was sent\n";
-  [[maybe_unused]] const auto ignored = write(STDERR_FILENO, kWords.data(), kWords.size());
-  _exit(128 + signal);
+  EndAtOnce(signal, "ended at once; fleetpub history lists what was sent");
 }
 
 }  // namespace

@@ -51,7 +51,7 @@ TEST(GetExitCode, FollowsTheStatus) {
   using enum message::CommandStatus;
   constexpr std::pair<message::CommandStatus, int> kCases[] = {
       {kAccepted, 0},  {kFinished, 0}, {kNoOrder, 5}, {kFailed, 5},  {kRejected, 5},
-      {kRetriable, 6}, {kVanished, 6}, {kOffline, 6}, {kTimeout, 6},
+      {kRetriable, 6}, {kVanished, 6}, {kOffline, 6}, {kTimeout, 6}, {kInterrupted, 6},
   };
   for (const auto& [status, code] : kCases) {
     const message::Report report{.status = status, .error = message::ToErrorKind(status)};

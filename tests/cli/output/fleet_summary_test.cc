@@ -34,13 +34,33 @@ TEST(FleetSummary, NamesThoseThatAPersonHasToLookAfter) {
                   "  failed      KIT/2, KIT/4", "  unconfirmed KIT/3", "  offline     KIT/5"));
 }
 
+TEST(FleetSummary, GroupsByReasonOfWhomNothingWasTold) {
+  FleetSummary summary;
+  const auto add = [&](const char* target, CommandStatus status, const char* why) {
+    message::Report report;
+    report.target = target;
+    report.status = status;
+    report.message = why;
+    summary.Add(report);
+  };
+  add("KIT/1", CommandStatus::kFinished, "");
+  add("KIT/4", CommandStatus::kFailed, "no load");
+  add("KIT/3", CommandStatus::kFailed, "battery low");
+  add("KIT/2", CommandStatus::kFailed, "no load");
+  add("KIT/5", CommandStatus::kTimeout, "");
+  const auto lines = summary.Lines(milliseconds(1), "mqtt://north", FleetSummary::Names::kByReason);
+  EXPECT_THAT(lines, ElementsAre(HasSubstr("1 finished, 3 failed, 1 unconfirmed"),
+                                 "  FAILED      KIT/3  battery low",
+                                 "  FAILED      KIT/2, KIT/4  no load", "  TIMEOUT     KIT/5"));
+}
+
 TEST(FleetSummary, CountsEveryStatusUnderOneWord) {
   FleetSummary summary;
   for (std::size_t i = 0; i < message::kCommandStatuses.size(); ++i) {
     Add(summary, "KIT/1", static_cast<CommandStatus>(i), milliseconds(1));
   }
   EXPECT_EQ(summary.Counts(),
-            "2 finished, 3 sent, 1 no order, 2 failed, 3 unconfirmed, 1 offline, 2 refused, "
+            "2 finished, 3 sent, 1 no order, 2 failed, 4 unconfirmed, 1 offline, 2 refused, "
             "1 errors");
   const auto json =
       base::ParseJson(summary.Json(milliseconds(7), ExitCode::kBroker, "mqtt://north"));
