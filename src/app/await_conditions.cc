@@ -194,8 +194,8 @@ class Awaiter {
     }
     const std::string unreadable =
         heard.unreadable == 0 ? "" : fmt::format("; {} could not be read", heard.unreadable);
-    return fmt::format("{}: not so within {}: in its last {} message {}{}{}{}", name, time, topic,
-                       base::Join(heard.unmet, ", "), unreadable, others, away);
+    return fmt::format("{}: condition not met within {}: in its last {} message {}{}{}{}", name,
+                       time, topic, base::Join(heard.unmet, ", "), unreadable, others, away);
   }
 
   const AwaitRequest& request_;

@@ -230,7 +230,7 @@ Result<std::string> ReadActionType(const Value& line) {
   const auto near = base::Nearest(type, vda5050::AllActionWords());
   if (!near) return std::string(type);
   return Wrong(
-      fmt::format("'{}' is no predefined action: did you mean {}? A manufacturer's own "
+      fmt::format("'{}' is not a predefined action: did you mean {}? A manufacturer's own "
                   "action of this name needs \"exact\":true beside it",
                   Printable(type), *near));
 }

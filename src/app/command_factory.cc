@@ -33,8 +33,8 @@ class NotAwaited final : public message::ResponseTracker {
 };
 
 std::string DescribeOffline(const ListedRobot& robot) {
-  return "sent anyway, but not waited for: it is " +
-         vda5050::ConnectionText(*robot.second.connection);
+  return fmt::format("sent, but {}; not waiting",
+                     vda5050::ConnectionText(*robot.second.connection));
 }
 
 }  // namespace

@@ -209,18 +209,20 @@ class CommandSender final : private delivery::CommandSource {
   Status CheckCount() {
     const auto& expect = request_.targets.expect;
     if (!expect || robots_.size() == *expect) return {};
-    const std::string text =
-        fmt::format("{} robot{} {} meant, and --expect says {}", robots_.size(),
-                    robots_.size() == 1 ? "" : "s", robots_.size() == 1 ? "is" : "are", *expect);
+    const std::string text = fmt::format("{} robot{} found, but --expect says {}", robots_.size(),
+                                         robots_.size() == 1 ? "" : "s", *expect);
     return Fail(ReportNothingSent(CommandStatus::kRefused, {ErrorKind::kPreflight, text}));
   }
 
   Status CheckExclusions() {
     const auto unused = UnusedExclusion(request_.targets, excluded_, environment_.config);
     if (!unused) return {};
-    const std::string text =
-        fmt::format("--except {} spares nobody: no such robot is among those that were found",
-                    base::Printable(*unused));
+    std::vector<RobotAddress> found;
+    for (const auto& [robot, entry] : directory_.robots()) {
+      if (entry.IsKnown()) found.push_back(robot);
+    }
+    const std::string text = fmt::format("--except {} matches none of the robots found: {}",
+                                         base::Printable(*unused), FormatRobotList(found));
     if (request_.needs_consent == NeedsConsent::kNo) {
       observer_.Warn(text);
       return {};

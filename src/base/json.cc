@@ -142,19 +142,19 @@ std::string_view WordsFor(rapidjson::ParseErrorCode code) {
     case rapidjson::kParseErrorDocumentEmpty:
       return "nothing is there";
     case rapidjson::kParseErrorDocumentRootNotSingular:
-      return "something stands behind its end";
+      return "there is something after its end";
     case rapidjson::kParseErrorValueInvalid:
-      return "here must be a value: a text stands in quotation marks";
+      return "a value is expected here: write a text in quotation marks";
     case rapidjson::kParseErrorObjectMissName:
-      return "here must be a member's name in quotation marks (is there a comma too many?)";
+      return "a member's name in quotation marks is expected here (is there a comma too many?)";
     case rapidjson::kParseErrorObjectMissColon:
-      return "a colon is missing behind a member's name";
+      return "a colon is missing after a member's name";
     case rapidjson::kParseErrorObjectMissCommaOrCurlyBracket:
       return "a comma or } is missing";
     case rapidjson::kParseErrorArrayMissCommaOrSquareBracket:
       return "a comma or ] is missing";
     case rapidjson::kParseErrorStringUnicodeEscapeInvalidHex:
-      return "four hexadecimal digits are missing behind \\u";
+      return "four hexadecimal digits are missing after \\u";
     case rapidjson::kParseErrorStringUnicodeSurrogateInvalid:
       return "half of a surrogate pair";
     case rapidjson::kParseErrorStringEscapeInvalid:
@@ -166,7 +166,7 @@ std::string_view WordsFor(rapidjson::ParseErrorCode code) {
     case rapidjson::kParseErrorNumberTooBig:
       return "a number is too large";
     case rapidjson::kParseErrorNumberMissFraction:
-      return "digits are missing behind the decimal point";
+      return "digits are missing after the decimal point";
     case rapidjson::kParseErrorNumberMissExponent:
       return "digits are missing in the exponent";
     default:

@@ -151,7 +151,7 @@ int Main(int argc, char** argv, const BuildInfo& build) {
     Print(stderr,
           fmt::format(
               "fleetpub: error: nobody foresaw this, and whether anything was sent is not known "
-              "(fleetpub history tells): please report it\nfleetpub: detail: {}\n",
+              "(see fleetpub history): please report it\nfleetpub: detail: {}\n",
               base::Printable(error.what())));
   }
   std::fflush(stdout);

@@ -56,7 +56,7 @@ Status CollectAliases(Config& config) {
     if (is_new) continue;
     const auto& other = config.robots.at(known->second).settings.find("alias")->second;
     return Fail(ErrorAt(alias->second.place,
-                        fmt::format("alias '{}' is that of {} already ({})", base::Printable(name),
+                        fmt::format("alias '{}' already names {} ({})", base::Printable(name),
                                     known->second.ToString(), other.place.ToString())));
   }
   return {};

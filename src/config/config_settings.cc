@@ -51,7 +51,7 @@ Status CheckDuration(const std::string& value) {
 Status CheckProxy(const std::string& value) {
   if (value.find('@') == std::string::npos) return {};
   return Fail(ErrorKind::kUsage,
-              "a proxy's login does not stand in a configuration file: set FLEETPUB_PROXY");
+              "a proxy's login cannot be in a configuration file: set FLEETPUB_PROXY");
 }
 
 Status CheckLedger(const std::string& value) {
@@ -118,7 +118,7 @@ Status CheckTargetName(const std::string& name) {
     return {};
   }
   return Fail(ErrorKind::kUsage,
-              fmt::format("'{}' is no name for a target: it must not be empty, begin with - or "
+              fmt::format("'{}' is not a name for a target: it must not be empty, begin with - or "
                           "contain a blank, a control character or one of / + # $ @ * ? , \" '",
                           base::Printable(name)));
 }

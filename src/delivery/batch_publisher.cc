@@ -131,7 +131,7 @@ bool BatchPublisher::Take(const mqtt::Acknowledgement& acknowledgement) {
   if (acknowledgement.Refused()) {
     SetError(*found->second,
              {ErrorKind::kBroker,
-              fmt::format("{} refused the message, nobody got it: {}",
+              fmt::format("{} refused the message, it was not delivered: {}",
                           transport_.server().broker.ToString(), acknowledgement.reason)},
              "");
   } else {

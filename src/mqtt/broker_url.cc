@@ -117,8 +117,8 @@ Result<Pieces> Split(std::string_view text) {
     if (!pieces.may_repeat || text.find("//") != std::string_view::npos) {
       return Fail(ErrorKind::kUsage, fmt::format("the broker URL has no scheme: {}", kForm));
     }
-    return Fail(ErrorKind::kUsage,
-                fmt::format("\"{0}\" is no broker URL: write mqtt://{0}", base::Printable(text)));
+    return Fail(ErrorKind::kUsage, fmt::format("\"{0}\" is not a broker URL: write mqtt://{0}",
+                                               base::Printable(text)));
   }
   pieces.scheme = text.substr(0, scheme_end);
   std::string_view rest = text.substr(scheme_end + 3);
@@ -143,7 +143,7 @@ Result<SchemeInfo> ParseScheme(std::string_view name) {
   for (const auto& [other, ours] : kOtherNames) {
     if (lower == other) {
       return Fail(ErrorKind::kUsage,
-                  fmt::format("{0}:// is no scheme of a broker URL: write {1}://", lower, ours));
+                  fmt::format("{0}:// is not a scheme of a broker URL: write {1}://", lower, ours));
     }
   }
   return Fail(ErrorKind::kUsage,
@@ -201,9 +201,10 @@ Result<std::string> ParseIpv6(std::string_view text, const Pieces& pieces) {
   if (!good) {
     return Fail(
         ErrorKind::kUsage,
-        fmt::format("the address{} in the broker URL is no IPv6 address: write mqtt://[::1]:1883, "
-                    "and a zone as [fe80::1%25eth0]",
-                    pieces.Quoted(text)));
+        fmt::format(
+            "the address{} in the broker URL is not an IPv6 address: write mqtt://[::1]:1883, "
+            "and a zone as [fe80::1%25eth0]",
+            pieces.Quoted(text)));
   }
   return *std::move(host);
 }
@@ -216,10 +217,11 @@ Result<std::string> ParseHostName(std::string_view text, const Pieces& pieces) {
       !std::all_of(host->begin(), host->end(), IsHostCharacter)) {
     return Fail(
         ErrorKind::kUsage,
-        fmt::format("the host{} in the broker URL is no host name: it consists of letters, digits, "
-                    ". and - (and a name with "
-                    "other letters has an xn-- form)",
-                    pieces.Quoted(text.substr(0, kMaximumHostLength))));
+        fmt::format(
+            "the host{} in the broker URL is not a host name: it consists of letters, digits, "
+            ". and - (and a name with "
+            "other letters has an xn-- form)",
+            pieces.Quoted(text.substr(0, kMaximumHostLength))));
   }
   return *std::move(host);
 }
@@ -230,7 +232,7 @@ Result<std::uint16_t> ParsePort(std::string_view text, const Pieces& pieces) {
   const auto [stop, error] = std::from_chars(text.data(), end, value);
   if (error != std::errc() || stop != end || value < 1 || value > 65535) {
     return Fail(ErrorKind::kUsage,
-                fmt::format("the port{} in the broker URL is no number from 1 to 65535",
+                fmt::format("the port{} in the broker URL is not a number from 1 to 65535",
                             pieces.Quoted(text.substr(0, kMaximumHostLength))));
   }
   return static_cast<std::uint16_t>(value);
@@ -254,7 +256,7 @@ Status ParseAuthority(const Pieces& pieces, BrokerUrl& url) {
   } else {
     if (std::count(host.begin(), host.end(), ':') > 1) {
       return Fail(ErrorKind::kUsage,
-                  "an IPv6 address in a broker URL stands in brackets: write mqtt://[::1]:1883");
+                  "write an IPv6 address in a broker URL in brackets: write mqtt://[::1]:1883");
     }
     if (const std::size_t colon = host.find(':'); colon != std::string_view::npos) {
       port = host.substr(colon + 1);

@@ -18,7 +18,7 @@ constexpr std::uint16_t kDefaultPort = 3128;  // squid's, and curl's would be 10
 
 tl::unexpected<Error> BadProxy() {
   return Fail(ErrorKind::kUsage,
-              "the proxy is no HTTP proxy URL: write http://host:port, or in FLEETPUB_PROXY "
+              "the proxy is not an HTTP proxy URL: write http://host:port, or in FLEETPUB_PROXY "
               "http://user:password@host:port with @, : and % in them as %40, %3A and %25");
 }
 

@@ -216,9 +216,8 @@ void PacketCheck::Finish() {
     case Field::kLength:
       left_ = number_;
       if (left_ > kMaximumIncomingPacket) {
-        return RefuseWhole(
-            fmt::format("a {} packet of {} bytes, more than the {} that are taken here",
-                        kTypes[type_].name, left_, kMaximumIncomingPacket));
+        return RefuseWhole(fmt::format("a {} packet of {} bytes, more than the limit of {}",
+                                       kTypes[type_].name, left_, kMaximumIncomingPacket));
       }
       return BeginBody();
     case Field::kPropertyId:

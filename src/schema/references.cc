@@ -104,8 +104,8 @@ auto ReferenceTable::Resolve(std::size_t index) -> Checked<Found> {
   const auto document = documents_.find(reference.uri);
   if (document == documents_.end()) {
     return tl::unexpected(fmt::format(
-        "{} refers to another document, {}: what is needed of it must stand under definitions",
-        place, text));
+        "{} refers to another document, {}: what is needed of it must be under definitions", place,
+        text));
   }
   const Value* schema = Find(reference);
   if (schema == nullptr) {

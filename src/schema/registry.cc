@@ -44,7 +44,7 @@ Result<std::string> Registry::Text(std::string_view name) const {
   for (const Embedded& embedded : EmbeddedSchemas()) names.push_back(embedded.name);
   const auto near = base::Nearest(name, names);
   return Fail(ErrorKind::kUsage,
-              fmt::format("no schema is called {}; {}", base::Printable(name),
+              fmt::format("there is no schema {}; {}", base::Printable(name),
                           near ? fmt::format("did you mean {}?", *near)
                                : "`fleetpub schema list` shows those there are"));
 }

@@ -66,7 +66,7 @@ std::optional<std::string> ParseVersion(std::string_view folder, const Known& kn
   return std::string(number);
 }
 
-// `instantActions` for `instant-actions`; what is no topic stays as it is.
+// `instantActions` for `instant-actions`; what is not a topic stays as it is.
 std::string ParseTopic(std::string_view stem, const Known& known) {
   std::string topic;
   for (std::size_t i = 0; i < stem.size(); ++i) {
@@ -222,7 +222,7 @@ Result<std::string> ReadSchemaFile(const fs::path& file, const std::vector<fs::p
                                                      : "";
   if (!why.empty()) {
     return Fail(ErrorKind::kInvalid,
-                fmt::format("schema {} refers to what cannot be had: {}", file.string(), why));
+                fmt::format("schema {} refers to something missing: {}", file.string(), why));
   }
   return *changed ? base::ToJson(*document) : text;
 }

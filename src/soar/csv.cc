@@ -43,7 +43,7 @@ class Reader {
       if (rest_.starts_with("\r\n")) rest_.remove_prefix(1);
       if (rest_.empty()) return {};
       if (!rest_.starts_with('\n')) {
-        return Refuse(line_, "behind a closing quotation mark comes a comma or the line's end");
+        return Refuse(line_, "after a closing quotation mark comes a comma or the line's end");
       }
       rest_.remove_prefix(1);
       ++line_;

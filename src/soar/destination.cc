@@ -26,7 +26,7 @@ std::string_view FaultOfLevel(std::string_view level) {
   if (level.empty()) return "a level is empty";
   if (level.find('/') != std::string_view::npos) return "levels are separated by dots, not by /";
   if (level.find_first_of("+#*") != std::string_view::npos) {
-    return "+ # and * are wildcards, which nobody is called";
+    return "+ # and * are wildcards and cannot be part of a name";
   }
   if (std::any_of(level.begin(), level.end(), IsControl)) return "it contains a control character";
   if (!base::IsUtf8(level)) return "it is not valid UTF-8";
@@ -71,7 +71,7 @@ Status CheckTail(Levels tail, std::string_view text, MessageType type) {
                 fmt::format("destination '{}' is refused: {}", base::Printable(text), why));
   };
   if (!tail.empty() && tail[0] != kTo && tail[0] != kFrom) {
-    return refuse(fmt::format("behind the platform stands to_platform or from_platform, not '{}'",
+    return refuse(fmt::format("after the platform comes to_platform or from_platform, not '{}'",
                               base::Printable(tail[0])));
   }
   if (tail.size() > 1 && tail[1] != GetName(type)) {
@@ -128,7 +128,7 @@ Result<Destination> ParseDestination(std::string_view text, const Prefix& prefix
   if (!levels) return Fail(levels.error());
   if (text == "broadcast") {
     return Fail(ErrorKind::kUsage,
-                "'broadcast' is no destination: send to everybody with --broadcast");
+                "'broadcast' is not a destination: send to everybody with --broadcast");
   }
   const bool prefixed = BeginsWith(*levels, prefix.levels);
   const Levels below = prefixed ? Levels(*levels).subspan(prefix.levels.size()) : Levels(*levels);
@@ -149,7 +149,7 @@ Result<Destination> ParseDestination(std::string_view text, const Prefix& prefix
   if (!destination) return destination;
   if (!is_long && below.size() == kPlatformLevels) {
     destination->warnings.push_back(
-        fmt::format("without the prefix it is taken as it stands; the platform is {0}.{1}",
+        fmt::format("without the prefix it is used as it is; the platform is {0}.{1}",
                     prefix.Dotted(), base::Printable(text)));
   }
   if (destination->topic.size() > kLongestKey) {

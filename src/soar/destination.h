@@ -50,7 +50,7 @@ struct Destination {
 [[nodiscard]] Result<Prefix> ParsePrefix(std::string_view text);
 
 /// A destination for this type of message. One that names a platform gets direction and message
-/// type appended when they are not there; one with fewer than four levels is taken as it stands,
+/// type appended when they are not there; one with fewer than four levels is used as it is,
 /// under the prefix. A level that is empty, has `/ + # *`, a control character or invalid UTF-8
 /// in it, a direction that is none, another message type, and more levels than there are: refused
 /// with ErrorKind::kUsage.

@@ -194,7 +194,7 @@ Result<Item> ParseItem(std::span<const Field> fields, std::string_view text,
     const auto equals = part.find('=');
     if (equals == std::string::npos) {
       return Fail(ErrorKind::kInvalid,
-                  fmt::format("'{}' is no KEY=VALUE, such as lat=50.37", base::Printable(part)));
+                  fmt::format("'{}' is not a KEY=VALUE, such as lat=50.37", base::Printable(part)));
     }
     const std::string_view view = part;
     pairs.emplace_back(Trimmed(view.substr(0, equals)), view.substr(equals + 1));

@@ -133,8 +133,8 @@ class Checker {
       if (action == known) return;
     }
     if (const auto near = base::Nearest(action, kActions)) {
-      Add(path + "/action",
-          fmt::format("'{}' is no named action: is {} meant?", base::Printable(action), *near));
+      Add(path + "/action", fmt::format("'{}' is not a named action: did you mean {}?",
+                                        base::Printable(action), *near));
     }
   }
 
@@ -223,7 +223,7 @@ class Checker {
     const double north = point[1].GetDouble();
     if (east < -kMostLongitude || east > kMostLongitude || north < -kMostLatitude ||
         north > kMostLatitude) {
-      Add(path, fmt::format("[{}, {}] is no longitude between -180 and 180 and latitude between "
+      Add(path, fmt::format("[{}, {}] is not a longitude between -180 and 180 and latitude between "
                             "-90 and 90",
                             east, north));
     }

@@ -152,7 +152,7 @@ TEST(BatchLine, SaysWhatIsWrong) {
       {R"({"target":"K/1","action":"x","headerId":-1})", "headerId must be a whole number"},
       {R"({"target":"K/1","action":"x","wait":"often"})", "wait must be"},
       {R"({"target":"K/1","action":"pick"})", "never an instant action"},
-      {R"({"target":"K/1","topic":"state","payload":{}})", "no topic that fleet control"},
+      {R"({"target":"K/1","topic":"state","payload":{}})", "not a topic that fleet control"},
       {R"({"target":"a.b.c","soar":"plan","payload":{}})", "mission_plan"},
       {R"({"target":"a.b.c","soar":"observation","payload":{},"vda":"3"})", "belongs to VDA 5050"},
   };

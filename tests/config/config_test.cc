@@ -115,11 +115,11 @@ TEST(Config, WhatIsNotUnderstoodIsRefusedWithItsPlace) {
            {"[robot.\"KIT/+\"]\n", "wildcards"},
            {"[robot.\"KIT/1\"]\nbroker = \"mqtt://a\"\n", "broker: there is no such key"},
            {"[robot.\"KIT/1\"]\nallow_insecure = true\n", "there is no such key"},
-           {"[robot.\"KIT/1\"]\nalias = \"a/b\"\n", "is no name for a target"},
-           {"[robot.\"KIT/1\"]\nalias = \"@a\"\n", "is no name for a target"},
+           {"[robot.\"KIT/1\"]\nalias = \"a/b\"\n", "is not a name for a target"},
+           {"[robot.\"KIT/1\"]\nalias = \"@a\"\n", "is not a name for a target"},
            {"[group]\na = \"KIT/1\"\n", "takes a list of robots"},
            {"[group]\na = []\n", "at least one"},
-           {"[group]\n\"a b\" = [\"KIT/1\"]\n", "is no name for a target"},
+           {"[group]\n\"a b\" = [\"KIT/1\"]\n", "is not a name for a target"},
            {"group = 1\n", "group is a table"},
            {"a = 1\na = 2\n", "c.toml:2:"},
            {"broker = \"mqtt://a\nqos = 1\n", "c.toml:1:"},
@@ -166,7 +166,7 @@ TEST(Config, UnknownNamesAreRefusedWithTheNearest) {
               HasSubstr("c.toml:3:2: there is no robot with the alias 'agv2': did you mean agv1?"));
   EXPECT_THAT(Fault("[group]\na = [\"@b\"]\nb = [\"@a\"]\n"), HasSubstr("no other group"));
   EXPECT_THAT(Fault("[robot.\"A/1\"]\nalias = \"x\"\n[robot.\"A/2\"]\nalias = \"x\"\n"),
-              AllOf(HasSubstr("c.toml:4:1: alias 'x' is that of A/1"), HasSubstr("c.toml:2")));
+              AllOf(HasSubstr("c.toml:4:1: alias 'x' already names A/1"), HasSubstr("c.toml:2")));
 }
 
 TEST(Config, PathsAreRelativeToTheFile) {

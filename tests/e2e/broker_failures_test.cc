@@ -68,9 +68,9 @@ TEST_F(BrokerFailures, OfReachingItAreNamedByEveryCommand) {
 
 TEST_F(BrokerFailures, OfWhatIsNoBrokerSayWhatItIs) {
   const std::pair<std::string, std::string> greetings[] = {
-      {"SSH-2.0-OpenSSH_9.2\r\n", "no MQTT broker: check the port"},
+      {"SSH-2.0-OpenSSH_9.2\r\n", "not an MQTT broker: check the port"},
       {"HTTP/1.1 400 Bad Request\r\n\r\n", "write ws://"},
-      {std::string(64, '\xFF'), "no MQTT broker: check the port"},
+      {std::string(64, '\xFF'), "not an MQTT broker: check the port"},
       {std::string("\x20\xFF\xFF\xFF\xFF\xFF", 6), "cannot connect"},
   };
   for (const auto& [bytes, words] : greetings) {

@@ -48,7 +48,7 @@ TEST_F(Refusals, NameWhatIsWrongAndSendNothing) {
       {{"pause", "KIT/0001", "-q", "3"}, 2, "0, 1 or 2"},
       {{"pause", "KIT/0001", "-q", "1", "--qos", "1"}, 2, "--qos is given more than once"},
       {{"pause", "KIT/0001", "-q"}, 2, "--qos needs a value"},
-      {{"pause", "KIT/0001", "-b", "http://x"}, 2, "no scheme"},
+      {{"pause", "KIT/0001", "-b", "http://x"}, 2, "not a scheme"},
       {{"pause", "KIT/0001", "-b", "mqtt://u:secret@x"}, 2, "password"},
       {{"pause", "KIT/0001", "--cafile", "ca.pem"}, 2, "is not encrypted"},
       {{"pause", "KIT/0001", "-P", "secret"}, 2, "key=text"},
@@ -94,7 +94,7 @@ TEST_F(Refusals, AnInvalidTargetAmongSeveralStopsThemAll) {
 TEST_F(Refusals, ANearlyPredefinedKeyIsSentWithAWarning) {
   const Finished run = Send({"logReport", "KIT/0001", "--reason", "x", "-P", "reasn=y"});
   EXPECT_EQ(run.exit_code, 0);
-  EXPECT_THAT(run.errors, HasSubstr("is reason meant?"));
+  EXPECT_THAT(run.errors, HasSubstr("did you mean reason?"));
 }
 
 TEST_F(Refusals, ARefusedConnectionIsExit4) {

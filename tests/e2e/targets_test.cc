@@ -81,7 +81,7 @@ TEST_F(Targets, AMisspeltExceptionCommandsNobody) {
     const Finished run = Fleetpub({"resume", "KIT/*", "--except", misspelt, "--yes"});
     EXPECT_EQ(run.exit_code, 7);
     EXPECT_THAT(run.errors, AllOf(HasSubstr("nothing was sent"), HasSubstr(misspelt),
-                                  HasSubstr("spares nobody")));
+                                  HasSubstr("matches none of the")));
   }
   EXPECT_THAT(subscriber.SoFar(), IsEmpty());
   for (const char* right : {"KIT/0002", "*/0002"}) {
@@ -92,7 +92,7 @@ TEST_F(Targets, AMisspeltExceptionCommandsNobody) {
   // To stop one too many is no harm.
   const Finished stop = Fleetpub({"pause", "KIT/*", "--except", "KIT/O002"});
   EXPECT_EQ(stop.exit_code, 0);
-  EXPECT_THAT(stop.errors, HasSubstr("spares nobody"));
+  EXPECT_THAT(stop.errors, HasSubstr("matches none of the"));
 }
 
 TEST_F(Targets, GroupsAndAliasesCanBeExceptions) {
@@ -295,7 +295,7 @@ TEST_F(Targets, AwaitWaitsForEachRobotOfAPattern) {
   const Finished half = Fleetpub({"await", "KIT/*", "state", "paused=true", "-W", "2s"});
   EXPECT_EQ(half.exit_code, 6);
   EXPECT_THAT(half.errors,
-              AllOf(HasSubstr("KIT/0002: not so within"), HasSubstr("paused is false")));
+              AllOf(HasSubstr("KIT/0002: condition not met within"), HasSubstr("paused is false")));
   EXPECT_EQ(Fleetpub({"await", "KTI/*", "state", "paused=true"}).exit_code, 7);
 }
 

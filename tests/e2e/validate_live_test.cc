@@ -143,7 +143,7 @@ TEST_F(ValidateLive, RefusesWhatDoesNotGoTogether) {
   EXPECT_EQ(Fleetpub({"validate", "--live", "--lines"}).exit_code, 2);
   EXPECT_EQ(Fleetpub({"validate", "--count", "3"}).exit_code, 2);
   EXPECT_EQ(Fleetpub({"validate", "--live", "--topic", "status"}).exit_code, 2);
-  EXPECT_THAT(Fleetpub({"validate", "--live", "KIT"}).errors, HasSubstr("no pattern"));
+  EXPECT_THAT(Fleetpub({"validate", "--live", "KIT"}).errors, HasSubstr("not a pattern"));
 }
 
 }  // namespace

@@ -124,7 +124,7 @@ TEST(SchemaLoader, RefusesReferencesThatLeadNowhere) {
        "under definitions"},
       {R"({"$ref":"common.json#/definitions/header"})",
        "/$ref refers to another document, common.json#/definitions/header: what is needed of it "
-       "must stand under definitions"},
+       "must be under definitions"},
       {R"({"definitions":{"a":{"$id":"http://x/a"},"b":{"$id":"http://x/a"}}})",
        "/definitions/b/$id stands there for a second schema"},
   };

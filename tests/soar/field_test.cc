@@ -128,14 +128,14 @@ TEST(SoarItem, RefusesWhatIsUnknownDoubleOrMissing) {
     std::string_view why;
   };
   constexpr std::array kCases = {
-      Case{"", "no KEY=VALUE"},
-      Case{"lat", "'lat' is no KEY=VALUE"},
+      Case{"", "not a KEY=VALUE"},
+      Case{"lat", "'lat' is not a KEY=VALUE"},
       Case{"lat=1", "longitude_waypoint is missing"},
       Case{"lon=1", "latitude_waypoint is missing"},
       Case{"lat=1,lon=2,latitude=3", "latitude_waypoint is given twice"},
       Case{"lat=1,lon=2,deph=3", "'deph' is not known here: there are lat, lon, depth"},
       Case{"lat=,lon=2", "latitude_waypoint must be a number, not ''"},
-      Case{"lat=1,lon=2,", "no KEY=VALUE"},
+      Case{"lat=1,lon=2,", "not a KEY=VALUE"},
       Case{"lat=1,lon=2,=3", "'' is not known"},
   };
   for (const auto& [text, why] : kCases) {

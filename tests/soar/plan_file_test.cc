@@ -41,7 +41,7 @@ TEST(Csv, SaysWhichLineIsNone) {
   };
   constexpr std::array kCases = {
       Case{"a\n\"b", "line 2: a quotation mark is not closed"},
-      Case{"a\n\"b\"c", "line 2: behind a closing quotation mark"},
+      Case{"a\n\"b\"c", "line 2: after a closing quotation mark"},
       Case{"a\n\n\xFF", "line 3: it is not valid UTF-8"},
   };
   for (const auto& [text, why] : kCases) {

@@ -135,7 +135,7 @@ const std::map<std::string, World>& Troubles() {
       {"A pattern matches nobody (exit 7)", {.setup = "online KIT/0001"}},
       {"No robot satisfies `--where` (exit 7)", {.setup = "online KIT/0001"}},
       {"`--where` cannot be decided (exit 7)", {.setup = "online KIT/0001 --silent"}},
-      {"`--except` spares nobody (exit 7)", {.setup = "online KIT/0001"}},
+      {"`--except` matches nobody (exit 7)", {.setup = "online KIT/0001"}},
       {"Several robots need consent (exit 2)", {.setup = "online KIT/0001 --count 2"}},
       {"The robot rejects the action (exit 5)",
        {.setup = "online KIT/0001 --vda 2.1 --reject startPause"}},

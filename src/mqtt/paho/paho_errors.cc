@@ -125,7 +125,7 @@ std::string WrongNameCause(const ConnectFacts& facts, const std::string& host) {
       facts.certificate_names.empty() ? "another host" : base::Printable(facts.certificate_names);
   if (facts.verify_code == X509_V_ERR_IP_ADDRESS_MISMATCH) {
     return fmt::format(
-        "its certificate is for {}, not for the address {}, which must stand in it as an address "
+        "its certificate is for {}, not for the address {}, which it must contain as an address "
         "(IP:{}): write the host name in --broker, or have the certificate made anew",
         names, host, host);
   }
@@ -175,7 +175,7 @@ std::string PeerCause(unsigned char first) {
   if (tls_record) return "what answers there speaks TLS: write mqtts:// (or wss://)";
   if (first == 'H')
     return "what answers there speaks HTTP, not MQTT: write ws://, or check the port";
-  return "what answers there is no MQTT broker: check the port";
+  return "what answers there is not an MQTT broker: check the port";
 }
 
 // What a server says to a client's certificate, or to none (RFC 8446 §6.2, RFC 5246 §7.4.6).

@@ -43,7 +43,7 @@ class PahoTransport final : public RobotTransport {
     for (const std::string& filter : filters) {
       if (filter.empty() || !IsMqttString(filter)) {
         return Fail(ErrorKind::kUsage,
-                    fmt::format("\"{}\" is no topic filter", base::Printable(filter)));
+                    fmt::format("\"{}\" is not a topic filter", base::Printable(filter)));
       }
     }
     subscriptions_ += filters.size();
@@ -82,7 +82,7 @@ class PahoTransport final : public RobotTransport {
                               Qos qos) const override {
     if (topic.empty() || !IsMqttString(topic) || topic.find_first_of("+#") != std::string::npos) {
       return Fail(ErrorKind::kUsage,
-                  fmt::format("\"{}\" is no topic to publish to: UTF-8, without +, # and NUL",
+                  fmt::format("\"{}\" is not a topic to publish to: UTF-8, without +, # and NUL",
                               base::Printable(topic)));
     }
     const ServerInfo& server = session_.server();

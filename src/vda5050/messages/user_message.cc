@@ -151,10 +151,11 @@ Result<std::string_view> PublishedTopic(std::string_view text) {
   for (const Topic& topic : kMessageTopics) {
     if (base::EqualsIgnoringCase(topic.name, text)) return topic.name;
   }
-  return Fail(ErrorKind::kUsage,
-              fmt::format("'{}' is no topic that fleet control publishes: order, instantActions, "
-                          "zoneSet or responses",
-                          Printable(text)));
+  return Fail(
+      ErrorKind::kUsage,
+      fmt::format("'{}' is not a topic that fleet control publishes: order, instantActions, "
+                  "zoneSet or responses",
+                  Printable(text)));
 }
 
 std::optional<SpokenVersion> VersionSaidBy(const Value& message) {

@@ -18,7 +18,7 @@ bool IsControl(char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7
 std::string_view FaultOfLevel(std::string_view level) {
   if (level.empty()) return "it is empty";
   if (level.find_first_of("+#") != std::string_view::npos) {
-    return "+ and # are wildcards, which no robot is called";
+    return "+ and # are wildcards and cannot be part of a name";
   }
   if (level.find('$') != std::string_view::npos) return "$ is reserved for the broker";
   if (level.find('/') != std::string_view::npos) return "/ separates topic levels";
@@ -73,10 +73,11 @@ Result<std::string> Fill(std::string_view topic_template, auto value_of) {
     const std::string_view name = topic_template.substr(open + 1, close - open - 1);
     const std::string_view* value = close == std::string_view::npos ? nullptr : value_of(name);
     if (value == nullptr) {
-      return Fail(ErrorKind::kUsage,
-                  fmt::format("topic template: '{{{}' is no placeholder; there are {{interface}} "
-                              "{{major}} {{manufacturer}} {{serial}} {{topic}}",
-                              base::Printable(name)));
+      return Fail(
+          ErrorKind::kUsage,
+          fmt::format("topic template: '{{{}' is not a placeholder; there are {{interface}} "
+                      "{{major}} {{manufacturer}} {{serial}} {{topic}}",
+                      base::Printable(name)));
     }
     topic += *value;
     topic_template.remove_prefix(close + 1);

@@ -79,10 +79,11 @@ RobotFilter RobotPattern::Filter() const {
 
 Result<RobotPattern> ParseRobotPattern(std::string_view text) {
   if (text.find('/') == std::string_view::npos) {
-    return Fail(ErrorKind::kUsage,
-                fmt::format("'{}' is no pattern: write manufacturer/serialNumber, such as 'KIT/*' "
-                            "or '*/0001', in quotation marks",
-                            base::Printable(text)));
+    return Fail(
+        ErrorKind::kUsage,
+        fmt::format("'{}' is not a pattern: write manufacturer/serialNumber, such as 'KIT/*' "
+                    "or '*/0001', in quotation marks",
+                    base::Printable(text)));
   }
   auto literal = ParseRobotAddress(text);
   if (!literal) return Fail(std::move(literal.error()));

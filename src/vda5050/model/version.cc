@@ -117,7 +117,7 @@ std::optional<SpokenVersion> VersionSpoken(std::string_view header_version,
 }
 
 std::string NoReleaseText(std::string_view header_version, Version taken_as) {
-  return fmt::format("\"{}\" is no release of VDA 5050: taken as {}",
+  return fmt::format("\"{}\" is not a release of VDA 5050: taken as {}",
                      base::Printable(header_version.substr(0, 80)), GetFacts(taken_as).name);
 }
 

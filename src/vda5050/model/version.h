@@ -51,7 +51,7 @@ struct SpokenVersion {
 [[nodiscard]] std::optional<SpokenVersion> VersionSpoken(std::string_view header_version,
                                                          std::string_view major_level);
 
-/// `"1.3.2" is no release of VDA 5050: taken as 2.1.0`.
+/// `"1.3.2" is not a release of VDA 5050: taken as 2.1.0`.
 [[nodiscard]] std::string NoReleaseText(std::string_view header_version, Version taken_as);
 
 }  // namespace fleetpub::vda5050

@@ -138,7 +138,7 @@ std::string FaultOfPath(const std::string& path) {
   if (path.front() == '/') {
     return base::JsonPointer(path).IsValid()
                ? ""
-               : "its path is no JSON Pointer: in names, ~0 stands for ~ and ~1 for /";
+               : "its path is not a JSON Pointer: in names, ~0 stands for ~ and ~1 for /";
   }
   if (path.find_first_of("/.") == std::string::npos) return "";
   std::string pointer = path;
@@ -243,12 +243,11 @@ Result<std::string> CheckCondition(const Condition& condition, std::string_view 
   if (members.empty()) return "";
   const auto refuse = [&](std::string_view what, const std::string& nearest_path,
                           const std::string& nearest_value) {
-    return Fail(
-        ErrorKind::kUsage,
-        fmt::format("condition '{}': {} {}: did you mean {}{}{}? '/{}' is taken as it stands",
-                    base::Printable(ToString(condition)), topic_name, what, nearest_path,
-                    FormatComparison(condition.comparison), base::Printable(nearest_value),
-                    base::Printable(ToString(condition))));
+    return Fail(ErrorKind::kUsage,
+                fmt::format("condition '{}': {} {}: did you mean {}{}{}? '/{}' is used as it is",
+                            base::Printable(ToString(condition)), topic_name, what, nearest_path,
+                            FormatComparison(condition.comparison), base::Printable(nearest_value),
+                            base::Printable(ToString(condition))));
   };
   std::set<std::string_view> names;
   for (const auto& [name, values] : members) names.insert(name);

@@ -31,7 +31,7 @@ struct Condition {
 
 /// What no release's schema of the topic knows would be waited for in vain. Errors:
 /// ErrorKind::kUsage when it is a slip of the pen: a member, or a value of an enumeration or a
-/// boolean member, that nearly is one. Else a warning, or "". A JSON Pointer is taken as it stands,
+/// boolean member, that nearly is one. Else a warning, or "". A JSON Pointer is used as it is,
 /// and so is a topic without schema.
 [[nodiscard]] Result<std::string> CheckCondition(const Condition& condition,
                                                  std::string_view topic_name);

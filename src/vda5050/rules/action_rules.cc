@@ -46,7 +46,7 @@ void CheckFurtherKey(const ActionSpec& action, std::string_view key, const std::
   for (const ParameterSpec& spec : action.parameters) names.push_back(spec.name);
   if (const auto nearest = base::Nearest(key, names)) {
     return AddWarning(findings, path,
-                      fmt::format("'{}' is not a parameter that {} has: is {} meant?",
+                      fmt::format("'{}' is not a parameter that {} has: did you mean {}?",
                                   base::Printable(key), action.type, *nearest));
   }
   for (const ParameterSpec& spec : ParametersInAnyVersion(action.type)) {
@@ -115,8 +115,8 @@ void CheckUnknownType(std::string_view type, const std::string& path, Version ve
   if (FindAction(version, meant) == nullptr) return;
   AddWarning(
       findings, path + "/actionType",
-      fmt::format("'{}' is no predefined action, so it counts as a manufacturer's own: is {} "
-                  "meant? (names are case-sensitive)",
+      fmt::format("'{}' is not a predefined action, so it counts as a manufacturer's own: did you "
+                  "mean {}? (names are case-sensitive)",
                   base::Printable(type), meant));
 }
 
@@ -132,7 +132,7 @@ void CheckActionId(std::string_view id, const std::string& path, std::set<std::s
   if (id.empty()) return AddError(findings, path + "/actionId", "actionId must not be empty");
   if (!ids.insert(id).second) {
     AddError(findings, path + "/actionId",
-             fmt::format("actionId '{}' stands for two actions: ids must be unique",
+             fmt::format("actionId '{}' is used by two actions: ids must be unique",
                          base::Printable(id)));
   }
   CheckIdCharacters(id, path, "actionId", findings);

@@ -71,7 +71,7 @@ Result<std::vector<std::string>> Conformance::Filters() const {
   }
   if (std::find(kTopicNames.begin(), kTopicNames.end(), options_.topic) == kTopicNames.end()) {
     return Fail(ErrorKind::kUsage,
-                fmt::format("'{}' is no topic of VDA 5050: state, connection, factsheet, "
+                fmt::format("'{}' is not a topic of VDA 5050: state, connection, factsheet, "
                             "visualization, instantActions, order, zoneSet or responses",
                             base::Printable(options_.topic)));
   }
@@ -136,7 +136,7 @@ std::optional<Version> Conformance::FindVersion(const Value& message, const Topi
     return options_.version;
   }
   if (!spoken) {
-    errors.push_back({"/version", fmt::format("\"{}\" is no release of VDA 5050, and the topic "
+    errors.push_back({"/version", fmt::format("\"{}\" is not a release of VDA 5050, and the topic "
                                               "does not tell one either",
                                               Shown(said, 80))});
     return std::nullopt;

@@ -105,7 +105,7 @@ void CheckAction(const Value& action, const Leg& leg, const std::string& path, V
   const bool allowed = leg.is_node ? spec->scopes.node : spec->scopes.edge;
   if (!allowed) {
     return AddError(findings, path + "/actionType",
-                    fmt::format("{} is no action for {} in version {}", type,
+                    fmt::format("{} is not an action for {} in version {}", type,
                                 leg.is_node ? "a node" : "an edge", GetFacts(version).name));
   }
   CheckActionParameters(*spec, FindMember(action, "actionParameters"), path, findings);

@@ -83,7 +83,7 @@ void CheckWithoutConnection(Check& check) {
     return check.Warn(check.name + " has left no connection message, but sends states");
   }
   const std::string sentence =
-      check.name + " has left no connection message, and sent no state while it was listened to";
+      check.name + " has left no connection message, and sent no state during the look";
   if (IsOnlyStartPause(check.actions)) {
     check.Warn(sentence + "; startPause is sent anyway");
   } else {
@@ -294,7 +294,7 @@ PreflightFindings CheckRobot(const RobotAddress& robot, const Dialect& dialect,
   if (auto rival = RivalText(robot, known)) check.Warn(*std::move(rival));
   CheckMode(check, known.operating_mode);
   if (!known.factsheet_fault.empty()) {
-    check.Warn(fmt::format("{}'s factsheet cannot be read, so nothing is held against it: {}",
+    check.Warn(fmt::format("{}'s factsheet cannot be read, so its limits are not checked: {}",
                            check.name, known.factsheet_fault));
   }
   if (known.factsheet) {
@@ -316,7 +316,7 @@ bool NeedsFactsheet(std::span<const InstantAction> actions) {
 
 std::optional<std::string> RivalText(const RobotAddress& robot, const KnownRobot& known) {
   if (known.other_topic.empty()) return std::nullopt;
-  return fmt::format("{} is ONLINE at {} and at {}: the first one is taken for the living one",
+  return fmt::format("{} is ONLINE at {} and at {}: the first one is used",
                      base::Printable(robot.ToString()), Shown(known.topic),
                      Shown(known.other_topic));
 }

@@ -87,7 +87,7 @@ Findings CheckZoneSet(const Value& message) {
     const std::string_view id = StringMember(zone, "zoneId");
     if (!zone_ids.insert(id).second) {
       AddError(findings, path + "/zoneId",
-               fmt::format("zoneId '{}' stands for two zones: ids must be unique", Printable(id)));
+               fmt::format("zoneId '{}' is used by two zones: ids must be unique", Printable(id)));
     }
     CheckIdCharacters(id, path, "zoneId", findings);
     if (DifferentVertices(zone) < kCornersOfAPolygon) {

@@ -157,10 +157,10 @@ TEST(ConnectPaho, SaysThatThePeerHungUp) {
 TEST(ConnectPaho, SaysThatSomethingElseAnswers) {
   FLEETPUB_NEEDS_FAST_CONNECT();
   const std::pair<std::string, std::string> cases[] = {
-      {"SSH-2.0-OpenSSH_9.2\r\n", "no MQTT broker"},
+      {"SSH-2.0-OpenSSH_9.2\r\n", "not an MQTT broker"},
       {"HTTP/1.1 400 Bad Request\r\n\r\n", "ws://"},
       {std::string("\x15\x03\x03\x00\x02\x02\x32", 7), "mqtts://"},
-      {std::string("\0\0\0\0", 4), "no MQTT broker"},
+      {std::string("\0\0\0\0", 4), "not an MQTT broker"},
   };
   for (const auto& [greeting, words] : cases) {
     const BrokenBroker broker(BrokenBroker::Greets(greeting));

@@ -147,7 +147,8 @@ TEST(TopicFor, RefusesATemplateThatDoesNotTellRobotsApart) {
 TEST(TopicFor, RefusesAPlaceholderThatThereIsNot) {
   const std::string all = "{manufacturer}/{serial}/{topic}/";
   for (const std::string_view last : {"{robot}", "{}", "{", "{Serial}", "{{serial}}"}) {
-    EXPECT_THAT(Topic({.topic_template = all + std::string(last)}), HasSubstr("is no placeholder"))
+    EXPECT_THAT(Topic({.topic_template = all + std::string(last)}),
+                HasSubstr("is not a placeholder"))
         << last;
   }
 }

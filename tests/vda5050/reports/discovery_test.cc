@@ -61,7 +61,7 @@ TEST(DiscoveryFilters, KeepWhatIsStated) {
 
 TEST(DiscoveryFilters, AreRefusedWhereTheTopicWouldBe) {
   EXPECT_THAT(ListFilters({.topic_template = "{nothing}/{manufacturer}/{serial}/{topic}"}),
-              ElementsAre(HasSubstr("is no placeholder")));
+              ElementsAre(HasSubstr("is not a placeholder")));
   EXPECT_THAT(ListFilters({.interface_name = "#"}), ElementsAre(HasSubstr("wildcards")));
   EXPECT_THAT(ListFilters({}, {"KIT", "+"}), ElementsAre(HasSubstr("wildcards")));
 }

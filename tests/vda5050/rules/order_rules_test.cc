@@ -138,16 +138,16 @@ TEST(OrderRules, WantActionIdsOnceInTheWholeOrder) {
   Parts parts;
   parts.node_actions = parts.edge_actions =
       R"({"actionId":"a","actionType":"beep","blockingType":"NONE"})";
-  EXPECT_THAT(Check(parts), ElementsAre(HasSubstr("actionId 'a' stands for two actions")));
+  EXPECT_THAT(Check(parts), ElementsAre(HasSubstr("actionId 'a' is used by two actions")));
 }
 
 TEST(OrderRules, KnowWhereAnActionMayStand) {
   Parts parts;
   parts.edge_actions = R"({"actionId":"a","actionType":"startCharging","blockingType":"HARD"})";
-  EXPECT_THAT(Check(parts), ElementsAre(HasSubstr("startCharging is no action for an edge")));
+  EXPECT_THAT(Check(parts), ElementsAre(HasSubstr("startCharging is not an action for an edge")));
   parts.edge_actions = "";
   parts.node_actions = R"({"actionId":"a","actionType":"cancelOrder","blockingType":"HARD"})";
-  EXPECT_THAT(Check(parts), ElementsAre(HasSubstr("cancelOrder is no action for a node")));
+  EXPECT_THAT(Check(parts), ElementsAre(HasSubstr("cancelOrder is not an action for a node")));
 }
 
 TEST(OrderRules, CheckTheParametersOfActions) {
@@ -170,7 +170,7 @@ constexpr std::string_view kTriangle =
 TEST(ZoneRules, WantPolygonsAndUniqueIds) {
   EXPECT_THAT(CheckZones(fmt::format(kTriangle, "a", 0.5)), IsEmpty());
   EXPECT_THAT(CheckZones(fmt::format(kTriangle, "a", 0.5) + "," + fmt::format(kTriangle, "a", 2)),
-              ElementsAre(StartsWith("error /zoneSet/zones/1/zoneId: zoneId 'a' stands for two")));
+              ElementsAre(StartsWith("error /zoneSet/zones/1/zoneId: zoneId 'a' is used by two")));
   EXPECT_THAT(
       CheckZones(R"({"zoneId":"a","vertices":[{"x":0,"y":0},{"x":1,"y":0},{"x":1,"y":0}]})"),
       ElementsAre(HasSubstr("at least three vertices")));

@@ -66,7 +66,7 @@ TEST(CheckInstantActions, WantsEachActionIdOnce) {
   EXPECT_THAT(CheckActions(Version::k300, action + "," + other), IsEmpty());
   EXPECT_THAT(
       CheckActions(Version::k300, action + "," + other + "," + action),
-      ElementsAre("error /actions/2/actionId: actionId 'a1' stands for two actions: ids must be "
+      ElementsAre("error /actions/2/actionId: actionId 'a1' is used by two actions: ids must be "
                   "unique"));
 }
 
@@ -97,11 +97,12 @@ TEST(CheckInstantActions, RefusesWhatIsNeverInstant) {
 
 TEST(CheckInstantActions, NamesTheVersionsThatHaveAnAction) {
   EXPECT_THAT(CheckAction(Version::k200, "downloadMap"),
-              ElementsAre("error /actions/0/actionType: downloadMap is no predefined action in "
+              ElementsAre("error /actions/0/actionType: downloadMap is not a predefined action in "
                           "version 2.0.0: it is one in 2.1.0, 3.0.0"));
-  EXPECT_THAT(CheckAction(Version::k110, "factsheetRequest"),
-              ElementsAre("error /instantActions/0/actionType: factsheetRequest is no predefined "
-                          "action in version 1.1.0: it is one in 2.0.0, 2.1.0, 3.0.0"));
+  EXPECT_THAT(
+      CheckAction(Version::k110, "factsheetRequest"),
+      ElementsAre("error /instantActions/0/actionType: factsheetRequest is not a predefined "
+                  "action in version 1.1.0: it is one in 2.0.0, 2.1.0, 3.0.0"));
 }
 
 TEST(CheckInstantActions, NamesARenamedActionAsTheVersionDoes) {
@@ -123,11 +124,12 @@ TEST(CheckInstantActions, WarnsOfATypeThatNearlyIsAPredefinedOne) {
     EXPECT_THAT(CheckAction(Version::k300, own), ::testing::IsEmpty()) << "never the opposite";
   }
   for (const auto& [type, meant] : kCases) {
-    EXPECT_THAT(CheckAction(Version::k300, type),
-                ElementsAre(fmt::format(
-                    "warning /actions/0/actionType: '{}' is no predefined action, so it counts as "
-                    "a manufacturer's own: is {} meant? (names are case-sensitive)",
-                    type, meant)));
+    EXPECT_THAT(
+        CheckAction(Version::k300, type),
+        ElementsAre(fmt::format(
+            "warning /actions/0/actionType: '{}' is not a predefined action, so it counts as "
+            "a manufacturer's own: did you mean {}? (names are case-sensitive)",
+            type, meant)));
   }
 }
 
