@@ -138,16 +138,15 @@ void PutPosition(Json& json, const Position& position, const ProtocolTerms& term
 }
 
 void PutPowerAndSafety(Json& json, const RobotState& state, const ProtocolTerms& terms) {
-  constexpr double kCharge = 80;
   Put(json, terms.power);
   json.StartObject();
-  Put(json, terms.charge, kCharge);
+  Put(json, terms.charge, state.battery);
   Put(json, "charging", state.charging);
   json.EndObject();
   Put(json, "safetyState");
   json.StartObject();
-  Put(json, terms.emergency_stop, std::string_view("NONE"));
-  Put(json, "fieldViolation", false);
+  Put(json, terms.emergency_stop, state.emergency_stop);
+  Put(json, "fieldViolation", state.field_violation);
   json.EndObject();
 }
 

@@ -94,6 +94,7 @@ constexpr auto kSubcommands = std::to_array<Subcommand>({
      "simulate KIT/0001\n"
      "simulate KIT/0001 --count 100 --vda 2.1 --state-interval 5s\n"
      "simulate KIT/0001 --delay 3s --fail startCharging --reject pause\n"
+     "simulate KIT/0001 --battery 15 --error motorFault:FATAL --emergency-stop\n"
      "simulate --protocol soar soar.planet-ocean.ecosub.eco1 --delay 3s",
      DeclareSimulate},
     {"config show", kChecking, "", "the settings in force, and where each comes from",
