@@ -2,6 +2,8 @@
 
 #include <utf8proc.h>
 
+#include <algorithm>
+
 namespace fleetpub::base {
 namespace {
 
@@ -56,6 +58,34 @@ std::string Padded(std::size_t width, std::string_view text) {
   const std::size_t taken = MeasureWidth(text);
   if (taken < width) padded.append(width - taken, ' ');
   return padded;
+}
+
+std::vector<std::string> Wrapped(std::size_t width, std::string_view text) {
+  std::vector<std::string> lines(1);
+  std::size_t taken = 0;
+  while (!text.empty()) {
+    std::string_view word = text.substr(0, text.find(' '));
+    text.remove_prefix(std::min(text.size(), word.size() + 1));
+    std::size_t columns = MeasureWidth(word);
+    if (taken > 0 && columns + 1 > width - std::min(width, taken)) {
+      lines.emplace_back();
+      taken = 0;
+    } else if (taken > 0) {
+      lines.back() += ' ';
+      ++taken;
+    }
+    while (columns > width) {
+      const std::string_view fitting = CutTo(width, word);
+      if (fitting.empty()) break;  // no character is so narrow
+      lines.back() += fitting;
+      lines.emplace_back();
+      word.remove_prefix(fitting.size());
+      columns = MeasureWidth(word);
+    }
+    lines.back() += word;
+    taken += columns;
+  }
+  return lines;
 }
 
 std::string_view Utf8procVersion() { return utf8proc_version(); }

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace fleetpub::base {
 
@@ -19,6 +20,10 @@ namespace fleetpub::base {
 
 /// With blanks behind it, so that it takes so many columns at least.
 [[nodiscard]] std::string Padded(std::size_t width, std::string_view text);
+
+/// Its lines when it is broken at blanks, none wider than `width`; a word that is wider is cut. One
+/// line at least.
+[[nodiscard]] std::vector<std::string> Wrapped(std::size_t width, std::string_view text);
 
 /// Of the library that knows the widths.
 [[nodiscard]] std::string_view Utf8procVersion();

@@ -1,6 +1,7 @@
 // The table of subcommands. Predefined actions are not in it: they come from the catalogue.
 #include <array>
 
+#include "base/text.h"
 #include "cli/parser/subcommand.h"
 
 namespace fleetpub::cli {
@@ -58,6 +59,11 @@ constexpr auto kSubcommands = std::to_array<Subcommand>({
      "fleet\n"
      "fleet 'KIT/*' @hall-1 -o json",
      DeclareFleet},
+    {"show", kLooking, "TARGET...", "all that is known of a robot, now; several in short",
+     "show KIT/0001\n"
+     "show 'KIT/*' --where 'battery<20'\n"
+     "show KIT/0001 --no-ask -o json",
+     DeclareShow},
     {"watch", kLooking, "[TARGET...]", "the same, live", "watch\nwatch 'KIT/*' --for 1m -o json",
      DeclareWatch},
     {"await", kLooking, "TARGET TOPIC CONDITION...", "wait until robots' messages say so",
@@ -124,6 +130,10 @@ constexpr auto kSubcommands = std::to_array<Subcommand>({
 });
 
 }  // namespace
+
+std::string_view FullName(std::string_view word) {
+  return base::EqualsIgnoringCase(word, "status") ? "show" : word;
+}
 
 std::span<const Subcommand> Subcommands() { return kSubcommands; }
 
