@@ -47,5 +47,16 @@ TEST(Padded, FillsUpToTheWidth) {
   EXPECT_EQ(Padded(2, "abc"), "abc");
 }
 
+TEST(Wrapped, BreaksAtBlanksAndCutsOnlyWhatDoesNotFit) {
+  using Lines = std::vector<std::string>;
+  EXPECT_EQ(Wrapped(10, "motor 2 is hot"), (Lines{"motor 2 is", "hot"}));
+  EXPECT_EQ(Wrapped(80, "motor 2"), Lines{"motor 2"});
+  EXPECT_EQ(Wrapped(4, "abcdefghij k"), (Lines{"abcd", "efgh", "ij k"}));
+  EXPECT_EQ(Wrapped(4, "x abcdefg"), (Lines{"x", "abcd", "efg"}));
+  EXPECT_EQ(Wrapped(4, "搬送車 a"), (Lines{"搬送", "車 a"}));
+  EXPECT_EQ(Wrapped(1, "搬"), Lines{"搬"});
+  EXPECT_EQ(Wrapped(5, ""), Lines{""});
+}
+
 }  // namespace
 }  // namespace fleetpub::base

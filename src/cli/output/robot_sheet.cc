@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <optional>
 #include <string_view>
 #include <utility>
@@ -11,6 +10,7 @@
 #include "base/text.h"
 #include "base/width.h"
 #include "cli/output/fleet_table.h"
+#include "vda5050/catalogue/catalogue.h"
 #include "vda5050/reports/fleet_view.h"
 #include "vda5050/reports/robot_errors.h"
 
@@ -290,21 +290,46 @@ std::string DescribeSize(const vda5050::RobotSpecification& robot) {
   const auto number = [](const std::optional<double>& value) {
     return value ? FormatNumber(*value) : std::string("?");
   };
-  return fmt::format("{} x {} x {} m (length, width, height)", number(robot.length),
-                     number(robot.width), number(robot.maximum_height));
+  return fmt::format("{} x {} x {} m", number(robot.length), number(robot.width),
+                     number(robot.maximum_height));
 }
 
-std::string DescribeAbilities(const std::vector<vda5050::FactsheetAction>& actions) {
-  if (actions.empty()) return "actions not said";
-  std::vector<std::string> types;
-  for (const auto& action : actions) types.push_back(Name(action.type));
-  std::sort(types.begin(), types.end());
-  constexpr std::size_t kMost = 60;
+// Those that are not there.
+std::vector<std::string> Without(std::vector<std::string> types,
+                                 const std::vector<std::string>& others) {
+  std::erase_if(types, [&](const std::string& type) {
+    return std::find(others.begin(), others.end(), type) != others.end();
+  });
+  return types;
+}
+
+std::string ListNames(std::vector<std::string> types) {
+  constexpr std::size_t kMost = 30;
   const std::size_t left_out = types.size() - std::min(types.size(), kMost);
   types.resize(types.size() - left_out);
-  return fmt::format("{} action{}: {}{}", actions.size(), actions.size() == 1 ? "" : "s",
-                     base::Join(types, ", "),
-                     left_out == 0 ? "" : fmt::format(" and {} more", left_out));
+  for (std::string& type : types) type = Name(type);
+  if (left_out > 0) types.push_back(fmt::format("{} more", left_out));
+  return base::Join(types, ", ");
+}
+
+// Nobody needs to read the twenty-four that most robots of a version have.
+std::string DescribeAbilities(const RobotSheet& robot) {
+  std::vector<std::string> listed;
+  for (const auto& action : robot.factsheet->actions) listed.push_back(action.type);
+  if (listed.empty()) return "actions not said";
+  std::vector<std::string> predefined;
+  if (robot.version) {
+    for (const vda5050::ActionSpec* action : vda5050::ListActions(*robot.version)) {
+      if (action->scopes.instant) predefined.emplace_back(action->type);
+    }
+  }
+  const auto missing = Without(predefined, listed);
+  const auto others = Without(listed, predefined);
+  if (2 * missing.size() >= predefined.size()) return "actions: " + ListNames(std::move(listed));
+  return fmt::format("actions: all {} instant ones of {}{}{}", predefined.size(),
+                     vda5050::GetFacts(*robot.version).name,
+                     missing.empty() ? "" : " but " + ListNames(missing),
+                     others.empty() ? "" : "; also " + ListNames(others));
 }
 
 void AddFactsheet(const RobotSheet& robot, Sheet& sheet) {
@@ -327,7 +352,7 @@ void AddFactsheet(const RobotSheet& robot, Sheet& sheet) {
   sheet.Add(kName, JoinParts({Name(is.kinematics), DescribeSize(is),
                               is.maximum_speed ? "up to " + FormatIf(is.maximum_speed, "m/s") : ""},
                              "kinematics and size not said"));
-  sheet.Add(kName, DescribeAbilities(robot.factsheet->actions));
+  sheet.Add(kName, DescribeAbilities(robot));
 }
 
 void AddCommands(const RobotSheet& robot, Sheet& sheet) {

@@ -57,6 +57,7 @@ constexpr auto kSubcommands = std::to_array<Subcommand>({
      DeclareSoarPlatformStatus},
     {"fleet", kLooking, "[TARGET...]", "the robots known to the broker, and how they are",
      "fleet\n"
+     "fleet --ask\n"
      "fleet 'KIT/*' @hall-1 -o json",
      DeclareFleet},
     {"show", kLooking, "TARGET...", "all that is known of a robot, now; several in short",

@@ -75,6 +75,21 @@ TEST(OptionSet, WhatIsLeftOutKeepsItsValueAndIsEmpty) {
   EXPECT_EQ(value, "before");
 }
 
+TEST(OptionSet, AFlagMaySayMoreBehindAnEqualsSignOnly) {
+  const auto parsed = [](const std::vector<std::string>& arguments) {
+    OptionSet set(OptionSet::Extent::kMentioned, arguments);
+    std::string when = "never";
+    std::string target;
+    set.AddFlag("--blink", Text(when), "always", "");
+    set.AddOption("target", target, "");
+    EXPECT_TRUE(set.Parse("lamp", arguments));
+    return when + " " + target;
+  };
+  EXPECT_EQ(parsed({"KIT/1"}), "never KIT/1");
+  EXPECT_EQ(parsed({"--blink", "KIT/1"}), "always KIT/1");
+  EXPECT_EQ(parsed({"--blink=twice", "KIT/1"}), "twice KIT/1");
+}
+
 TEST(OptionSet, WordsAreAlwaysDeclared) {
   OptionSet set(OptionSet::Extent::kMentioned, {});
   std::string target;
