@@ -1,8 +1,7 @@
 // `fleetpub show`, `fleet --ask` and the trouble that virtual robots rehearse.
 #include <gmock/gmock.h>
 
-#include <algorithm>
-
+#include "base/json.h"
 #include "base/width.h"
 #include "support/operator.h"
 #include "support/terminal.h"
@@ -22,7 +21,7 @@ class Show : public EndToEnd {
  protected:
   /// The one object that is printed.
   [[nodiscard]] base::JsonDocument ShowJson(const std::string& robot) const {
-    const Finished run = Fleetpub({"show", robot, "-o", "json"});
+    const Finished run = Fleetpub({"show", robot, "-o", "json", "--discover", "50"});
     EXPECT_EQ(run.exit_code, 0) << run.errors;
     EXPECT_THAT(Lines(run.output), SizeIs(1));
     return Json(run.output);
@@ -77,7 +76,7 @@ TEST_F(Show, ShowsTroubleInEachVersion) {
 }
 
 TEST_F(Show, WhatIsRehearsedIsValid) {
-  for (const char* version : {"1.1", "2.0", "2.1", "3.0"}) {
+  for (const std::string version : {"1.1", "2.0", "2.1", "3.0"}) {
     const auto robot = Robot({"KIT/0001", "--vda", version, "--battery", "0", "--error",
                               "a:WARNING", "--emergency-stop", "--position", "0,0,3"});
     const auto shown = ShowJson("KIT/0001");
@@ -123,7 +122,8 @@ TEST_F(Show, FleetAsksOnDemand) {
   LeaveOffline("KIT/0009");
   EXPECT_THAT(Fleetpub({"fleet", "--state-wait", "50ms"}).output, Not(HasSubstr("AUTOMATIC")));
   EXPECT_THAT(Sent(), IsEmpty());
-  const Finished asked = Fleetpub({"fleet", "--ask", "--state-wait", "10s", "-o", "json"});
+  const Finished asked =
+      Fleetpub({"fleet", "--ask", "--state-wait", "10s", "-o", "json", "--discover", "50"});
   EXPECT_EQ(asked.exit_code, 0) << asked.errors;
   const auto lines = Lines(asked.output);
   ASSERT_THAT(lines, SizeIs(3));
@@ -149,7 +149,7 @@ TEST_F(Show, ShowsTheLastCommandsButNoRequestsForStates) {
 
 TEST_F(Show, ShowsARobotThatIsOffline) {
   LeaveOffline("KIT/0009");
-  const Finished run = Fleetpub({"show", "KIT/0009"});
+  const Finished run = Fleetpub({"show", "KIT/0009", "--discover", "50"});
   EXPECT_EQ(run.exit_code, 0) << run.errors;
   EXPECT_THAT(run.output, AllOf(HasSubstr("OFFLINE since 2026-01-0"), HasSubstr("not known")));
   const auto shown = ShowJson("KIT/0009");
@@ -160,22 +160,24 @@ TEST_F(Show, ShowsARobotThatIsOffline) {
 
 TEST_F(Show, ShowsABlockOfEachOfSeveral) {
   const auto robots = Robot({"KIT/0001", "--count", "3", "--error", "slip:FATAL"});
-  const Finished run = Fleetpub({"show", "KIT/*", "--except", "KIT/0002"});
+  const Finished run = Fleetpub({"show", "KIT/*", "--except", "KIT/0002", "--discover", "50"});
   EXPECT_EQ(run.exit_code, 0) << run.errors;
   EXPECT_THAT(run.output, AllOf(StartsWith("KIT/0001\n"), HasSubstr("\n\nKIT/0003\n"),
                                 HasSubstr("FATAL slip"), Not(HasSubstr("KIT/0002"))));
   EXPECT_THAT(Lines(run.output), SizeIs(::testing::Lt(24U)));
-  EXPECT_THAT(Lines(Fleetpub({"show", "--all", "-o", "json"}).output), SizeIs(3));
-  EXPECT_THAT(Fleetpub({"show", "--all", "--where", "battery<20"}).exit_code, 7);
+  EXPECT_THAT(Lines(Fleetpub({"show", "--all", "-o", "json", "--discover", "50"}).output),
+              SizeIs(3));
+  EXPECT_THAT(Fleetpub({"show", "--all", "--where", "battery<20", "--discover", "50"}).exit_code,
+              7);
 }
 
 TEST_F(Show, NamesWhoIsNotKnownAndShowsTheOthers) {
   const auto robot = Robot({"KIT/0001"});
-  const Finished run = Fleetpub({"show", "KIT/0002", "KIT/0001"});
+  const Finished run = Fleetpub({"show", "KIT/0002", "KIT/0001", "--discover", "50"});
   EXPECT_EQ(run.exit_code, 7);
   EXPECT_THAT(run.output, StartsWith("KIT/0001\n"));
   EXPECT_THAT(run.errors, AllOf(HasSubstr("KIT/0002"), HasSubstr("did you mean KIT/0001?")));
-  const Finished json = Fleetpub({"show", "KIT/0002", "-o", "json"});
+  const Finished json = Fleetpub({"show", "KIT/0002", "-o", "json", "--discover", "50"});
   EXPECT_EQ(json.exit_code, 7);
   EXPECT_EQ(Json(json.output)["error"]["exitCode"].GetInt(), 7);
   EXPECT_EQ(Fleetpub({"show"}).exit_code, 2);
@@ -183,7 +185,7 @@ TEST_F(Show, NamesWhoIsNotKnownAndShowsTheOthers) {
 
 TEST_F(Show, FitsATerminalAndEscapesWhatRobotsWrite) {
   const auto robot =
-      Robot({"KIT/0001", "--error", "slip:FATAL:\x1b[2Jgone " + std::string(70, 'x') + " yonder"});
+      Robot({"KIT/0001", "--error", "slip:FATAL:\x1b[2Jgone " + std::string(60, 'x') + " yonder"});
   const Command command = operator_.Prepare({"show", "KIT/0001"});
   Terminal terminal(ShellLine(command) + "; echo done; sleep 60", 80, 40);
   ASSERT_TRUE(terminal.Await("done"));

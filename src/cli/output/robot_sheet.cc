@@ -392,17 +392,17 @@ void AddState(const RobotSheet& robot, Extent extent, base::WallTime now, Sheet&
   } else if (extent == Extent::kWhole) {
     sheet.Add("state", fmt::format("from {}", FormatTime(state.header, now)));
   }
-  const auto add = [&](std::string_view name, const std::pair<std::string, Tone>& described) {
+  const auto show = [&](std::string_view name, const std::pair<std::string, Tone>& described) {
     sheet.Add(name, described.first, described.second);
   };
-  add("mode", DescribeMode(state.operating_mode));
-  add("safety", DescribeSafety(state));
+  show("mode", DescribeMode(state.operating_mode));
+  show("safety", DescribeSafety(state));
   sheet.Add("position", DescribePosition(state));
   sheet.Add("order", DescribeOrder(state), state.paused == true ? Tone::kBad : Tone::kPlain);
   AddActions(state, extent, sheet);
   AddErrors(state.errors, extent, sheet);
   if (extent == Extent::kWhole) AddLoads(state, sheet);
-  add("battery", DescribeBattery(state));
+  show("battery", DescribeBattery(state));
   if (extent == Extent::kWhole) AddInformation(state, sheet);
 }
 

@@ -136,7 +136,7 @@ TEST(OptionSet, EveryChoiceIsTaken) {
       for (const std::string_view choice : option.Choices({})) {
         if (option.IsPositional()) continue;
         Declared fresh(OptionSet::Extent::kAll, {});
-        static_cast<void>(subcommand.declare(fresh.set));
+        const cli::Run run = subcommand.declare(fresh.set);  // which holds what is stored
         const std::string name = "--" + option.long_names().front();
         EXPECT_TRUE(fresh.set.Parse("", {name, std::string(choice)}))
             << subcommand.name << " " << name << " " << choice;
