@@ -69,12 +69,12 @@ class SheetReader {
         server_(link.transport->server()) {}
 
   Result<ShownRobots> Run() {
-    if (auto ok = Discover(); !ok) return Fail(std::move(ok.error()));
-    chosen_ = ChooseKnown();
-    if (chosen_.empty() && unknown_.empty()) return Fail(NobodyKnown());
-    auto ok = ReadFactsheets();
+    auto ok = Discover();
     if (ok) ok = ReadStates();
     if (!ok) return Fail(std::move(ok.error()));
+    chosen_ = ChooseKnown();
+    if (chosen_.empty() && unknown_.empty()) return Fail(NobodyKnown());
+    if (ok = ReadFactsheets(); !ok) return Fail(std::move(ok.error()));
     ShownRobots shown{.sheets = {}, .unknown = NameUnknown()};
     if (link_.transport != nullptr) link_.transport->Disconnect();
     for (const ListedRobot* robot : chosen_) shown.sheets.push_back(MakeSheet(*robot));
@@ -90,8 +90,13 @@ class SheetReader {
     return options;
   }
 
+  // What a condition says of states waits until they were asked for.
   Status Discover() {
-    auto ok = DiscoverRobots(*link_.transport, request_.targets,
+    const Targets targets{.include = request_.targets.include,
+                          .except = request_.targets.except,
+                          .where = {},
+                          .state_wait = request_.targets.state_wait};
+    auto ok = DiscoverRobots(*link_.transport, targets,
                              {.all = true,
                               .factsheets = true,
                               .discover = MakeRetainedOptions(),
@@ -159,6 +164,7 @@ class SheetReader {
 
   // Of those that are away, which discovery does not ask for theirs.
   Status ReadFactsheets() {
+    if (link_.transport == nullptr) return {};
     std::vector<std::string> topics;
     for (const ListedRobot* robot : chosen_) {
       const RobotEntry& entry = robot->second;
@@ -186,16 +192,20 @@ class SheetReader {
   // Of those that are there, until all have spoken or time is up.
   Status ReadStates() {
     std::set<std::string> silent;
-    for (const ListedRobot* robot : chosen_) {
-      if (!robot->second.IsAlive() || HasSpoken(*robot)) continue;
-      if (auto topic = FindTopic(*robot, "state"); !topic.empty()) silent.insert(std::move(topic));
+    std::vector<const ListedRobot*> robots;
+    for (const ListedRobot& robot : directory_.robots()) {
+      if (!robot.second.IsAlive() || HasSpoken(robot) || IsOutOfQuestion(robot.second)) continue;
+      auto topic = FindTopic(robot, "state");
+      if (topic.empty()) continue;
+      silent.insert(std::move(topic));
+      robots.push_back(&robot);
     }
     if (silent.empty()) return {};
     const std::vector<std::string> topics(silent.begin(), silent.end());
     auto ok = link_.transport->Subscribe(topics, mqtt::kListeningQos,
                                          steady_clock::now() + link_.connection.timeout);
     if (!ok) return ok;
-    if (request_.ask) AskForStates(chosen_, link_, environment_, log_);
+    if (request_.ask) AskForStates(robots, link_, environment_, log_);
     const auto end = steady_clock::now() + request_.targets.state_wait;
     while (!silent.empty() && link_.transport != nullptr && steady_clock::now() < end) {
       const auto message = link_.transport->Receive(end);
@@ -206,6 +216,12 @@ class SheetReader {
       if (!(*message)->retained) silent.erase((*message)->topic);
     }
     return {};
+  }
+
+  // A condition is false of it already, whatever its state.
+  static bool IsOutOfQuestion(const RobotEntry& entry) {
+    return std::any_of(entry.unmet.begin(), entry.unmet.end(),
+                       [](const auto& unmet) { return unmet && !unmet->empty(); });
   }
 
   [[nodiscard]] bool HasSpoken(const ListedRobot& robot) const {

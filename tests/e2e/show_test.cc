@@ -167,8 +167,19 @@ TEST_F(Show, ShowsABlockOfEachOfSeveral) {
   EXPECT_THAT(Lines(run.output), SizeIs(::testing::Lt(24U)));
   EXPECT_THAT(Lines(Fleetpub({"show", "--all", "-o", "json", "--discover", "50"}).output),
               SizeIs(3));
-  EXPECT_THAT(Fleetpub({"show", "--all", "--where", "battery<20", "--discover", "50"}).exit_code,
-              7);
+}
+
+TEST_F(Show, AsksBeforeAConditionIsDecided) {
+  const auto low = Robot({"KIT/0001", "--battery", "11", "--state-interval", "1h"});
+  const auto full = Robot({"KIT/0002", "--vda", "2.1", "--state-interval", "1h"});
+  const Finished run = Fleetpub(
+      {"show", "--all", "--where", "battery<20", "--state-wait", "10s", "--discover", "50"});
+  EXPECT_EQ(run.exit_code, 0) << run.errors;
+  EXPECT_THAT(run.output, AllOf(StartsWith("KIT/0001\n"), Not(HasSubstr("KIT/0002"))));
+  EXPECT_THAT(Sent(), SizeIs(2));
+  const Finished none = Fleetpub({"show", "--all", "--where", "version=2.0.0", "--discover", "50"});
+  EXPECT_EQ(none.exit_code, 7);
+  EXPECT_THAT(Sent(), SizeIs(2)) << "nobody is asked of whom it is false anyway";
 }
 
 TEST_F(Show, NamesWhoIsNotKnownAndShowsTheOthers) {
