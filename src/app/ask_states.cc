@@ -2,8 +2,8 @@
 
 #include <fmt/format.h>
 
-#include <chrono>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "app/command_factory.h"
@@ -14,7 +14,6 @@ namespace fleetpub::app {
 namespace {
 
 constexpr std::string_view kStateRequest = "stateRequest";
-constexpr std::chrono::seconds kLockPatience{1};
 
 // Nobody is refused loudly: a robot that is not asked sends its state all the same, only later.
 std::vector<message::Command> MakeRequests(std::span<const ListedRobot* const> robots,
@@ -38,8 +37,8 @@ std::vector<message::Command> MakeRequests(std::span<const ListedRobot* const> r
 
 }  // namespace
 
-void AskForStates(std::span<const ListedRobot* const> robots, Link& link,
-                  const Environment& environment, Log& log) {
+void AskForStates(std::span<const ListedRobot* const> robots, std::chrono::milliseconds patience,
+                  Link& link, const Environment& environment, Log& log) {
   const auto requests = MakeRequests(robots, link, environment, log);
   if (requests.empty()) return;
   const auto ledger = environment.ledger(ledger::OpenMode::kCreate);
@@ -52,13 +51,12 @@ void AskForStates(std::span<const ListedRobot* const> robots, Link& link,
         fmt::format("{}: not asked for its state: {}", base::Printable(done.target), done.message));
   };
   delivery::CommandList list(requests, report);
-  delivery::CommandSession session(
-      link.transport, **ledger,
-      {.lock_timeout = kLockPatience, .acknowledge_timeout = link.connection.timeout}, {},
-      {.report = report,
-       .sent = {},
-       .reconnect = MakeReconnectHooks(link.connection, log),
-       .news = {}});
+  delivery::CommandSession session(link.transport, **ledger,
+                                   {.lock_timeout = patience, .acknowledge_timeout = patience}, {},
+                                   {.report = report,
+                                    .sent = {},
+                                    .reconnect = MakeReconnectHooks(link.connection, log),
+                                    .news = {}});
   if (auto sent = delivery::SendAll(list, session, {}); !sent) {
     log.Warn("no robot was asked for its state: " + sent.error().message);
   }

@@ -2,6 +2,7 @@
 // repeats its own every 30 s only.
 #pragma once
 
+#include <chrono>
 #include <span>
 
 #include "app/environment.h"
@@ -11,10 +12,11 @@
 namespace fleetpub::app {
 
 /// Sends `stateRequest` to those of these robots that are there, have not sent a state yet and have
-/// the action, as far as is known. Recorded as every command is; waits for no answer. What keeps
-/// one from leaving is warned of: whoever asks goes on without. `link.transport` is null
-/// afterwards if that has cost the connection.
-void AskForStates(std::span<const ListedRobot* const> robots, Link& link,
-                  const Environment& environment, Log& log);
+/// the action, as far as is known. Recorded as every command is; waits for no answer, and no longer
+/// than `patience` for the ledger or the connection. What keeps one from leaving is warned of:
+/// whoever asks goes on without. `link.transport` is null afterwards if that has cost the
+/// connection.
+void AskForStates(std::span<const ListedRobot* const> robots, std::chrono::milliseconds patience,
+                  Link& link, const Environment& environment, Log& log);
 
 }  // namespace fleetpub::app

@@ -179,7 +179,7 @@ Status AskFleet(const FleetRequest& request, std::vector<vda5050::RobotPattern> 
   if (!ok) return ok;
   std::vector<const ListedRobot*> robots;
   for (const ListedRobot& robot : directory->robots()) robots.push_back(&robot);
-  AskForStates(robots, link, environment, log);
+  AskForStates(robots, request.state_wait, link, environment, log);
   if (link.transport != nullptr) return {};
   return Fail(ErrorKind::kBroker,
               "the connection was lost in asking robots for their states. "
@@ -218,7 +218,7 @@ Result<FleetView> DiscoverFleet(const FleetRequest& request, const Environment& 
                          });
   FleetReader reader(*link->transport, discover, *view);
   std::function<Status()> ask;
-  if (request.ask) {
+  if (request.ask && request.state_wait.count() > 0) {
     ask = [&] { return AskFleet(request, *patterns, *link, environment, *view, log); };
   }
   auto ok = reader.Run(request.state_wait, expected, ask);

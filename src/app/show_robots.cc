@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <chrono>
 #include <map>
 #include <set>
@@ -36,9 +35,16 @@ std::string FindTopic(const ListedRobot& robot, std::string_view topic_name) {
 class Messages {
  public:
   void Take(const mqtt::Message& message) {
-    const auto [last, is_first] = messages_.try_emplace(message.topic, message);
-    if (!is_first && (last->second.retained || !message.retained)) last->second = message;
+    mqtt::Message& last = messages_[message.topic];
+    if (!last.payload.empty() && !last.retained && message.retained) return;
+    const std::size_t kept = kept_ - last.payload.size() + message.payload.size();
+    is_full_ = is_full_ || kept > kMost;
+    if (kept > kMost) return;
+    kept_ = kept;
+    last = message;
   }
+  /// Some were not kept.
+  [[nodiscard]] bool is_full() const { return is_full_; }
   // Null: none, or it was deleted.
   [[nodiscard]] const mqtt::Message* Find(const std::string& topic) const {
     const auto found = messages_.find(topic);
@@ -46,7 +52,11 @@ class Messages {
   }
 
  private:
+  static constexpr std::size_t kMost = std::size_t{64} << 20;
+
   std::map<std::string, mqtt::Message> messages_;
+  std::size_t kept_ = 0;  // bytes
+  bool is_full_ = false;
 };
 
 // Commands that changed nothing say nothing of a robot.
@@ -79,6 +89,9 @@ class SheetReader {
     if (link_.transport != nullptr) link_.transport->Disconnect();
     for (const ListedRobot* robot : chosen_) shown.sheets.push_back(MakeSheet(*robot));
     AddCommands(shown.sheets);
+    if (messages_.is_full()) {
+      log_.Warn("robots say more than is kept: some messages are not shown. try: fewer TARGETs");
+    }
     return shown;
   }
 
@@ -135,6 +148,15 @@ class SheetReader {
   }
 
   [[nodiscard]] Error NobodyKnown() const {
+    const auto& robots = directory_.robots();
+    const auto found = std::count_if(robots.begin(), robots.end(), [](const ListedRobot& robot) {
+      return robot.second.IsKnown();
+    });
+    if (found > 0) {
+      return {ErrorKind::kPreflight,
+              fmt::format("of {} robot{} found at {}, none is known to satisfy every --where",
+                          found, found == 1 ? "" : "s", Site())};
+    }
     return {ErrorKind::kPreflight,
             fmt::format("{} knows no such robot: {}. try: fleetpub fleet", Site(),
                         server_.KeepsNothing() ? kNothingRetained
@@ -200,12 +222,14 @@ class SheetReader {
       silent.insert(std::move(topic));
       robots.push_back(&robot);
     }
-    if (silent.empty()) return {};
+    if (silent.empty() || request_.targets.state_wait.count() == 0) return {};
     const std::vector<std::string> topics(silent.begin(), silent.end());
     auto ok = link_.transport->Subscribe(topics, mqtt::kListeningQos,
                                          steady_clock::now() + link_.connection.timeout);
     if (!ok) return ok;
-    if (request_.ask) AskForStates(robots, link_, environment_, log_);
+    if (request_.ask) {
+      AskForStates(robots, request_.targets.state_wait, link_, environment_, log_);
+    }
     const auto end = steady_clock::now() + request_.targets.state_wait;
     while (!silent.empty() && link_.transport != nullptr && steady_clock::now() < end) {
       const auto message = link_.transport->Receive(end);

@@ -107,7 +107,7 @@ void PutPosition(Json& json, const Position& position, const ProtocolTerms& term
 
 void PutPowerAndSafety(Json& json, const RobotState& state, const ProtocolTerms& terms) {
   PutObject(json, terms.power, [&] {
-    Put(json, terms.charge, state.battery);
+    Put(json, terms.charge, static_cast<double>(state.battery));
     Put(json, "charging", state.charging);
   });
   PutObject(json, "safetyState", [&] {

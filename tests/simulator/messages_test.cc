@@ -99,7 +99,7 @@ TEST_P(RobotMessages, RehearseTroubleInTheNamesOfTheVersion) {
   const auto state = robot.Last("state");
   schema::Registry registry;
   EXPECT_EQ(Faults(registry, GetParam(), "state", state), "");
-  EXPECT_EQ(robot.At(Is30() ? "/powerSupply/stateOfCharge" : "/batteryState/batteryCharge"), "9");
+  EXPECT_EQ(robot.At(Is30() ? "/powerSupply/stateOfCharge" : "/batteryState/batteryCharge"), "9.0");
   EXPECT_EQ(robot.At(Is30() ? "/safetyState/activeEmergencyStop" : "/safetyState/eStop"),
             R"("REMOTE")");
   EXPECT_EQ(robot.At("/safetyState/fieldViolation"), "true");

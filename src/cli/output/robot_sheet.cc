@@ -114,9 +114,9 @@ std::pair<std::string, Tone> DescribeConnection(const RobotSheet& robot, base::W
 
 std::string DescribeVersion(const RobotSheet& robot) {
   const std::string place = robot.place.empty() ? "" : " at " + Name(robot.place);
+  if (!robot.version && robot.said_version.empty()) return "not known";
   if (!robot.version) {
-    return fmt::format("{}, which fleetpub does not speak{}",
-                       NameOr(robot.said_version, "not said"), place);
+    return fmt::format("{}{}, which fleetpub does not speak", Name(robot.said_version), place);
   }
   const std::string_view name = vda5050::GetFacts(*robot.version).name;
   const bool differs = !robot.said_version.empty() && robot.said_version != name;
