@@ -8,7 +8,6 @@
 
 #include "app/robot_discovery.h"
 #include "app/targets.h"
-#include "base/json.h"
 #include "base/text.h"
 #include "base/time.h"
 #include "delivery/subscription.h"
@@ -112,7 +111,7 @@ class Awaiter {
     auto read = subscription->Read([&](const mqtt::Message& message) {
       const auto robot = FindSender(places.schemes, message.topic);
       if (robot == left_.end() || !Satisfies(message.payload, robot->second)) return false;
-      satisfied_(robot->first, OneLine(message.payload), steady_clock::now() - start_);
+      satisfied_(robot->first, vda5050::ToOneLine(message.payload), steady_clock::now() - start_);
       left_.erase(robot);
       log.Wait(DescribeLeft(), end);
       return left_.empty();
@@ -168,13 +167,6 @@ class Awaiter {
       }
     }
     return heard.unmet.empty();
-  }
-
-  // As the robot wrote it, if it wrote one line of valid JSON.
-  static std::string OneLine(const std::string& payload) {
-    const bool is_line = payload.find_first_of("\r\n\xEF") == std::string::npos;
-    return is_line && base::ParseJson(payload) ? payload
-                                               : base::ToJson(*vda5050::ReadMessage(payload));
   }
 
   // Of one robot why, of several who.

@@ -136,24 +136,13 @@ Status CommandFactory::AddCommand(const ListedRobot& robot, const RobotRequest& 
 void CommandFactory::SuggestNames(std::span<const ListedRobot* const> robots,
                                   mqtt::Transport& transport, const vda5050::TopicScheme& scheme,
                                   const delivery::RetainedOptions& discover) {
-  constexpr std::size_t kMost = 20;
   if (!look_) return;
-  std::vector<const vda5050::RobotAddress*> unknown;
+  std::vector<vda5050::RobotAddress> unknown;
   for (const ListedRobot* robot : robots) {
     const bool is_looked_for = look_->check || robot->second.automatic;
-    if (is_looked_for && !robot->second.WasHeard()) unknown.push_back(&robot->first);
+    if (is_looked_for && !robot->second.WasHeard()) unknown.push_back(robot->first);
   }
-  if (unknown.empty() || unknown.size() > kMost) return;
-  std::vector<std::string> online;  // only who is there may be meant
-  for (const auto& robot : ListRobots(transport, scheme, discover, Robots::kOnline)) {
-    online.push_back(robot.ToString());
-  }
-  const std::vector<std::string_view> candidates(online.begin(), online.end());
-  for (const vda5050::RobotAddress* robot : unknown) {
-    const auto nearest = base::Nearest(robot->ToString(), candidates);
-    if (!nearest) continue;
-    suggestions_[*robot] = fmt::format("did you mean {}?", base::Printable(*nearest));
-  }
+  suggestions_ = FindNearNames(unknown, transport, scheme, discover);
 }
 
 PreflightFindings CommandFactory::FindingsOnUnknown(const ListedRobot& robot,

@@ -6,6 +6,7 @@
 #include <chrono>
 #include <set>
 
+#include "app/ask_states.h"
 #include "app/expected_robots.h"
 #include "app/robot_discovery.h"
 #include "app/targets.h"
@@ -44,10 +45,16 @@ class FleetReader {
               FleetView& view)
       : transport_(transport), discover_(discover), view_(view) {}
 
-  Status Run(std::chrono::milliseconds state_wait, const std::vector<ExpectedRobot>& expected) {
-    const auto end = steady_clock::now() + state_wait;
+  /// `ask` may have robots send their states; it may be empty.
+  Status Run(std::chrono::milliseconds state_wait, const std::vector<ExpectedRobot>& expected,
+             const std::function<Status()>& ask) {
+    auto end = steady_clock::now() + state_wait;
     auto ok = ReadRetained(expected);
     if (ok) ok = ReadByName(expected);
+    if (ok && ask) {
+      ok = ask();
+      end = steady_clock::now() + state_wait;
+    }
     if (ok) ok = AwaitStates(end);
     if (ok && !handed_out_.any) ok = ReadConnections();
     return ok;
@@ -135,18 +142,48 @@ Error NoRobot(const mqtt::ServerInfo& server, const std::string& profile,
                       words.empty() ? "" : " " + FormatFleetName(words), why)};
 }
 
-// An empty view of the robots that are meant. Errors: ErrorKind::kUsage.
-Result<FleetView> MakeFleetView(const FleetRequest& request, const config::Config& config,
-                                Log& log) {
-  const auto dialect = ParseDialect(WithConfig(request.vda, config));
-  if (!dialect) return Fail(dialect.error());
+// Robots that are named are looked for as patterns are.
+Result<std::vector<vda5050::RobotPattern>> ParsePatterns(const FleetRequest& request,
+                                                         const config::Config& config, Log& log) {
   auto spec = ParseTargetSpec(request.words, config, log);
   if (!spec) return Fail(std::move(spec.error()));
   auto patterns = std::move(spec->patterns);
   for (const RobotAddress& robot : spec->robots) {
     patterns.push_back(vda5050::RobotPattern::Of(robot));
   }
+  if (patterns.empty()) patterns.emplace_back();
+  return patterns;
+}
+
+// An empty view of the robots that are meant. Errors: ErrorKind::kUsage.
+Result<FleetView> MakeFleetView(const FleetRequest& request,
+                                std::vector<vda5050::RobotPattern> patterns,
+                                const config::Config& config) {
+  const auto dialect = ParseDialect(WithConfig(request.vda, config));
+  if (!dialect) return Fail(dialect.error());
   return FleetView(dialect->topics, std::move(patterns));
+}
+
+// How each is spoken to and whether it has the action tell its own messages, the factsheet too.
+Status AskFleet(const FleetRequest& request, std::vector<vda5050::RobotPattern> patterns,
+                Link& link, const Environment& environment, FleetView& view, Log& log) {
+  const Targets targets{.include = {.robots = {}, .patterns = std::move(patterns), .set = {}}};
+  const auto resolver = DialectResolver::Make(request.vda, environment.config);
+  if (!resolver) return Fail(resolver.error());
+  Excluded excluded;
+  auto directory = MakeDirectory(targets, *resolver, excluded);
+  if (!directory) return Fail(std::move(directory.error()));
+  DiscoveryOptions options{.all = true, .factsheets = true, .discover = request.discover};
+  options.discover.also = [&](const mqtt::Message& message) { Take(message, view); };
+  auto ok = DiscoverRobots(*link.transport, targets, options, *directory, log);
+  if (!ok) return ok;
+  std::vector<const ListedRobot*> robots;
+  for (const ListedRobot& robot : directory->robots()) robots.push_back(&robot);
+  AskForStates(robots, request.state_wait, link, environment, log);
+  if (link.transport != nullptr) return {};
+  return Fail(ErrorKind::kBroker,
+              "the connection was lost in asking robots for their states. "
+              "try: without --ask");
 }
 
 }  // namespace
@@ -164,13 +201,15 @@ std::string AbridgedWarning(std::size_t robots) {
 
 Result<FleetView> DiscoverFleet(const FleetRequest& request, const Environment& environment,
                                 Log& log) {
-  auto view = MakeFleetView(request, environment.config, log);
+  const auto patterns = ParsePatterns(request, environment.config, log);
+  if (!patterns) return Fail(patterns.error());
+  auto view = MakeFleetView(request, *patterns, environment.config);
   if (!view) return Fail(std::move(view.error()));
-  const auto link = Connect(environment, log);
+  auto link = Connect(environment, log);
   if (!link) return Fail(link.error());
   delivery::RetainedOptions discover = request.discover;
   discover.subscribe = link->connection.timeout;
-  const mqtt::ServerInfo& server = link->transport->server();
+  const mqtt::ServerInfo server = link->transport->server();
   const auto expected =
       FindExpectedRobots(environment, server.broker,
                          [&](const RobotAddress& robot) -> std::optional<vda5050::TopicScheme> {
@@ -178,7 +217,12 @@ Result<FleetView> DiscoverFleet(const FleetRequest& request, const Environment& 
                            return view->scheme();
                          });
   FleetReader reader(*link->transport, discover, *view);
-  if (auto ok = reader.Run(request.state_wait, expected); !ok) return Fail(std::move(ok.error()));
+  std::function<Status()> ask;
+  if (request.ask && request.state_wait.count() > 0) {
+    ask = [&] { return AskFleet(request, *patterns, *link, environment, *view, log); };
+  }
+  auto ok = reader.Run(request.state_wait, expected, ask);
+  if (!ok) return Fail(std::move(ok.error()));
   link->transport->Disconnect();
   if (view->size() == 0) return Fail(NoRobot(server, environment.config.profile, request.words));
   WarnOfLimit(reader.handed_out(), log);
@@ -201,7 +245,9 @@ Result<FleetView> DiscoverFleet(const FleetRequest& request, const Environment& 
 
 Status WatchFleet(const FleetRequest& request, mqtt::Deadline end, const Environment& environment,
                   const DisplayHook& make_display, Log& log) {
-  auto view = MakeFleetView(request, environment.config, log);
+  const auto patterns = ParsePatterns(request, environment.config, log);
+  if (!patterns) return Fail(patterns.error());
+  auto view = MakeFleetView(request, *patterns, environment.config);
   if (!view) return Fail(std::move(view.error()));
   auto filters = view->Filters();
   if (!filters) return Fail(std::move(filters.error()));

@@ -23,6 +23,7 @@ struct FleetRequest {
   VdaOptions vda;
   delivery::RetainedOptions discover;
   std::chrono::milliseconds state_wait{};
+  bool ask = false;  ///< robots that are there for their states
 };
 
 /// The words as a person reads them; `all` without any.
@@ -31,8 +32,8 @@ struct FleetRequest {
 /// What to say when so many robots' states could not be kept whole (FleetView::abridged).
 [[nodiscard]] std::string AbridgedWarning(std::size_t robots);
 
-/// Waits until every robot that is online has sent a state, and warns of those that did not in
-/// time. Errors: ErrorKind::kUsage, kBroker; kPreflight when no robot is known.
+/// Waits until every robot that is online has sent a state, asked for it or not, and warns of those
+/// that did not in time. Errors: ErrorKind::kUsage, kBroker; kPreflight when no robot is known.
 [[nodiscard]] Result<vda5050::FleetView> DiscoverFleet(const FleetRequest& request,
                                                        const Environment& environment, Log& log);
 

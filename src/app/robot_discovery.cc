@@ -516,4 +516,23 @@ std::vector<RobotAddress> ListByName(mqtt::Transport& transport, const vda5050::
   return ReadNames(transport, scheme, *topics, discover, Robots::kAll);
 }
 
+std::map<RobotAddress, std::string> FindNearNames(std::span<const RobotAddress> unknown,
+                                                  mqtt::Transport& transport,
+                                                  const vda5050::TopicScheme& scheme,
+                                                  const delivery::RetainedOptions& discover) {
+  constexpr std::size_t kMost = 20;
+  std::map<RobotAddress, std::string> found;
+  if (unknown.empty() || unknown.size() > kMost) return found;
+  std::vector<std::string> online;  // only who is there may be meant
+  for (const auto& robot : ListRobots(transport, scheme, discover, Robots::kOnline)) {
+    online.push_back(robot.ToString());
+  }
+  const std::vector<std::string_view> candidates(online.begin(), online.end());
+  for (const RobotAddress& robot : unknown) {
+    const auto nearest = base::Nearest(robot.ToString(), candidates);
+    if (nearest) found[robot] = fmt::format("did you mean {}?", base::Printable(*nearest));
+  }
+  return found;
+}
+
 }  // namespace fleetpub::app

@@ -2,8 +2,10 @@
 // command is for.
 #pragma once
 
+#include <map>
 #include <optional>
 #include <set>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -93,5 +95,11 @@ enum class Robots { kAll, kOnline };
 [[nodiscard]] std::vector<vda5050::RobotAddress> ListByName(
     mqtt::Transport& transport, const vda5050::TopicScheme& scheme,
     const std::vector<ExpectedRobot>& expected, const delivery::RetainedOptions& discover);
+
+/// For names of which nothing is known, the robot that is ONLINE and may be meant: `did you mean
+/// KIT/0001?` For more than twenty names none.
+[[nodiscard]] std::map<vda5050::RobotAddress, std::string> FindNearNames(
+    std::span<const vda5050::RobotAddress> unknown, mqtt::Transport& transport,
+    const vda5050::TopicScheme& scheme, const delivery::RetainedOptions& discover);
 
 }  // namespace fleetpub::app

@@ -78,20 +78,31 @@ std::string Wrapped(std::size_t width, std::size_t indent, std::string_view text
   std::string lines;
   std::size_t column = 0;
   bool has_word = false;  // in this line
+  const auto break_line = [&] {
+    lines.append("\n").append(indent, ' ');
+    column = indent;
+  };
   while (!text.empty()) {
     const std::size_t begin = std::min(text.find_first_not_of(' '), text.size());
     const std::size_t end = std::min(text.find(' ', begin), text.size());
-    const std::string_view word = text.substr(begin, end - begin);
-    const std::size_t taken = MeasureColoured(word);
-    if (has_word && column + begin + taken > width) {
-      lines.append("\n").append(indent, ' ').append(word);
-      column = indent + taken;
+    std::string_view word = text.substr(begin, end - begin);
+    text.remove_prefix(end);
+    if (has_word && column + begin + MeasureColoured(word) > width) {
+      break_line();
     } else {
-      lines.append(text.substr(0, end));
-      column += begin + taken;
+      lines.append(begin, ' ');
+      column += begin;
     }
     has_word = has_word || !word.empty();
-    text.remove_prefix(end);
+    while (column + MeasureColoured(word) > width && word.find('\x1b') == std::string_view::npos) {
+      const std::string_view fitting = CutTo(width - std::min(width, column), word);
+      if (fitting.empty()) break;  // no character is so narrow
+      lines.append(fitting);
+      word.remove_prefix(fitting.size());
+      break_line();
+    }
+    lines.append(word);
+    column += MeasureColoured(word);
   }
   return lines;
 }

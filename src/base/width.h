@@ -20,8 +20,8 @@ namespace fleetpub::base {
 /// With blanks behind it, so that it takes so many columns at least.
 [[nodiscard]] std::string Padded(std::size_t width, std::string_view text);
 
-/// Broken between words into lines of at most so many columns, where the words allow; all but the
-/// first begin with `indent` blanks. Colours (`ESC [ … m`) take no room.
+/// Broken between words into lines of at most so many columns; all but the first begin with `indent`
+/// blanks. A word that is wider is cut. Colours (`ESC [ … m`) take no room, and are not cut.
 [[nodiscard]] std::string Wrapped(std::size_t width, std::size_t indent, std::string_view text);
 
 /// Of the library that knows the widths.

@@ -48,13 +48,17 @@ delivery::RetainedOptions MakeRetainedOptions(milliseconds quiet) {
   return options;
 }
 
-void DeclareFleetDiscoveryOptions(OptionSet& set, FleetDiscoveryOptions& options) {
-  DeclareFleetOptions(set, options.fleet);
-  const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(options.state_wait);
-  set.AddOption("--state-wait", Duration(options.state_wait),
+void DeclareStateWait(OptionSet& set, milliseconds& state_wait) {
+  const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(state_wait);
+  set.AddOption("--state-wait", Duration(state_wait),
                 fmt::format("How long to wait for the states of robots that are online [{}s]",
                             seconds.count()))
       .Group("Waiting");
+}
+
+void DeclareFleetDiscoveryOptions(OptionSet& set, FleetDiscoveryOptions& options) {
+  DeclareFleetOptions(set, options.fleet);
+  DeclareStateWait(set, options.state_wait);
   DeclareDiscover(set, options.discover);
 }
 

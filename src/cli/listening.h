@@ -31,14 +31,20 @@ void DeclareDiscover(OptionSet& set, std::chrono::milliseconds& quiet,
                      std::string_view more_help = "");
 [[nodiscard]] delivery::RetainedOptions MakeRetainedOptions(std::chrono::milliseconds quiet);
 
+/// `--state-wait`.
+void DeclareStateWait(OptionSet& set, std::chrono::milliseconds& state_wait);
+
 /// `--for`: when to stop listening. Nothing: never.
 [[nodiscard]] mqtt::Deadline FindEnd(std::optional<std::chrono::milliseconds> duration);
+
+inline constexpr std::chrono::milliseconds kUsualDiscover{300};
+inline constexpr std::chrono::milliseconds kUsualStateWait{2'000};
 
 /// Options of those that look around once.
 struct FleetDiscoveryOptions {
   FleetOptions fleet;
-  std::chrono::milliseconds discover{300};
-  std::chrono::milliseconds state_wait = std::chrono::seconds(2);
+  std::chrono::milliseconds discover = kUsualDiscover;
+  std::chrono::milliseconds state_wait = kUsualStateWait;
 };
 
 void DeclareFleetDiscoveryOptions(OptionSet& set, FleetDiscoveryOptions& options);

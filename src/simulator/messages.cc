@@ -3,47 +3,16 @@
 #include <fmt/format.h>
 
 #include "base/json.h"
+#include "base/json_members.h"
 
 namespace fleetpub::simulator {
 namespace {
 
 using Json = base::JsonWriter;
 
-void Put(Json& json, std::string_view text) {
-  json.String(text.data(), static_cast<rapidjson::SizeType>(text.size()));
-}
-
-void Put(Json& json, std::string_view key, std::string_view text) {
-  Put(json, key);
-  Put(json, text);
-}
-
-void Put(Json& json, std::string_view key, bool value) {
-  Put(json, key);
-  json.Bool(value);
-}
-
-void Put(Json& json, std::string_view key, std::uint32_t value) {
-  Put(json, key);
-  json.Uint(value);
-}
-
-void Put(Json& json, std::string_view key, double value) {
-  Put(json, key);
-  json.Double(value);
-}
-
-template <typename Items, typename PutItem>
-void PutArray(Json& json, std::string_view key, const Items& items, PutItem put_item) {
-  Put(json, key);
-  json.StartArray();
-  for (const auto& item : items) {
-    json.StartObject();
-    put_item(item);
-    json.EndObject();
-  }
-  json.EndArray();
-}
+using base::Put;
+using base::PutArray;
+using base::PutObject;
 
 void PutLegs(Json& json, std::string_view key, std::string_view id, const std::vector<Leg>& legs) {
   PutArray(json, key, legs, [&](const Leg& leg) {
@@ -127,28 +96,24 @@ void PutRequests(Json& json, const RobotState& state, const ProtocolTerms& terms
 }
 
 void PutPosition(Json& json, const Position& position, const ProtocolTerms& terms) {
-  Put(json, terms.position);
-  json.StartObject();
-  Put(json, "x", position.x);
-  Put(json, "y", position.y);
-  Put(json, "theta", position.theta);
-  Put(json, "mapId", position.map_id);
-  Put(json, terms.initialized, true);
-  json.EndObject();
+  PutObject(json, terms.position, [&] {
+    Put(json, "x", position.x);
+    Put(json, "y", position.y);
+    Put(json, "theta", position.theta);
+    Put(json, "mapId", position.map_id);
+    Put(json, terms.initialized, true);
+  });
 }
 
 void PutPowerAndSafety(Json& json, const RobotState& state, const ProtocolTerms& terms) {
-  constexpr double kCharge = 80;
-  Put(json, terms.power);
-  json.StartObject();
-  Put(json, terms.charge, kCharge);
-  Put(json, "charging", state.charging);
-  json.EndObject();
-  Put(json, "safetyState");
-  json.StartObject();
-  Put(json, terms.emergency_stop, std::string_view("NONE"));
-  Put(json, "fieldViolation", false);
-  json.EndObject();
+  PutObject(json, terms.power, [&] {
+    Put(json, terms.charge, static_cast<double>(state.battery));
+    Put(json, "charging", state.charging);
+  });
+  PutObject(json, "safetyState", [&] {
+    Put(json, terms.emergency_stop, state.emergency_stop);
+    Put(json, "fieldViolation", state.field_violation);
+  });
 }
 
 }  // namespace

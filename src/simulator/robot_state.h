@@ -72,7 +72,7 @@ struct Position {
 };
 
 /// How long an error stays in the state (3.0 §6.6.5; the older texts leave it open).
-enum class Until { kNextInstantAction, kNextOrder, kCleared };
+enum class Until { kNextInstantAction, kNextOrder, kCleared, kEnd };
 
 struct RobotError {
   std::string type;
@@ -105,6 +105,9 @@ struct RobotState {
   std::uint32_t last_node_sequence_id = 0;
   bool paused = false;
   bool charging = false;
+  std::uint32_t battery = 80;                ///< per cent
+  std::string_view emergency_stop = "NONE";  ///< who must acknowledge it, as the version says it
+  bool field_violation = false;
   Position position;
   std::vector<Map> maps = {{"map-1", "1", true}};
   std::vector<ZoneSet> zone_sets;
@@ -114,9 +117,17 @@ struct RobotState {
   std::vector<Request> requests;  ///< for the active order
   std::uint32_t requests_made = 0;
 
+  /// Safety or an error holds it (3.0: CRITICAL and FATAL, before that FATAL).
+  [[nodiscard]] bool IsHeld() const {
+    return emergency_stop != "NONE" || field_violation ||
+           std::any_of(errors.begin(), errors.end(), [](const RobotError& error) {
+             return error.level == "FATAL" || error.level == "CRITICAL";
+           });
+  }
   [[nodiscard]] bool MayDrive() const {
-    return std::all_of(requests.begin(), requests.end(),
-                       [](const Request& request) { return request.status == "GRANTED"; });
+    return !IsHeld() && std::all_of(requests.begin(), requests.end(), [](const Request& request) {
+      return request.status == "GRANTED";
+    });
   }
   [[nodiscard]] bool Driving() const { return order.Active() && !paused && MayDrive(); }
 };

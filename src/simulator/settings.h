@@ -5,7 +5,9 @@
 #include <cstddef>
 #include <set>
 #include <string>
+#include <vector>
 
+#include "simulator/robot_state.h"
 #include "vda5050/model/robot_address.h"
 #include "vda5050/model/version.h"
 
@@ -30,6 +32,8 @@ struct Settings {
   std::size_t list_limit = 0;
   /// After how long an order is done; zero: when it is cancelled.
   std::chrono::milliseconds order_time{0};
+
+  RobotState initial;  ///< how they begin, but for mode and order
 
   /// Faults. Action types are the version's own names.
   std::chrono::milliseconds delay{0};

@@ -19,7 +19,7 @@ constexpr std::size_t kMostErrors = 10;
 }  // namespace
 
 VirtualRobot::VirtualRobot(const Shared& shared, Header header)
-    : shared_(shared), header_(std::move(header)) {
+    : shared_(shared), header_(std::move(header)), state_(shared.settings.initial) {
   state_.operating_mode = shared_.settings.operating_mode;
   if (shared_.settings.with_order) state_.order = ExampleOrder();
 }
@@ -36,9 +36,7 @@ void VirtualRobot::Start(const Moment& now, Utterances& out) {
   SayConnection(hibernating_ ? "HIBERNATING" : "ONLINE", now);
   SayFactsheet(now);
   SayState(now);
-  if (state_.order.Active() && shared_.settings.order_time.count() > 0 && !order_end_) {
-    order_end_ = now.steady + shared_.settings.order_time;
-  }
+  Drive(now);
 }
 
 void VirtualRobot::End(const Moment& now, Utterances& out) {
@@ -129,7 +127,7 @@ void VirtualRobot::ReceiveOrder(std::string_view payload, const Moment& now,
   Drive(now);
 }
 
-// Towards the end of the order, once everything is granted.
+// Towards the end of the order, once everything is granted and nothing holds it.
 void VirtualRobot::Drive(const Moment& now) {
   const auto expiry = NextExpiry(state_);
   lease_end_.reset();
@@ -198,7 +196,10 @@ void VirtualRobot::AddError(RobotError error) {
   std::erase_if(state_.errors, [&](const RobotError& old) {
     return old.type == error.type && old.references == error.references;
   });
-  if (state_.errors.size() >= kMostErrors) state_.errors.erase(state_.errors.begin());
+  const auto oldest = std::find_if(state_.errors.begin(), state_.errors.end(),
+                                   [](const RobotError& old) { return old.until != Until::kEnd; });
+  const bool is_full = state_.errors.size() >= kMostErrors && oldest != state_.errors.end();
+  if (is_full) state_.errors.erase(oldest);
   state_.errors.push_back(std::move(error));
 }
 

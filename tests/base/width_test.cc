@@ -53,10 +53,12 @@ TEST(Wrapped, BreaksBetweenWords) {
   EXPECT_EQ(Wrapped(9, 4, "搬送 車車 a"), "搬送 車車\n    a") << "as wide as the letters";
 }
 
-TEST(Wrapped, KeepsWhatStandsApartAndWhatIsTooLong) {
+TEST(Wrapped, KeepsWhatStandsApartAndCutsWhatIsTooWide) {
   EXPECT_EQ(Wrapped(12, 4, "  KIT/1  FAILED  x"), "  KIT/1\n    FAILED\n    x");
   EXPECT_EQ(Wrapped(20, 4, "KIT/1  FAILED  x"), "KIT/1  FAILED  x");
-  EXPECT_EQ(Wrapped(4, 2, "abcdefgh i"), "abcdefgh\n  i");
+  EXPECT_EQ(Wrapped(6, 2, "abcdefghij k"), "abcdef\n  ghij\n  k");
+  EXPECT_EQ(Wrapped(4, 0, "x 搬送車 a"), "x\n搬送\n車 a");
+  EXPECT_EQ(Wrapped(1, 0, "搬"), "搬");
   EXPECT_EQ(Wrapped(4, 2, ""), "");
 }
 

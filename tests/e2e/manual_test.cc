@@ -63,8 +63,9 @@ std::string Help(std::vector<std::string> words) {
 // Every option of every command, parameters of actions aside: those are in the command's own help.
 std::set<std::string> Options() {
   std::string text = Help({}) + Help({"pause"});
-  for (const char* command : {"action", "actions", "await", "batch", "fleet", "history", "ping",
-                              "publish", "requests", "respond", "simulate", "validate", "watch"}) {
+  for (const char* command :
+       {"action", "actions", "await", "batch", "fleet", "history", "ping", "publish", "requests",
+        "respond", "show", "simulate", "validate", "watch"}) {
     text += Help({command});
   }
   text += Help({"history", "show"}) + Help({"history", "prune"});
@@ -158,6 +159,7 @@ TEST(TheManual, DocumentsEveryJsonFieldAndNoOther) {
   const std::string source = Source("src/cli");
   auto fields = Matches(source, std::regex("\"([A-Za-z]+)\\\\?\":"));
   fields.merge(Matches(source, std::regex("add\\(\"([A-Za-z]+)\"")));
+  fields.merge(Matches(source, std::regex("Put[A-Za-z]*\\(json, \"([A-Za-z]+)\"")));
   EXPECT_GT(fields.size(), 70U);
   for (const std::string& field : fields) {
     EXPECT_THAT(manual, AnyOf(HasSubstr("`" + field + "`"), HasSubstr("\"" + field + "\"")))

@@ -78,6 +78,38 @@ TEST_P(RobotMessages, SatisfyTheirSchemas) {
   EXPECT_EQ(topics.size(), GetParam() == Version::k110 ? 2U : 3U);
 }
 
+TEST_P(RobotMessages, RehearseTroubleInTheNamesOfTheVersion) {
+  Settings settings = Plain();
+  settings.with_order = true;
+  settings.order_time = std::chrono::seconds(1);
+  settings.initial.battery = 9;
+  settings.initial.emergency_stop = "REMOTE";
+  settings.initial.field_violation = true;
+  settings.initial.last_node_id = "n9";
+  settings.initial.position = {3, 4, -1, "yard"};
+  settings.initial.errors = {{.type = "motorFault",
+                              .description = "hot",
+                              .references = {},
+                              .until = Until::kEnd,
+                              .level = "FATAL"}};
+  Conversation robot(settings);
+  for (int i = 0; i < 20; ++i) robot.Do("beep" + std::to_string(i));
+  robot.Wait(std::chrono::seconds(2));
+  robot.Do("startPause");
+  const auto state = robot.Last("state");
+  schema::Registry registry;
+  EXPECT_EQ(Faults(registry, GetParam(), "state", state), "");
+  EXPECT_EQ(robot.At(Is30() ? "/powerSupply/stateOfCharge" : "/batteryState/batteryCharge"), "9.0");
+  EXPECT_EQ(robot.At(Is30() ? "/safetyState/activeEmergencyStop" : "/safetyState/eStop"),
+            R"("REMOTE")");
+  EXPECT_EQ(robot.At("/safetyState/fieldViolation"), "true");
+  EXPECT_EQ(robot.At("/lastNodeId"), R"("n9")");
+  EXPECT_EQ(robot.At(Is30() ? "/mobileRobotPosition/mapId" : "/agvPosition/mapId"), R"("yard")");
+  EXPECT_EQ(robot.At("/errors/0/errorType"), R"("motorFault")") << "it stays";
+  EXPECT_EQ(robot.At("/driving"), "false");
+  EXPECT_NE(robot.At("/nodeStates"), "[]") << "nor does it arrive";
+}
+
 TEST_P(RobotMessages, TheLastWillSaysThatTheConnectionBroke) {
   Conversation robot(Plain());
   robot.End();

@@ -68,6 +68,11 @@ const World kLooking = {
         {"fleetpub await KIT/0001 state paused=true",
          "fleetpub uncharge KIT/0001 --wait; publish -r -n -t uagv/v2/KIT/0002/connection"}}};
 
+const World kShow = {.setup =
+                         "online KIT/0001 --battery 15 --error 'motorFault:FATAL:motor 2 is hot' "
+                         "--emergency-stop --position 1.5,-2,0.5,hall-1 --at n5 --with-order\n"
+                         "fleetpub pause KIT/0001 --wait"};
+
 const World kSoar = {
     .setup =
         "background fleetpub simulate --protocol soar soar.planet-ocean.ecosub.eco1\n"
@@ -215,6 +220,7 @@ const std::map<std::string, std::map<std::string, World>>& Worlds() {
                  "online KIT/0001\n"
                  "echo '{\"target\":\"KIT/0001\",\"action\":\"startPause\"}' > commands.jsonl"}},
            {"Fleet, watch, await", kLooking},
+           {"Show", kShow},
            {"SoAR", kSoar},
            {"Live", kLive},
        }},

@@ -30,9 +30,15 @@ void Show(const FleetView& view, Output& output) {
   PrintTable(FleetColumns(), rows, output);
 }
 
-Result<ExitCode> RunFleet(const FleetDiscoveryOptions& options, const Context& context) {
-  const auto view =
-      app::DiscoverFleet(MakeFleetRequest(options), MakeEnvironment(context), context.output);
+struct Options {
+  FleetDiscoveryOptions discovery;
+  bool ask = false;
+};
+
+Result<ExitCode> RunFleet(const Options& options, const Context& context) {
+  auto request = MakeFleetRequest(options.discovery);
+  request.ask = options.ask;
+  const auto view = app::DiscoverFleet(request, MakeEnvironment(context), context.output);
   if (!view) return Fail(view.error());
   for (const RobotView* robot : view->robots()) {
     if (robot->also_at.empty()) continue;
@@ -48,8 +54,11 @@ Result<ExitCode> RunFleet(const FleetDiscoveryOptions& options, const Context& c
 }  // namespace
 
 Run DeclareFleet(OptionSet& set) {
-  const auto options = std::make_shared<FleetDiscoveryOptions>();
-  DeclareFleetDiscoveryOptions(set, *options);
+  const auto options = std::make_shared<Options>();
+  DeclareFleetDiscoveryOptions(set, options->discovery);
+  set.AddFlag("--ask", options->ask,
+              "Send a stateRequest to robots that are online: their states come at once")
+      .Group("Waiting");
   return [options](const Context& context) { return RunFleet(*options, context); };
 }
 

@@ -16,6 +16,7 @@
 #include "cli/parser/subcommand.h"
 #include "config/config_settings.h"
 #include "simulator/runner.h"
+#include "simulator/trouble.h"
 #include "vda5050/catalogue/catalogue.h"
 #include "vda5050/reports/discovery.h"
 
@@ -35,6 +36,8 @@ struct Options {
   std::vector<std::string> fail;
   std::vector<std::string> reject;
   std::vector<std::string> retriable;
+  std::vector<std::string> errors;
+  std::optional<std::string> position;
   bool force = false;
 
   bool is_soar = false;
@@ -76,6 +79,15 @@ constexpr auto kRejectStyles = std::to_array<base::Choice<simulator::RejectStyle
     {"error", simulator::RejectStyle::kError},
 });
 
+// What people are shown, and how 2.1's text spells it elsewhere.
+constexpr auto kEmergencyStops = std::to_array<base::Choice<std::string_view>>({
+    {"AUTOACK", "AUTOACK"},
+    {"AUTO_ACK", "AUTOACK"},
+    {"MANUAL", "MANUAL"},
+    {"REMOTE", "REMOTE"},
+    {"NONE", "NONE"},
+});
+
 // `pause` → `startPause`; a manufacturer's own type stays as it is.
 void AddTypes(const std::vector<std::string>& words, Version version,
               std::set<std::string, std::less<>>& types) {
@@ -92,6 +104,28 @@ app::VdaOptions SpokenBy(const std::vector<RobotAddress>& robots, const Options&
                                            : app::WithConfig(o.vda, config);
   if (vda.IsAutomatic()) vda.version.clear();
   return vda;
+}
+
+Status SetTrouble(const Options& o, Version version, simulator::RobotState& state) {
+  if (!simulator::HasEmergencyStop(state.emergency_stop, version)) {
+    return Fail(ErrorKind::kUsage,
+                fmt::format("--emergency-stop: VDA 5050 {} has MANUAL, REMOTE and NONE, not {}",
+                            vda5050::GetFacts(version).name, state.emergency_stop));
+  }
+  for (const std::string& text : o.errors) {
+    auto error = simulator::ParseRobotError(text, version);
+    if (!error) return Fail(std::move(error.error()));
+    state.errors.push_back(*std::move(error));
+  }
+  if (!base::IsUtf8(state.last_node_id)) {
+    return Fail(ErrorKind::kUsage, "--at: the text is not valid UTF-8");
+  }
+  if (!o.position) return {};
+  auto position = simulator::ParsePosition(*o.position);
+  if (!position) return Fail(std::move(position.error()));
+  state.position = *std::move(position);
+  state.maps.front().id = state.position.map_id;
+  return {};
 }
 
 Result<simulator::Settings> MakeSettings(const Options& o, const app::VdaOptions& vda) {
@@ -115,6 +149,9 @@ Result<simulator::Settings> MakeSettings(const Options& o, const app::VdaOptions
   if (settings.list_limit > 0 && settings.version < Version::k300) {
     return Fail(ErrorKind::kUsage,
                 "--list-limit: ended actions stay until they are cleared from version 3.0.0 on");
+  }
+  if (auto ok = SetTrouble(o, settings.version, settings.initial); !ok) {
+    return Fail(std::move(ok.error()));
   }
   return settings;
 }
@@ -151,6 +188,13 @@ void Show(std::string_view robot, const simulator::Event& event, Output& output)
   }
 }
 
+bool HasTrouble(const Options& o) {
+  const simulator::RobotState usual;
+  const simulator::RobotState& state = o.settings.initial;
+  return state.battery != usual.battery || state.emergency_stop != usual.emergency_stop ||
+         state.field_violation || !state.last_node_id.empty() || !o.errors.empty() || o.position;
+}
+
 // What only robots have, and was asked of platforms.
 Status RefuseRobotOptions(const Options& o) {
   const Options none;
@@ -160,7 +204,7 @@ Status RefuseRobotOptions(const Options& o) {
                    o.settings.list_limit != none.settings.list_limit || !o.fail.empty() ||
                    !o.reject.empty() || !o.retriable.empty() || o.force ||
                    o.settings.reject_style != none.settings.reject_style ||
-                   o.settings.drop != none.settings.drop;
+                   o.settings.drop != none.settings.drop || HasTrouble(o);
   if (!any) return {};
   return Fail(ErrorKind::kUsage,
               "with --protocol soar there are --prefix, --delay, --stop-at, --silent, "
@@ -288,6 +332,25 @@ void DeclareRobots(OptionSet& set, Options& o) {
   set.AddFlag("--force", o.force, "Take the place of a robot that is ONLINE").Group(kRobots);
 }
 
+void DeclareTrouble(OptionSet& set, Options& o) {
+  constexpr const char* kTrouble = "Trouble";
+  simulator::RobotState& state = o.settings.initial;
+  const auto add = [&](const char* names, ValueKind kind, const char* type, const char* help) {
+    return set.AddOption(names, std::move(kind), help).Type(type).Group(kTrouble);
+  };
+  add("--battery", WholeNumber(state.battery, 0, 100), "PERCENT", "Their charge [80]");
+  add("--error", Text(o.errors), "TYPE:LEVEL[:TEXT]",
+      "They have this error: motorFault:FATAL:'motor 2 hot'; repeatable")
+      .OneValueEach();
+  set.AddFlag("--emergency-stop", OneOf(state.emergency_stop, kEmergencyStops), "MANUAL",
+              "They stand in emergency stop; --emergency-stop=REMOTE says who acknowledges it: {}")
+      .Group(kTrouble);
+  set.AddFlag("--field-violation", state.field_violation, "Something is in the protective field")
+      .Group(kTrouble);
+  add("--position", Text(o.position), "X,Y,THETA[,MAP]", "Where they are [0,0,0,map-1]");
+  add("--at", Text(state.last_node_id), "NODE", "The last node that they passed");
+}
+
 void DeclarePlatforms(OptionSet& set, Options& o) {
   set.AddOption("--protocol", OneOf(o.is_soar, kProtocols),
                 "{}: with soar the targets are platforms [vda5050]")
@@ -327,6 +390,7 @@ void DeclareFaults(OptionSet& set, Options& o) {
 Run DeclareSimulate(OptionSet& set) {
   const auto options = std::make_shared<Options>();
   DeclareRobots(set, *options);
+  DeclareTrouble(set, *options);
   DeclareFaults(set, *options);
   DeclarePlatforms(set, *options);
   return [options](const Context& context) { return RunSimulate(*options, context); };

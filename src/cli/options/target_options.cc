@@ -5,6 +5,8 @@
 namespace fleetpub::cli {
 namespace {
 
+constexpr const char* kTargets = "Targets";
+
 Result<std::vector<vda5050::Condition>> ParseConditions(const std::vector<std::string>& texts) {
   std::vector<vda5050::Condition> conditions;
   for (const std::string& text : texts) {
@@ -20,8 +22,7 @@ Result<std::vector<vda5050::Condition>> ParseConditions(const std::vector<std::s
 
 }  // namespace
 
-void DeclareTargetOptions(OptionSet& set, TargetOptions& o) {
-  constexpr const char* kTargets = "Targets";
+void DeclareTargetChoice(OptionSet& set, TargetOptions& o) {
   set.AddOption("targets", o.words,
                 "Robots: manufacturer/serialNumber, alias, @group, 'KIT/*', - (standard input)")
       .Type("TARGET");
@@ -39,6 +40,10 @@ void DeclareTargetOptions(OptionSet& set, TargetOptions& o) {
       .Type("CONDITION")
       .OneValueEach()
       .Group(kTargets);
+}
+
+void DeclareTargetOptions(OptionSet& set, TargetOptions& o) {
+  DeclareTargetChoice(set, o);
   set.AddOption("--state-wait", Duration(o.state_wait),
                 "How long --where waits for the states of robots that are online [35s]")
       .Group(kTargets);

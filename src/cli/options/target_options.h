@@ -24,6 +24,8 @@ struct TargetOptions {
   std::optional<std::size_t> expect;
 };
 
+/// Which robots: all but `--state-wait` and `--expect`.
+void DeclareTargetChoice(OptionSet& set, TargetOptions& options);
 void DeclareTargetOptions(OptionSet& set, TargetOptions& options);
 
 /// Errors: ErrorKind::kUsage.

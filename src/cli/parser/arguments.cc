@@ -43,7 +43,7 @@ namespace {
 
 const Subcommand* Named(std::string_view name) {
   for (const Subcommand& subcommand : Subcommands()) {
-    if (base::EqualsIgnoringCase(subcommand.name, name)) return &subcommand;
+    if (base::EqualsIgnoringCase(subcommand.name, FullName(name))) return &subcommand;
   }
   return nullptr;
 }

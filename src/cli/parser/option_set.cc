@@ -104,6 +104,17 @@ Option OptionSet::AddFlag(const std::string& names, bool& value, const std::stri
   return Declare(IsMentioned(names) ? app_->add_flag(names, value, help) : nullptr, Flag(value));
 }
 
+Option OptionSet::AddFlag(const std::string& names, ValueKind kind, std::string implied,
+                          std::string help) {
+  kind.store = [store = std::move(kind.store),
+                implied = std::move(implied)](const std::vector<std::string>& texts) {
+    return store(texts.front() == "true" ? std::vector{implied} : texts);
+  };
+  const Option option = AddOption(names, std::move(kind), std::move(help));
+  if (option.record_->option != nullptr) option.record_->option->expected(0);
+  return option;
+}
+
 void OptionSet::AddSetting(std::string_view key, ValueKind kind) {
   Declare(nullptr, std::move(kind)).Key(key);
 }

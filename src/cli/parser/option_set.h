@@ -47,6 +47,8 @@ class OptionSet {
     return AddOption(names, Text(value), std::move(help));
   }
   Option AddFlag(const std::string& names, bool& value, const std::string& help);
+  /// One that may say more, behind `=` only: `--color=never`. Alone it says `implied`.
+  Option AddFlag(const std::string& names, ValueKind kind, std::string implied, std::string help);
   /// What only the configuration sets.
   void AddSetting(std::string_view key, ValueKind kind);
 

@@ -54,6 +54,7 @@ struct Subcommand {
 [[nodiscard]] Run DeclareRespond(OptionSet& set);
 [[nodiscard]] Run DeclareSchemaList(OptionSet& set);
 [[nodiscard]] Run DeclareSchemaShow(OptionSet& set);
+[[nodiscard]] Run DeclareShow(OptionSet& set);
 [[nodiscard]] Run DeclareSimulate(OptionSet& set);
 [[nodiscard]] Run DeclareSoarAcknowledge(OptionSet& set);
 [[nodiscard]] Run DeclareSoarMissionPlan(OptionSet& set);
@@ -65,6 +66,9 @@ struct Subcommand {
 
 /// A command that is a predefined instant action. `word` is what the person called it.
 [[nodiscard]] Run DeclareInstantAction(OptionSet& set, std::string_view word);
+
+/// What people call a command beside its name: `status` of `show`. The name itself otherwise.
+[[nodiscard]] std::string_view FullName(std::string_view word);
 
 /// Everything but the predefined actions, in the order of the help.
 [[nodiscard]] std::span<const Subcommand> Subcommands();

@@ -1,6 +1,7 @@
 // The table of subcommands. Predefined actions are not in it: they come from the catalogue.
 #include <array>
 
+#include "base/text.h"
 #include "cli/parser/subcommand.h"
 
 namespace fleetpub::cli {
@@ -56,8 +57,14 @@ constexpr auto kSubcommands = std::to_array<Subcommand>({
      DeclareSoarPlatformStatus},
     {"fleet", kLooking, "[TARGET...]", "the robots known to the broker, and how they are",
      "fleet\n"
+     "fleet --ask\n"
      "fleet 'KIT/*' @hall-1 -o json",
      DeclareFleet},
+    {"show", kLooking, "TARGET...", "all that is known of a robot, now; several in short",
+     "show KIT/0001\n"
+     "show 'KIT/*' --where 'battery<20'\n"
+     "show KIT/0001 --no-ask -o json",
+     DeclareShow},
     {"watch", kLooking, "[TARGET...]", "the same, live", "watch\nwatch 'KIT/*' --for 1m -o json",
      DeclareWatch},
     {"await", kLooking, "TARGET TOPIC CONDITION...", "wait until robots' messages say so",
@@ -94,6 +101,7 @@ constexpr auto kSubcommands = std::to_array<Subcommand>({
      "simulate KIT/0001\n"
      "simulate KIT/0001 --count 100 --vda 2.1 --state-interval 5s\n"
      "simulate KIT/0001 --delay 3s --fail startCharging --reject pause\n"
+     "simulate KIT/0001 --battery 15 --error motorFault:FATAL --emergency-stop\n"
      "simulate --protocol soar soar.planet-ocean.ecosub.eco1 --delay 3s",
      DeclareSimulate},
     {"config show", kChecking, "", "the settings in force, and where each comes from",
@@ -123,6 +131,10 @@ constexpr auto kSubcommands = std::to_array<Subcommand>({
 });
 
 }  // namespace
+
+std::string_view FullName(std::string_view word) {
+  return base::EqualsIgnoringCase(word, "status") ? "show" : word;
+}
 
 std::span<const Subcommand> Subcommands() { return kSubcommands; }
 

@@ -45,6 +45,9 @@ RobotState Slimmed(RobotState state) {
   CutHeader(state.header);
   state.action_states = {};
   state.instant_action_states = {};
+  state.zone_action_states = {};
+  state.loads = {};
+  state.information = {};
   state.zone_sets = {};
   state.position = {};
   state.last_node_id = {};
@@ -56,7 +59,8 @@ RobotState Slimmed(RobotState state) {
 }
 
 std::size_t CountBytes(const RobotState& state) {
-  std::size_t size = state.operating_mode.size() + state.order_id.size();
+  std::size_t size =
+      state.operating_mode.size() + state.emergency_stop.size() + state.order_id.size();
   for (const RobotError& error : state.errors) {
     size += sizeof error + error.type.size() + error.level.size() + error.description.size();
   }
@@ -80,6 +84,7 @@ std::size_t Abridge(RobotState& state) {
   state.errors = std::move(worst);
   state.requests = {};
   Cut(state.operating_mode, kLongestWhenFull);
+  Cut(state.emergency_stop, kLongestWhenFull);
   Cut(state.order_id, kLongestWhenFull);
   return left_out;
 }

@@ -219,7 +219,7 @@ std::shared_ptr<const Dialect> RobotDirectory::Share(Dialect dialect) {
 
 std::shared_ptr<const Factsheet> RobotDirectory::Share(Factsheet factsheet) {
   return Shared(factsheets_, std::move(factsheet), [](const Factsheet& a, const Factsheet& b) {
-    return a.actions == b.actions && a.limits == b.limits;
+    return a.actions == b.actions && a.limits == b.limits && a.specification == b.specification;
   });
 }
 

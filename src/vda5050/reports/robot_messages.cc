@@ -132,6 +132,20 @@ RobotError ReadError(const Value& entry) {
   };
 }
 
+RobotInformation ReadInformation(const Value& entry) {
+  return {.type = Text(entry, {"infoType"}),
+          .level = ToUpper(Text(entry, {"infoLevel"})),
+          .description = Text(entry, {"infoDescriptor", "infoDescription"}),
+          .references = List(Member(entry, {"infoReferences"}), ReadReference)};
+}
+
+RobotLoad ReadLoad(const Value& entry) {
+  return {.id = Text(entry, {"loadId"}),
+          .type = Text(entry, {"loadType"}),
+          .position = Text(entry, {"loadPosition"}),
+          .weight = Number(entry, {"weight"})};
+}
+
 std::optional<RobotPosition> ReadPosition(const Value& message) {
   const Value* position = Member(message, {"mobileRobotPosition", "agvPosition"});
   if (position == nullptr || !position->IsObject()) return std::nullopt;
@@ -206,6 +220,25 @@ FactsheetLimits ReadLimits(const Value& limits) {
       .instant_actions = Limit(counts, {"instantActions"}),
       .action_parameters = Limit(counts, {"actions.actionsParameters"}),
   };
+}
+
+RobotSpecification ReadSpecification(const Value& message) {
+  RobotSpecification specification;
+  if (const Value* type = Member(message, {"typeSpecification"})) {
+    specification.series = Text(*type, {"seriesName"});
+    specification.series_description = Text(*type, {"seriesDescription"});
+    specification.robot_class = Text(*type, {"mobileRobotClass", "agvClass"});
+    specification.kinematics =
+        Text(*type, {"mobileRobotKinematics", "mobileRobotKinematic", "agvKinematic"});
+    specification.maximum_load = Number(*type, {"maximumLoadMass", "maxLoadMass"});
+  }
+  if (const Value* physical = Member(message, {"physicalParameters"})) {
+    specification.maximum_speed = Number(*physical, {"maximumSpeed", "speedMax"});
+    specification.length = Number(*physical, {"length"});
+    specification.width = Number(*physical, {"width"});
+    specification.maximum_height = Number(*physical, {"maximumHeight", "heightMax"});
+  }
+  return specification;
 }
 
 template <typename T>
@@ -293,6 +326,7 @@ RobotState ReadState(const Value& message) {
   state.has_action_states = IsArray(actions);
   state.instant_action_states = List(instant_actions, ReadActionState);
   state.has_instant_action_states = IsArray(instant_actions);
+  state.zone_action_states = List(Member(message, {"zoneActionStates"}), ReadActionState);
   state.errors = List(Member(message, {"errors"}), ReadError);
   state.operating_mode = NormalisedMode(Text(message, {"operatingMode"}));
   state.paused = Truth(message, {"paused"});
@@ -300,6 +334,13 @@ RobotState ReadState(const Value& message) {
   if (const Value* power = Member(message, {"powerSupply", "batteryState"})) {
     state.battery_charge = Number(*power, {"stateOfCharge", "batteryCharge"});
     state.charging = Truth(*power, {"charging"});
+    state.battery_voltage = Number(*power, {"batteryVoltage"});
+    state.battery_health = Number(*power, {"batteryHealth"});
+    state.range = Number(*power, {"range", "reach"});
+  }
+  if (const Value* safety = Member(message, {"safetyState"})) {
+    state.emergency_stop = NormalisedEmergencyStop(Text(*safety, {"activeEmergencyStop", "eStop"}));
+    state.field_violation = Truth(*safety, {"fieldViolation"});
   }
   state.order_id = Text(message, {"orderId"});
   state.order_update_id = Counter(message, "orderUpdateId");
@@ -318,6 +359,9 @@ RobotState ReadState(const Value& message) {
   for (RobotRequest& request : List(Member(message, {"edgeRequests"}), ReadRequest)) {
     state.requests.push_back(std::move(request));
   }
+  const Value* loads = Member(message, {"loads"});
+  if (IsArray(loads)) state.loads = List(loads, ReadLoad);
+  state.information = List(Member(message, {"information", "informations"}), ReadInformation);
   return state;
 }
 
@@ -335,6 +379,7 @@ Factsheet ReadFactsheet(const Value& message) {
     factsheet.actions =
         List(Member(*features, {"mobileRobotActions", "agvActions"}), ReadFactsheetAction);
   }
+  factsheet.specification = ReadSpecification(message);
   return factsheet;
 }
 
@@ -343,6 +388,13 @@ Result<base::JsonDocument> ReadMessage(std::string_view payload) {
   if (!message || message->IsObject()) return message;
   return Fail(ErrorKind::kInvalid,
               message->IsArray() ? "it is an array, no JSON object" : "it is no JSON object");
+}
+
+std::string ToOneLine(std::string_view payload) {
+  const bool is_line = payload.find_first_of("\r\n\xEF") == std::string_view::npos;
+  const auto message = ReadMessage(payload);
+  if (!message) return "";
+  return is_line && base::ParseJson(payload) ? std::string(payload) : base::ToJson(*message);
 }
 
 Result<RobotState> ReadState(std::string_view payload) {
@@ -422,6 +474,10 @@ std::string NormalisedMode(std::string_view text) {
   return Normalised<3>(
       text,
       {{{"SEMIAUTOMATIC", "SEMIAUTOMATIC"}, {"TEACHIN", "TEACH_IN"}, {"TEACHING", "TEACH_IN"}}});
+}
+
+std::string NormalisedEmergencyStop(std::string_view text) {
+  return Normalised<1>(text, {{{"AUTOACK", "AUTOACK"}}});
 }
 
 std::string Shown(std::string_view text, std::size_t longest) {

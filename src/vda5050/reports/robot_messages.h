@@ -55,6 +55,22 @@ struct RobotError {
   std::vector<ErrorReference> references;
 };
 
+/// An entry of `information`.
+struct RobotInformation {
+  std::string type;
+  std::string level;        ///< upper case
+  std::string description;  ///< `infoDescription`, from 3.0 `infoDescriptor`
+  std::vector<ErrorReference> references;
+};
+
+/// An entry of `loads`.
+struct RobotLoad {
+  std::string id;
+  std::string type;
+  std::string position;
+  std::optional<double> weight;  ///< kg
+};
+
 /// `agvPosition`, from 3.0 `mobileRobotPosition`.
 struct RobotPosition {
   std::optional<double> x;
@@ -86,6 +102,7 @@ struct RobotState {
   MessageHeader header;
   std::vector<ActionState> action_states;
   std::vector<ActionState> instant_action_states;  ///< from 3.0
+  std::vector<ActionState> zone_action_states;     ///< from 3.0
   bool has_action_states = false;                  ///< the array is there, be it empty
   bool has_instant_action_states = false;
   std::vector<RobotError> errors;
@@ -94,6 +111,11 @@ struct RobotState {
   std::optional<bool> driving;
   std::optional<double> battery_charge;  ///< per cent
   std::optional<bool> charging;
+  std::optional<double> battery_voltage;  ///< V
+  std::optional<double> battery_health;   ///< per cent
+  std::optional<double> range;            ///< m: `reach`, from 3.0 `range`
+  std::string emergency_stop;  ///< normalised, see NormalisedEmergencyStop; empty: not said
+  std::optional<bool> field_violation;
   std::string order_id;
   std::optional<std::uint32_t> order_update_id;
   std::optional<std::size_t> nodes_left;         ///< entries of `nodeStates`
@@ -103,7 +125,9 @@ struct RobotState {
   std::optional<std::uint32_t> last_node_sequence_id;
   std::optional<RobotPosition> position;
   std::vector<ZoneSetState> zone_sets;
-  std::vector<RobotRequest> requests;  ///< for zones, then for edges
+  std::vector<RobotRequest> requests;           ///< for zones, then for edges
+  std::optional<std::vector<RobotLoad>> loads;  ///< nothing: it cannot tell
+  std::vector<RobotInformation> information;
 };
 
 struct ConnectionMessage {
@@ -144,14 +168,33 @@ struct FactsheetLimits {
   bool operator==(const FactsheetLimits&) const = default;
 };
 
+/// `typeSpecification` and `physicalParameters`, in the names of 3.0.
+struct RobotSpecification {
+  std::string series;
+  std::string series_description;
+  std::string robot_class;              ///< `agvClass`, from 3.0 `mobileRobotClass`
+  std::string kinematics;               ///< `agvKinematic`, from 3.0 `mobileRobotKinematics`
+  std::optional<double> maximum_load;   ///< kg
+  std::optional<double> maximum_speed;  ///< m/s
+  std::optional<double> length;         ///< m, as the next two
+  std::optional<double> width;
+  std::optional<double> maximum_height;
+
+  bool operator==(const RobotSpecification&) const = default;
+};
+
 struct Factsheet {
   MessageHeader header;
   std::vector<FactsheetAction> actions;  ///< empty: not said
   FactsheetLimits limits;
+  RobotSpecification specification;
 };
 
 /// The payload as a JSON object.
 [[nodiscard]] Result<base::JsonDocument> ReadMessage(std::string_view payload);
+/// The payload as JSON in one line, as the robot wrote it if that is such a line; "" when it is no
+/// JSON object.
+[[nodiscard]] std::string ToOneLine(std::string_view payload);
 [[nodiscard]] Result<RobotState> ReadState(std::string_view payload);
 [[nodiscard]] RobotState ReadState(const base::JsonValue& message);
 [[nodiscard]] Result<ConnectionMessage> ReadConnection(std::string_view payload);
@@ -203,6 +246,10 @@ struct Factsheet {
 /// `AUTOMATIC`, `SEMIAUTOMATIC`, `TEACH_IN` … as 3.0 spells them, for any letter case and for
 /// `SEMI-AUTOMATIC`, `TEACHIN`, `TEACHING`; another text in upper case.
 [[nodiscard]] std::string NormalisedMode(std::string_view text);
+
+/// `AUTOACK`, `MANUAL`, `REMOTE`, `NONE`, for any letter case and for `AUTO_ACK`; another text in
+/// upper case.
+[[nodiscard]] std::string NormalisedEmergencyStop(std::string_view text);
 
 /// What a robot said, for a sentence: printable and at most `longest` bytes, cut with `…`.
 [[nodiscard]] std::string Shown(std::string_view text, std::size_t longest = 200);

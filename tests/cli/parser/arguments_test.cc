@@ -37,6 +37,8 @@ TEST(FindSubcommand, TakesTheCommandFromAmongTheArguments) {
       {"pause KIT/0001", "pause | KIT/0001"},
       {"startPause KIT/0001 KIT/0002", "startPause | KIT/0001 KIT/0002"},
       {"pick KIT/0001", "pick | KIT/0001"},
+      {"status KIT/0001", "show | KIT/0001"},
+      {"ledger status", "ledger status | "},
   };
   for (const auto& [arguments, found] : kCases) EXPECT_EQ(Found(std::string(arguments)), found);
 }

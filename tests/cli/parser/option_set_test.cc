@@ -75,6 +75,21 @@ TEST(OptionSet, WhatIsLeftOutKeepsItsValueAndIsEmpty) {
   EXPECT_EQ(value, "before");
 }
 
+TEST(OptionSet, AFlagMaySayMoreBehindAnEqualsSignOnly) {
+  const auto parsed = [](const std::vector<std::string>& arguments) {
+    OptionSet set(OptionSet::Extent::kMentioned, arguments);
+    std::string when = "never";
+    std::string target;
+    set.AddFlag("--blink", Text(when), "always", "");
+    set.AddOption("target", target, "");
+    EXPECT_TRUE(set.Parse("lamp", arguments));
+    return when + " " + target;
+  };
+  EXPECT_EQ(parsed({"KIT/1"}), "never KIT/1");
+  EXPECT_EQ(parsed({"--blink", "KIT/1"}), "always KIT/1");
+  EXPECT_EQ(parsed({"--blink=twice", "KIT/1"}), "twice KIT/1");
+}
+
 TEST(OptionSet, WordsAreAlwaysDeclared) {
   OptionSet set(OptionSet::Extent::kMentioned, {});
   std::string target;
@@ -121,7 +136,7 @@ TEST(OptionSet, EveryChoiceIsTaken) {
       for (const std::string_view choice : option.Choices({})) {
         if (option.IsPositional()) continue;
         Declared fresh(OptionSet::Extent::kAll, {});
-        static_cast<void>(subcommand.declare(fresh.set));
+        const cli::Run run = subcommand.declare(fresh.set);  // which holds what is stored
         const std::string name = "--" + option.long_names().front();
         EXPECT_TRUE(fresh.set.Parse("", {name, std::string(choice)}))
             << subcommand.name << " " << name << " " << choice;

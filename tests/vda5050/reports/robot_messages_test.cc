@@ -347,6 +347,51 @@ TEST(ReadFactsheet, TakesZeroAndNonsenseForNoLimit) {
   EXPECT_EQ(factsheet->limits.instant_actions, 0U);
 }
 
+TEST(ReadState, ReadsSafetyPowerLoadsAndInformationOfEveryVersion) {
+  const auto old = ParseState(R"({"safetyState": {"eStop": "autoAck", "fieldViolation": "true"},
+    "batteryState": {"batteryVoltage": 24.5, "batteryHealth": "90", "reach": 1200},
+    "loads": [{"loadId": "L", "loadType": "EPAL", "loadPosition": "fork", "weight": 3}],
+    "informations": [{"infoType": "door", "infoLevel": "info", "infoDescription": "open",
+      "infoReferences": [{"referenceKey": "k", "referenceValue": 7}]}]})");
+  EXPECT_EQ(old.emergency_stop, "AUTOACK");
+  EXPECT_EQ(old.field_violation, true);
+  EXPECT_EQ(old.battery_voltage, 24.5);
+  EXPECT_EQ(old.battery_health, 90);
+  EXPECT_EQ(old.range, 1200);
+  ASSERT_TRUE(old.loads);
+  EXPECT_EQ(old.loads->at(0).position, "fork");
+  EXPECT_EQ(old.loads->at(0).weight, 3);
+  EXPECT_EQ(old.information.at(0).description, "open");
+  EXPECT_EQ(old.information.at(0).references.at(0).value, "7");
+  const auto now = ParseState(R"({"safetyState": {"activeEmergencyStop": "REMOTE"},
+    "powerSupply": {"range": 5}, "information": [{"infoDescriptor": "shut"}],
+    "zoneActionStates": [{"actionId": "z", "actionStatus": "RUNNING"}]})");
+  EXPECT_EQ(now.emergency_stop, "REMOTE");
+  EXPECT_EQ(now.field_violation, std::nullopt);
+  EXPECT_EQ(now.range, 5);
+  EXPECT_FALSE(now.loads) << "it cannot tell";
+  EXPECT_EQ(now.information.at(0).description, "shut");
+  EXPECT_THAT(now.zone_action_states, SizeIs(1));
+}
+
+TEST(ReadFactsheet, ReadsWhatTheRobotIsInTheNamesOfEveryVersion) {
+  const auto old = ReadFactsheet(R"({"typeSpecification": {"seriesName": "S", "agvClass": "TUGGER",
+      "agvKinematic": "OMNI", "maxLoadMass": 5}, "physicalParameters": {"speedMax": 2}})");
+  const auto now = ReadFactsheet(R"({"typeSpecification": {"seriesName": "S",
+      "mobileRobotClass": "TUGGER", "mobileRobotKinematics": "OMNI", "maximumLoadMass": 5},
+      "physicalParameters": {"maximumSpeed": 2}})");
+  EXPECT_EQ(old->specification, now->specification);
+  EXPECT_EQ(now->specification.robot_class, "TUGGER");
+  EXPECT_EQ(now->specification.maximum_speed, 2);
+}
+
+TEST(ToOneLine, KeepsTheWordsOfTheRobot) {
+  EXPECT_EQ(ToOneLine(R"({"x": 1.50})"), R"({"x": 1.50})");
+  EXPECT_EQ(ToOneLine("{\n\"x\": 2}"), R"({"x":2})");
+  EXPECT_EQ(ToOneLine("[1]"), "");
+  EXPECT_EQ(ToOneLine("{"), "");
+}
+
 TEST(Shown, IsPrintableAndShort) {
   EXPECT_EQ(Shown("fine"), "fine");
   EXPECT_EQ(Shown("a\x1b[2J\nb"), "a\\x1b[2J\\nb");

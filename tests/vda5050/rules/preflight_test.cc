@@ -139,8 +139,9 @@ TEST(Preflight, RefusesARobotThatIsNotOnline) {
 
 TEST(Preflight, SaysHowToWakeARobotThatHibernates) {
   EXPECT_THAT(Findings(In("HIBERNATING"), Action("shutdown")),
-              ElementsAre("refused: KIT/0001 is HIBERNATING since 2026-01-02T03:04:05.678Z: wake "
-                          "it with stopHibernation, or --no-check"));
+              ElementsAre(fmt::format("refused: KIT/0001 is HIBERNATING since {}: wake it with "
+                                      "stopHibernation, or --no-check",
+                                      kSince)));
 }
 
 TEST(Preflight, SendsAPauseToARobotThatLooksOffline) {

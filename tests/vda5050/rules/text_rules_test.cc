@@ -196,9 +196,10 @@ TEST(CheckInstantActions, WarnsOfAKeyThatNearlyIsAPredefinedOne) {
     const auto lines = CheckAction(Version::k300, "initializePosition",
                                    position + R"(,{"key":")" + key + R"(","value":"v"})");
     const std::string meant = key.starts_with("map") ? "mapId" : "lastNodeId";
-    EXPECT_THAT(lines, ElementsAre("warning /actions/0/actionParameters/5: '" + key +
-                                   "' is not a parameter that initializePosition has: is " + meant +
-                                   " meant?"));
+    EXPECT_THAT(lines,
+                ElementsAre("warning /actions/0/actionParameters/5: '" + key +
+                            "' is not a parameter that initializePosition has: did you mean " +
+                            meant + "?"));
   }
 }
 
