@@ -23,9 +23,7 @@ void DeclareTopicOptions(OptionSet& set, app::VdaOptions& options) {
 }
 
 void DeclareFleetOptions(OptionSet& set, FleetOptions& options) {
-  set.AddOption("targets", options.words,
-                "Robots: manufacturer/serialNumber, alias, @group, 'KIT/*' [all]")
-      .Type("TARGET");
+  DeclareSelectionOptions(set, options.targets);
   DeclareTopicOptions(set, options.vda);
 }
 
@@ -51,18 +49,28 @@ delivery::RetainedOptions MakeRetainedOptions(milliseconds quiet) {
 void DeclareFleetDiscoveryOptions(OptionSet& set, FleetDiscoveryOptions& options) {
   DeclareFleetOptions(set, options.fleet);
   const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(options.state_wait);
-  set.AddOption("--state-wait", Duration(options.state_wait),
-                fmt::format("How long to wait for the states of robots that are online [{}s]",
+  set.AddOption("--state-wait", Duration(options.fleet.targets.state_wait),
+                fmt::format("How long to wait for the states of robots that are online [{}s; 35s "
+                            "when --where needs them]",
                             seconds.count()))
       .Group("Waiting");
   DeclareDiscover(set, options.discover);
 }
 
-app::FleetRequest MakeFleetRequest(const FleetDiscoveryOptions& options) {
-  return {.words = options.fleet.words,
-          .vda = options.fleet.vda,
-          .discover = MakeRetainedOptions(options.discover),
-          .state_wait = options.state_wait};
+Result<app::FleetRequest> ParseFleetOptions(const FleetOptions& options) {
+  auto targets = ParseTargetOptions(options.targets);
+  if (!targets) return Fail(std::move(targets.error()));
+  return app::FleetRequest{.targets = *std::move(targets), .vda = options.vda};
+}
+
+Result<app::FleetRequest> ParseFleetOptions(const FleetDiscoveryOptions& options) {
+  auto request = ParseFleetOptions(options.fleet);
+  if (!request) return request;
+  const bool waits_for_all =
+      options.fleet.targets.state_wait || app::Need(request->targets.where, "state");
+  if (!waits_for_all) request->targets.state_wait = options.state_wait;
+  request->discover = MakeRetainedOptions(options.discover);
+  return request;
 }
 
 }  // namespace fleetpub::cli

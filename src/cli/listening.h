@@ -7,6 +7,7 @@
 #include "app/fleet_discovery.h"
 #include "base/result.h"
 #include "cli/options/global_options.h"
+#include "cli/options/target_options.h"
 #include "cli/options/vda_options.h"
 #include "delivery/retained.h"
 
@@ -17,9 +18,9 @@ class OptionSet;
 /// `--interface` and `--topic-template`.
 void DeclareTopicOptions(OptionSet& set, app::VdaOptions& options);
 
-/// Options of `fleet` and `watch`.
+/// Of those that show robots.
 struct FleetOptions {
-  std::vector<std::string> words;  ///< none: all
+  TargetOptions targets;  ///< none: all
   app::VdaOptions vda;
 };
 
@@ -38,11 +39,14 @@ void DeclareDiscover(OptionSet& set, std::chrono::milliseconds& quiet,
 struct FleetDiscoveryOptions {
   FleetOptions fleet;
   std::chrono::milliseconds discover{300};
+  /// Unless somebody says it, or a condition needs states.
   std::chrono::milliseconds state_wait = std::chrono::seconds(2);
 };
 
 void DeclareFleetDiscoveryOptions(OptionSet& set, FleetDiscoveryOptions& options);
 
-[[nodiscard]] app::FleetRequest MakeFleetRequest(const FleetDiscoveryOptions& options);
+/// Errors: ErrorKind::kUsage.
+[[nodiscard]] Result<app::FleetRequest> ParseFleetOptions(const FleetOptions& options);
+[[nodiscard]] Result<app::FleetRequest> ParseFleetOptions(const FleetDiscoveryOptions& options);
 
 }  // namespace fleetpub::cli

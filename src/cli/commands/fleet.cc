@@ -14,34 +14,35 @@
 namespace fleetpub::cli {
 namespace {
 
-using vda5050::FleetView;
-using vda5050::RobotView;
+using app::ListedRobot;
 
-void Show(const FleetView& view, Output& output) {
-  const auto robots = view.robots();
+void Show(const app::Fleet& fleet, Output& output) {
+  const auto robots = fleet.robots();
   if (output.json()) {
-    for (const RobotView* robot : robots) output.Line("{" + FleetJson(*robot) + "}");
+    for (const ListedRobot* robot : robots) output.Line("{" + FleetJson(*robot) + "}");
     return;
   }
   std::vector<Row> rows;
   const auto now = base::WallTime::clock::now();
   rows.reserve(robots.size());
-  for (const RobotView* robot : robots) rows.push_back(FleetRow(*robot, now));
+  for (const ListedRobot* robot : robots) rows.push_back(FleetRow(*robot, now));
   PrintTable(FleetColumns(), rows, output);
 }
 
 Result<ExitCode> RunFleet(const FleetDiscoveryOptions& options, const Context& context) {
-  const auto view =
-      app::DiscoverFleet(MakeFleetRequest(options), MakeEnvironment(context), context.output);
-  if (!view) return Fail(view.error());
-  for (const RobotView* robot : view->robots()) {
-    if (robot->also_at.empty()) continue;
+  auto request = ParseFleetOptions(options);
+  if (!request) return Fail(request.error());
+  const auto fleet =
+      app::DiscoverFleet(*std::move(request), MakeEnvironment(context), {}, context.output);
+  if (!fleet) return Fail(fleet.error());
+  for (const ListedRobot* robot : fleet->robots()) {
+    const auto& [address, entry] = *robot;
+    if (entry.AlsoAt().empty()) continue;
     context.output.Warn(fmt::format("{} is found twice: at {}, which is shown, and at {}",
-                                    base::Printable(robot->robot.ToString()),
-                                    base::Printable(robot->place),
-                                    base::Printable(robot->also_at)));
+                                    base::Printable(address.ToString()),
+                                    base::Printable(entry.place), base::Printable(entry.AlsoAt())));
   }
-  Show(*view, context.output);
+  Show(*fleet, context.output);
   return ExitCode::kDone;
 }
 

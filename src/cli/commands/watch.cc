@@ -23,10 +23,10 @@
 namespace fleetpub::cli {
 namespace {
 
+using app::Fleet;
+using app::ListedRobot;
 using std::chrono::seconds;
 using std::chrono::steady_clock;
-using vda5050::FleetView;
-using vda5050::RobotView;
 
 constexpr seconds kLongestStill{1};  // ages grow while nothing happens
 
@@ -40,13 +40,13 @@ class LineDisplay final : public app::FleetDisplay {
   explicit LineDisplay(Output& output) : output_(output) {}
 
   // Only what is shown counts: a robot repeats its state every few seconds.
-  void Changed(const RobotView& robot) override {
+  void Changed(const ListedRobot& robot) override {
     const bool json = output_.json();
     const std::string line = json ? FleetJson(robot) : FleetLine(robot, output_);
     const std::size_t sum = std::hash<std::string>{}(line);
-    const auto [last, is_first] = sums_.try_emplace(robot.robot, sum);
+    const auto [last, is_first] = sums_.try_emplace(robot.first, sum);
     if (!is_first && std::exchange(last->second, sum) == sum) return;
-    if (is_first) app::WarnOfEscapedNames({&robot.robot, 1}, output_);
+    if (is_first) app::WarnOfEscapedNames({&robot.first, 1}, output_);
     const auto now = base::WallTime::clock::now();
     output_.Line(json ? fmt::format(R"({{"time":"{}",{}}})", base::FormatTimestamp(now), line)
                       : fmt::format("{}  {}", base::FormatLocal(now), line));
@@ -56,9 +56,9 @@ class LineDisplay final : public app::FleetDisplay {
   void Lost(const Error& error) override { output_.Lost(error); }
   void ConnectedAgain() override { output_.ConnectedAgain(); }
 
-  Result<bool> Refresh(const FleetView& view) override {
-    if (view.abridged() > 0 && !std::exchange(has_warned_, true)) {
-      output_.Warn(app::AbridgedWarning(view.abridged()));
+  Result<bool> Refresh(const Fleet& fleet) override {
+    if (fleet.directory().abridged() > 0 && !std::exchange(has_warned_, true)) {
+      output_.Warn(app::AbridgedWarning(fleet.directory().abridged()));
     }
     if (auto ok = output_.Flush(); !ok) return Fail(std::move(ok.error()));
     return true;
@@ -74,7 +74,7 @@ class ScreenDisplay final : public app::FleetDisplay {
  public:
   ScreenDisplay(std::string title, Output& output) : title_(std::move(title)), output_(output) {}
 
-  void Changed(const RobotView& /*robot*/) override { is_stale_ = true; }
+  void Changed(const ListedRobot& /*robot*/) override { is_stale_ = true; }
   void Lost(const Error& error) override {
     trouble_ = base::Printable(error.message) + ": connecting again";
     is_stale_ = true;
@@ -84,13 +84,13 @@ class ScreenDisplay final : public app::FleetDisplay {
     is_stale_ = true;
   }
 
-  Result<bool> Refresh(const FleetView& view) override {
+  Result<bool> Refresh(const Fleet& fleet) override {
     for (char key = screen_.Key(); key != 0; key = screen_.Key()) {
       if (key == 'q' || key == 'Q') return false;
     }
     const auto now = steady_clock::now();
     if (screen_.WasDisturbed() || is_stale_ || now >= drawn_ + kLongestStill) {
-      Draw(view);
+      Draw(fleet);
       is_stale_ = false;
       drawn_ = now;
     }
@@ -98,11 +98,11 @@ class ScreenDisplay final : public app::FleetDisplay {
   }
 
  private:
-  void Draw(const FleetView& view) {
+  void Draw(const Fleet& fleet) {
     constexpr std::size_t kFrame = 3;  // title, trouble, the table's header
     const auto [rows, columns] = screen_.size();
     if (std::exchange(columns_, columns) != columns) widths_.clear();
-    auto robots = view.robots();
+    auto robots = fleet.robots();
     const std::size_t room = rows > kFrame ? rows - kFrame : 0;
     const std::size_t hidden = robots.size() > room ? robots.size() - room + 1 : 0;
     std::vector<Row> table;
@@ -111,11 +111,12 @@ class ScreenDisplay final : public app::FleetDisplay {
     for (std::size_t i = 0; i < shown; ++i) table.push_back(FleetRow(*robots[i], now));
 
     std::string trouble = trouble_;
-    if (trouble.empty() && view.abridged() > 0) trouble = app::AbridgedWarning(view.abridged());
+    if (trouble.empty() && fleet.directory().abridged() > 0)
+      trouble = app::AbridgedWarning(fleet.directory().abridged());
     if (trouble.empty()) {
       std::vector<vda5050::RobotAddress> names;
       names.reserve(robots.size());
-      for (const RobotView* robot : robots) names.push_back(robot->robot);
+      for (const ListedRobot* robot : robots) names.push_back(robot->first);
       trouble = app::DescribeEscapedNames(names);
     }
     const auto line = [&, width = columns](Tone tone, std::string_view text) {
@@ -134,10 +135,11 @@ class ScreenDisplay final : public app::FleetDisplay {
     screen_.Draw(lines);
   }
 
-  [[nodiscard]] std::string Title(const std::vector<const RobotView*>& robots,
+  [[nodiscard]] std::string Title(const std::vector<const ListedRobot*>& robots,
                                   base::WallTime now) const {
-    const auto online = std::count_if(robots.begin(), robots.end(),
-                                      [](const RobotView* robot) { return robot->IsOnline(); });
+    const auto online = std::count_if(robots.begin(), robots.end(), [](const ListedRobot* robot) {
+      return robot->second.IsOnline();
+    });
     // What matters most comes first: a narrow window cuts the rest.
     return fmt::format("{} robot{}, {} online   q quits   {}   {}", robots.size(),
                        robots.size() == 1 ? "" : "s", online, base::FormatLocal(now), title_);
@@ -153,22 +155,25 @@ class ScreenDisplay final : public app::FleetDisplay {
   Screen screen_;
 };
 
-std::unique_ptr<app::FleetDisplay> MakeDisplay(const Options& o, const mqtt::BrokerUrl& broker,
+std::unique_ptr<app::FleetDisplay> MakeDisplay(const mqtt::BrokerUrl& broker, const Fleet& fleet,
                                                const Context& context) {
   // A trace on standard error would run over the screen.
   if (context.output.json() || context.options.debug || !Screen::IsPossible()) {
     EndQuietlyOnSignals();
     return std::make_unique<LineDisplay>(context.output);
   }
-  return std::make_unique<ScreenDisplay>(
-      fmt::format("{}   {}", broker.ToString(), app::FormatFleetName(o.fleet.words)),
-      context.output);
+  return std::make_unique<ScreenDisplay>(fmt::format("{}   {}", broker.ToString(), fleet.name()),
+                                         context.output);
 }
 
 Result<ExitCode> RunWatch(const Options& o, const Context& context) {
+  auto request = ParseFleetOptions(o.fleet);
+  if (!request) return Fail(request.error());
   const auto watched = app::WatchFleet(
-      {.words = o.fleet.words, .vda = o.fleet.vda}, FindEnd(o.duration), MakeEnvironment(context),
-      [&](const mqtt::BrokerUrl& broker) { return MakeDisplay(o, broker, context); },
+      *std::move(request), FindEnd(o.duration), MakeEnvironment(context),
+      [&](const mqtt::BrokerUrl& broker, const Fleet& fleet) {
+        return MakeDisplay(broker, fleet, context);
+      },
       context.output);
   if (!watched) return Fail(watched.error());
   return ExitCode::kDone;

@@ -18,13 +18,11 @@ Result<std::vector<vda5050::Condition>> ParseConditions(const std::vector<std::s
   return conditions;
 }
 
-}  // namespace
+constexpr std::chrono::seconds kStateWait{35};  // each repeats its own every 30 s
 
-void DeclareTargetOptions(OptionSet& set, TargetOptions& o) {
-  constexpr const char* kTargets = "Targets";
-  set.AddOption("targets", o.words,
-                "Robots: manufacturer/serialNumber, alias, @group, 'KIT/*', - (standard input)")
-      .Type("TARGET");
+constexpr const char* kTargets = "Targets";
+
+void DeclareCommon(OptionSet& set, TargetOptions& o) {
   set.AddFlag("--all", o.all, "All robots that the broker knows").Group(kTargets);
   set.AddFlag("--patterns", o.patterns, "Lines of standard input may be patterns and groups too")
       .Group(kTargets);
@@ -39,12 +37,31 @@ void DeclareTargetOptions(OptionSet& set, TargetOptions& o) {
       .Type("CONDITION")
       .OneValueEach()
       .Group(kTargets);
+  set.AddFlag("--online", o.online, "Only robots that are online: others are no failure")
+      .Group(kTargets);
+}
+
+}  // namespace
+
+void DeclareTargetOptions(OptionSet& set, TargetOptions& o) {
+  set.AddOption("targets", o.words,
+                "Robots: manufacturer/serialNumber, alias, @group, 'KIT/*', - (standard input)")
+      .Type("TARGET");
+  DeclareCommon(set, o);
   set.AddOption("--state-wait", Duration(o.state_wait),
                 "How long --where waits for the states of robots that are online [35s]")
       .Group(kTargets);
   set.AddOption("--expect", WholeNumber(o.expect, 1, 1'000'000),
                 "Send nothing unless just so many robots are meant")
       .Group(kTargets);
+}
+
+void DeclareSelectionOptions(OptionSet& set, TargetOptions& o) {
+  set.AddOption("targets", o.words,
+                "Robots: manufacturer/serialNumber, alias, @group, 'KIT/*', - (standard input) "
+                "[all]")
+      .Type("TARGET");
+  DeclareCommon(set, o);
 }
 
 Result<app::TargetRequest> ParseTargetOptions(const TargetOptions& options) {
@@ -55,7 +72,8 @@ Result<app::TargetRequest> ParseTargetOptions(const TargetOptions& options) {
                             .all = options.all,
                             .except = options.except,
                             .where = *std::move(where),
-                            .state_wait = options.state_wait,
+                            .online = options.online,
+                            .state_wait = options.state_wait.value_or(kStateWait),
                             .expect = options.expect};
 }
 

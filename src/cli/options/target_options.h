@@ -20,11 +20,15 @@ struct TargetOptions {
   bool all = false;
   std::vector<std::string> except;
   std::vector<std::string> where;
-  std::chrono::milliseconds state_wait = std::chrono::seconds(35);
+  bool online = false;
+  std::optional<std::chrono::milliseconds> state_wait;
   std::optional<std::size_t> expect;
 };
 
+/// For those who command.
 void DeclareTargetOptions(OptionSet& set, TargetOptions& options);
+/// For those who look on, and mean all robots when no word says otherwise.
+void DeclareSelectionOptions(OptionSet& set, TargetOptions& options);
 
 /// Errors: ErrorKind::kUsage.
 [[nodiscard]] Result<app::TargetRequest> ParseTargetOptions(const TargetOptions& options);

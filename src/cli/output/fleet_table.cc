@@ -14,8 +14,8 @@ namespace fleetpub::cli {
 namespace {
 
 using base::JsonString;
-using vda5050::RobotState;
-using vda5050::RobotView;
+using vda5050::ListedRobot;
+using vda5050::RobotEntry;
 using vda5050::Shown;
 
 constexpr std::string_view kUnknown = "-";
@@ -25,29 +25,32 @@ std::string TextOr(std::string_view text, std::string_view otherwise) {
   return text.empty() ? std::string(otherwise) : Shown(text, kLongestText);
 }
 
-Cell Target(const RobotView& robot) { return {base::Printable(robot.robot.ToString())}; }
+Cell Target(const ListedRobot& robot) { return {base::Printable(robot.first.ToString())}; }
 
-Cell FormatVersion(const RobotView& robot) {
-  if (robot.version) return {std::string(vda5050::GetFacts(*robot.version).name)};
-  return {TextOr(robot.header_version, kUnknown)};
+Cell FormatVersion(const RobotEntry& robot) {
+  if (robot.own) return {std::string(vda5050::GetFacts(robot.own->version).name)};
+  return {TextOr(robot.said_version, kUnknown)};
 }
 
-Cell Connection(const RobotView& robot) {
-  if (!robot.connection_fault.empty()) return {"not readable", Tone::kBad};
-  const bool is_known = !robot.connection_state.empty();
-  const Tone tone = !is_known ? Tone::kPlain : robot.IsOnline() ? Tone::kGood : Tone::kBad;
-  return {TextOr(robot.connection_state, kUnknown), tone};
+Cell Connection(const RobotEntry& robot) {
+  if (!robot.connection) return {std::string(kUnknown)};
+  if (!robot.connection->fault.empty()) return {"not readable", Tone::kBad};
+  const std::string& said = robot.connection->connection_state;
+  const Tone tone = said.empty() ? Tone::kPlain : robot.IsOnline() ? Tone::kGood : Tone::kBad;
+  return {TextOr(said, kUnknown), tone};
 }
 
 // A last will says when the robot connected, not when it broke.
-Cell Since(const RobotView& robot, base::WallTime now) {
-  if (robot.connection_state == "CONNECTION_BROKEN") return {std::string(kUnknown)};
-  const auto time = base::ParseDateTime(robot.connection_timestamp);
+Cell Since(const RobotEntry& robot, base::WallTime now) {
+  if (!robot.connection || robot.connection->connection_state == "CONNECTION_BROKEN") {
+    return {std::string(kUnknown)};
+  }
+  const auto time = vda5050::ReadTime(robot.connection->header);
   if (!time) return {std::string(kUnknown)};
   return {AgeText(std::max(now - *time, std::chrono::system_clock::duration::zero()))};
 }
 
-Cell Mode(const RobotView& robot) {
+Cell Mode(const RobotEntry& robot) {
   return {TextOr(robot.state ? robot.state->operating_mode : "", kUnknown)};
 }
 
@@ -55,31 +58,31 @@ std::string YesNo(const std::optional<bool>& value) {
   return !value ? std::string(kUnknown) : *value ? "yes" : "no";
 }
 
-Cell Driving(const RobotView& robot) {
+Cell Driving(const RobotEntry& robot) {
   return {YesNo(robot.state ? robot.state->driving : std::nullopt)};
 }
 
-Cell Paused(const RobotView& robot) {
+Cell Paused(const RobotEntry& robot) {
   return {YesNo(robot.state ? robot.state->paused : std::nullopt)};
 }
 
-Cell Battery(const RobotView& robot) {
+Cell Battery(const RobotEntry& robot) {
   const auto charge = robot.state ? robot.state->battery_charge : std::nullopt;
   std::string text = charge ? fmt::format("{:.0f}%", *charge) : std::string(kUnknown);
   if (robot.state && robot.state->charging == true) text += " charging";
   return {text};
 }
 
-Cell Order(const RobotView& robot) {
+Cell Order(const RobotEntry& robot) {
   return {robot.state ? TextOr(robot.state->order_id, "none") : std::string(kUnknown)};
 }
 
-Cell Errors(const RobotView& robot) {
+Cell Errors(const RobotEntry& robot) {
   if (!robot.state_fault.empty()) return {"its state cannot be read", Tone::kBad};
   if (!robot.state) return {std::string(kUnknown)};
   const vda5050::RobotError* worst = vda5050::WorstError(robot.state->errors);
   if (worst == nullptr) return {"0"};
-  const std::size_t count = robot.state->errors.size() + robot.errors_left_out;
+  const std::size_t count = robot.state->errors.size() + robot.state->errors_left_out;
   return {fmt::format("{} {}{}", count, TextOr(worst->level, kUnknown),
                       vda5050::IsInstantActionListFull(robot.state->errors) ? ", list full" : ""),
           Tone::kBad};
@@ -112,7 +115,7 @@ std::string ErrorsJson(const std::vector<vda5050::RobotError>& errors) {
   return "[" + json + "]";
 }
 
-std::string StateJson(const std::optional<RobotState>& state) {
+std::string StateJson(const vda5050::LiveState* state) {
   if (!state) {
     return R"("operatingMode":null,"driving":null,"paused":null,"batteryCharge":"unknown",)"
            R"("charging":null,"orderId":null,"errors":null)";
@@ -143,39 +146,43 @@ std::span<const Column> FleetColumns() {
   return kColumns;
 }
 
-Row FleetRow(const RobotView& robot, base::WallTime now) {
-  return {Target(robot), FormatVersion(robot), Connection(robot), Since(robot, now),
-          Mode(robot),   Driving(robot),       Paused(robot),     Battery(robot),
-          Order(robot),  Errors(robot)};
+Row FleetRow(const ListedRobot& robot, base::WallTime now) {
+  const RobotEntry& entry = robot.second;
+  return {Target(robot), FormatVersion(entry), Connection(entry), Since(entry, now),
+          Mode(entry),   Driving(entry),       Paused(entry),     Battery(entry),
+          Order(entry),  Errors(entry)};
 }
 
-std::string FleetLine(const RobotView& robot, const Output& output) {
-  const Cell connection = Connection(robot);
-  const Cell errors = Errors(robot);
+std::string FleetLine(const ListedRobot& robot, const Output& output) {
+  const RobotEntry& entry = robot.second;
+  const Cell connection = Connection(entry);
+  const Cell errors = Errors(entry);
   return fmt::format("{}  {}  {}  {}  driving {}  paused {}  battery {}  order {}  errors {}",
-                     Target(robot).text, FormatVersion(robot).text,
-                     output.Toned(connection.tone, connection.text), Mode(robot).text,
-                     Driving(robot).text, Paused(robot).text, Battery(robot).text,
-                     Order(robot).text, output.Toned(errors.tone, errors.text));
+                     Target(robot).text, FormatVersion(entry).text,
+                     output.Toned(connection.tone, connection.text), Mode(entry).text,
+                     Driving(entry).text, Paused(entry).text, Battery(entry).text,
+                     Order(entry).text, output.Toned(errors.tone, errors.text));
 }
 
-std::string FleetJson(const RobotView& robot) {
+std::string FleetJson(const ListedRobot& robot) {
+  const auto& [address, entry] = robot;
   const std::string_view version =
-      robot.version ? vda5050::GetFacts(*robot.version).name : std::string_view();
+      entry.own ? vda5050::GetFacts(entry.own->version).name : std::string_view();
+  const vda5050::ConnectionMessage connection =
+      entry.connection.value_or(vda5050::ConnectionMessage{});
+  const std::size_t left_out = entry.state ? entry.state->errors_left_out : 0;
   return fmt::format(
              R"("target":{},"manufacturer":{},"serialNumber":{},"version":{},"headerVersion":{},)"
              R"("interface":{},"topicLevel":{},"connectionState":{},"connectionTimestamp":{},{})",
-             JsonString(robot.robot.ToString()), JsonString(robot.robot.manufacturer),
-             JsonString(robot.robot.serial_number), TextOrNull(version),
-             TextOrNull(robot.header_version), TextOrNull(robot.interface_name),
-             TextOrNull(robot.topic_level), TextOrNull(robot.connection_state),
-             TextOrNull(robot.connection_timestamp), StateJson(robot.state)) +
-         (robot.errors_left_out == 0
-              ? ""
-              : fmt::format(R"(,"errorsLeftOut":{})", robot.errors_left_out)) +
-         TextMember(R"(,"stateFault":)", robot.state_fault) +
-         TextMember(R"(,"connectionFault":)", robot.connection_fault) +
-         TextMember(R"(,"alsoAt":)", robot.also_at);
+             JsonString(address.ToString()), JsonString(address.manufacturer),
+             JsonString(address.serial_number), TextOrNull(version), TextOrNull(entry.said_version),
+             TextOrNull(entry.InterfaceName()), TextOrNull(entry.TopicLevel()),
+             TextOrNull(connection.connection_state), TextOrNull(connection.header.timestamp),
+             StateJson(entry.state.get())) +
+         (left_out == 0 ? "" : fmt::format(R"(,"errorsLeftOut":{})", left_out)) +
+         TextMember(R"(,"stateFault":)", entry.state_fault) +
+         TextMember(R"(,"connectionFault":)", connection.fault) +
+         TextMember(R"(,"alsoAt":)", entry.AlsoAt());
 }
 
 std::string AgeText(std::chrono::nanoseconds age) {

@@ -301,6 +301,10 @@ RobotState ReadState(const Value& message) {
     state.battery_charge = Number(*power, {"stateOfCharge", "batteryCharge"});
     state.charging = Truth(*power, {"charging"});
   }
+  if (const Value* safety = Member(message, {"safetyState"})) {
+    state.emergency_stop = ToUpper(Text(*safety, {"activeEmergencyStop", "eStop"}));
+    state.field_violation = Truth(*safety, {"fieldViolation"});
+  }
   state.order_id = Text(message, {"orderId"});
   state.order_update_id = Counter(message, "orderUpdateId");
   state.nodes_left = Length(message, "nodeStates");
@@ -383,6 +387,10 @@ const ActionState* FindActionState(const RobotState& state, std::string_view id,
     }
   }
   return found;
+}
+
+bool IsEmergencyStopped(const RobotState& state) {
+  return !state.emergency_stop.empty() && state.emergency_stop != "NONE";
 }
 
 bool IsTerminal(std::string_view status) { return status == "FINISHED" || status == "FAILED"; }

@@ -94,6 +94,8 @@ struct RobotState {
   std::optional<bool> driving;
   std::optional<double> battery_charge;  ///< per cent
   std::optional<bool> charging;
+  std::string emergency_stop;  ///< where it is acknowledged, upper case: MANUAL, AUTOACK; NONE
+  std::optional<bool> field_violation;
   std::string order_id;
   std::optional<std::uint32_t> order_update_id;
   std::optional<std::size_t> nodes_left;         ///< entries of `nodeStates`
@@ -181,6 +183,9 @@ struct Factsheet {
 /// long as `state`.
 [[nodiscard]] const ActionState* FindActionState(const RobotState& state, std::string_view id,
                                                  std::string_view type = {});
+
+/// Whether it says that an emergency stop is active.
+[[nodiscard]] bool IsEmergencyStopped(const RobotState& state);
 
 /// FINISHED or FAILED. An unknown status is none.
 [[nodiscard]] bool IsTerminal(std::string_view status);
