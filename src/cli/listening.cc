@@ -27,6 +27,15 @@ void DeclareFleetOptions(OptionSet& set, FleetOptions& options) {
   DeclareTopicOptions(set, options.vda);
 }
 
+void DeclareFleetViewOptions(OptionSet& set, FleetViewOptions& options) {
+  set.AddFlag("--problems", options.problems,
+              "Only robots in trouble: an emergency stop, an error, a lost connection …")
+      .Group("Targets");
+  set.AddOption("--sort", OneOf(options.sort, kSortings),
+                "In which order: {} [trouble; with -o json name]")
+      .Group("Targets");
+}
+
 mqtt::Deadline FindEnd(std::optional<milliseconds> duration) {
   return duration ? std::chrono::steady_clock::now() + *duration : mqtt::Deadline::max();
 }

@@ -9,6 +9,7 @@
 #include "cli/options/global_options.h"
 #include "cli/options/target_options.h"
 #include "cli/options/vda_options.h"
+#include "cli/output/fleet_table.h"
 #include "delivery/retained.h"
 
 namespace fleetpub::cli {
@@ -26,6 +27,13 @@ struct FleetOptions {
 
 /// The robots and the topics' options.
 void DeclareFleetOptions(OptionSet& set, FleetOptions& options);
+
+/// Which of them are shown, and in which order.
+struct FleetViewOptions {
+  bool problems = false;
+  std::optional<SortBy> sort;
+};
+void DeclareFleetViewOptions(OptionSet& set, FleetViewOptions& options);
 
 /// `--discover`.
 void DeclareDiscover(OptionSet& set, std::chrono::milliseconds& quiet,

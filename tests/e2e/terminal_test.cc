@@ -116,14 +116,14 @@ TEST_F(OnATerminal, WatchShowsWhatMattersInEightyColumnsAndBreaksInNone) {
   ASSERT_TRUE(terminal.Await("AUTOMATIC"));
   EXPECT_THAT(terminal.Shown(),
               AllOf(HasSubstr("1 robot, 1 online   q quits"),
-                    HasSubstr("TARGET    CONNECTION  MODE       "), HasSubstr("ERRORS")));
+                    HasSubstr("TARGET    CONNECTION  MODE       SAFETY  "), HasSubstr("ERRORS")));
   const std::pair<int, int> sizes[] = {{40, 5}, {12, 3}, {2, 2}, {1, 1}};
   for (const auto& [columns, rows] : sizes) {
     terminal.Resize(columns, rows);
     EXPECT_FALSE(terminal.Shown().empty());
   }
   terminal.Resize(40, 8);
-  ASSERT_TRUE(terminal.Await("TARGET    CONNECTION  PAUSED  "));
+  ASSERT_TRUE(terminal.Await("TARGET    CONNECTION  SAFETY  "));
   terminal.Press("q");
   ASSERT_TRUE(terminal.Await("exit code 0"));
 }
@@ -156,15 +156,38 @@ TEST_F(OnATerminal, NoColourStandsAlone) {
   const std::string line = Line({"watch"});
   Terminal coloured(AndTellTheEnd(line), 100, 8);
   ASSERT_TRUE(coloured.Await("2 robots, 1 online"));
-  // Green and bold red: whoever sees neither reads the word, and sees what is bold.
-  EXPECT_THAT(coloured.ShownInColour(), AllOf(HasSubstr("\x1b[32mONLINE"), HasSubstr("OFFLINE")));
-  EXPECT_THAT(coloured.ShownInColour(), HasSubstr("\x1b[1m\x1b[31m"));
+  // Green, and dim for what a robot left that is gone: whoever sees neither reads the word.
+  EXPECT_THAT(coloured.ShownInColour(),
+              AllOf(HasSubstr("\x1b[32mONLINE"), HasSubstr("\x1b[2mOFFLINE")));
+  Say("vda5050/v3/KIT/0002/connection",
+      R"({"version":"3.0.0","connectionState":"CONNECTION_BROKEN"})", true);
+  ASSERT_TRUE(coloured.Await("BROKEN"));
+  EXPECT_THAT(coloured.ShownInColour(), HasSubstr("\x1b[1m\x1b[31mBROKEN"));
   Terminal plain(AndTellTheEnd("NO_COLOR=1 " + line.substr(line.find("-u NO_COLOR") + 12)), 100, 8);
   ASSERT_TRUE(plain.Await("2 robots, 1 online"));
   EXPECT_THAT(plain.ShownInColour(), Not(HasSubstr("\x1b[")));
 }
 
 // ── other tables ──
+
+TEST_F(OnATerminal, FleetShowsAtOnceWhatIsKnownAndFillsIn) {
+  const auto silent = Robot({"KIT/0001", "--count", "2", "--silent"});
+  Terminal terminal(AndTellTheEnd(Line({"fleet", "--state-wait", "20s"})), 80, 8);
+  ASSERT_TRUE(terminal.Await("waiting up to 20.0 s for 2 states"));
+  EXPECT_THAT(terminal.Shown(), HasSubstr("KIT/0002  ONLINE"));
+  const auto say = [&](const std::string& serial) {
+    Say("vda5050/v3/KIT/" + serial + "/state",
+        R"({"version":"3.0.0","operatingMode":"MANUAL","errors":[]})", false);
+  };
+  say("0001");
+  ASSERT_TRUE(terminal.Await("for 1 state"));
+  EXPECT_THAT(FindRow("KIT/0001", terminal.Shown()), HasSubstr("MANUAL"));
+  say("0002");
+  ASSERT_TRUE(terminal.Await("exit code 0"));
+  const auto lines = Lines(terminal.Shown());
+  EXPECT_THAT(lines.at(0), StartsWith("TARGET")) << "the table is there once";
+  EXPECT_THAT(lines.at(3), StartsWith("exit code 0"));
+}
 
 TEST_F(OnATerminal, FleetFitsTheWindowAndIsWholeInAPipe) {
   const auto robot = Robot({"KIT/0001", "--state-interval", "50ms"});

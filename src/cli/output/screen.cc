@@ -118,7 +118,7 @@ Screen::~Screen() {
   for (const int signal : kCrashes) Handle(signal, SIG_DFL);
 }
 
-Screen::Size Screen::size() const {
+Screen::Size Screen::size() {
   winsize size{};
   const bool is_known = ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_row > 0;
   return is_known ? Size{size.ws_row, size.ws_col} : Size{24, 80};

@@ -28,7 +28,7 @@ class Screen {
     std::size_t rows;
     std::size_t columns;
   };
-  [[nodiscard]] Size size() const;
+  [[nodiscard]] static Size size();
 
   /// Whether the size or the content has changed since the last call without our doing.
   [[nodiscard]] bool WasDisturbed();
