@@ -61,7 +61,7 @@ TEST_F(OnATerminal, WatchRedrawsInPlaceAndRestoresTheScreen) {
   const auto robots = Robot({"KIT/0001", "--count", "9", "--state-interval", "100ms"});
   Terminal terminal(AndTellTheEnd(Line({"watch"})), 100, 8);
   ASSERT_TRUE(terminal.Await("9 robots, 9 online"));
-  ASSERT_TRUE(terminal.Await("5 more are not shown"));
+  ASSERT_TRUE(terminal.Await("1 to 4 of 9"));
   EXPECT_EQ(terminal.Flags(), "1 0\n");
   EXPECT_EQ(Fleetpub({"pause", "KIT/0001"}).exit_code, 0);
   ASSERT_TRUE(terminal.Await("yes"));
@@ -126,6 +126,37 @@ TEST_F(OnATerminal, WatchShowsWhatMattersInEightyColumnsAndBreaksInNone) {
   ASSERT_TRUE(terminal.Await("TARGET    CONNECTION  SAFETY  "));
   terminal.Press("q");
   ASSERT_TRUE(terminal.Await("exit code 0"));
+}
+
+TEST_F(OnATerminal, WatchScrollsFiltersAndOpensARobot) {
+  const auto robots = Robot({"KIT/0001", "--count", "9", "--state-interval", "100ms"});
+  const auto manual = Robot({"ACME/7", "--mode", "MANUAL", "--state-interval", "100ms"});
+  Terminal terminal(AndTellTheEnd(Line({"watch"})), 80, 8);
+  ASSERT_TRUE(terminal.Await("10 robots, 10 online"));
+  ASSERT_TRUE(terminal.Await("MANUAL"));
+  EXPECT_THAT(Lines(terminal.Shown())[3], StartsWith("ACME/7"))
+      << "what is not at work comes first";
+  terminal.Press("End");
+  ASSERT_TRUE(terminal.Await("7 to 10 of 10"));
+  EXPECT_THAT(terminal.ShownInColour(), HasSubstr("\x1b[7m"));
+  terminal.Press("Up");
+  terminal.Press("Enter");
+  ASSERT_TRUE(terminal.Await("KIT/0008   Esc comes back"));
+  terminal.Press("Escape");
+  ASSERT_TRUE(terminal.Await("7 to 10 of 10"));
+  terminal.Press("/");
+  terminal.Type("manual");
+  ASSERT_TRUE(terminal.Await("/manual_   1 of them"));
+  terminal.Press("Enter");
+  EXPECT_THAT(terminal.Shown(), Not(HasSubstr("KIT/0001")));
+  terminal.Press("Escape");
+  ASSERT_TRUE(terminal.Await("KIT/0001"));
+  terminal.Press("?");
+  ASSERT_TRUE(terminal.Await("PgUp, PgDn"));
+  terminal.Press("q");
+  ASSERT_TRUE(terminal.Await("10 robots"));
+  terminal.Press("q");
+  ASSERT_TRUE(terminal.Await("exit code 0\nicanon"));
 }
 
 TEST_F(OnATerminal, WatchAlignsWideNamesAndKeepsItsColumns) {

@@ -2,7 +2,7 @@
 // each change.
 #include <fmt/format.h>
 
-#include <algorithm>
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -12,9 +12,9 @@
 #include "base/json.h"
 #include "base/text.h"
 #include "base/time.h"
-#include "base/width.h"
 #include "cli/environment.h"
 #include "cli/listening.h"
+#include "cli/output/fleet_browser.h"
 #include "cli/output/fleet_table.h"
 #include "cli/output/screen.h"
 #include "cli/parser/option_set.h"
@@ -32,6 +32,7 @@ constexpr seconds kLongestStill{1};  // ages grow while nothing happens
 
 struct Options {
   FleetOptions fleet;
+  FleetViewOptions view;
   std::optional<std::chrono::milliseconds> duration;
 };
 
@@ -70,11 +71,26 @@ class LineDisplay final : public app::FleetDisplay {
   bool has_warned_ = false;
 };
 
+// Asks these robots for their state; empty: nobody can.
+using AskHook = std::function<void(const std::vector<vda5050::RobotAddress>& robots)>;
+
 class ScreenDisplay final : public app::FleetDisplay {
  public:
-  ScreenDisplay(std::string title, Output& output) : title_(std::move(title)), output_(output) {}
+  ScreenDisplay(std::string title, SortBy by, AskHook ask, Output& output)
+      : title_(std::move(title)),
+        by_(by),
+        ask_(std::move(ask)),
+        output_(output),
+        browser_(output, ask_ != nullptr) {}
 
-  void Changed(const ListedRobot& /*robot*/) override { is_stale_ = true; }
+  void Changed(const ListedRobot& robot) override {
+    is_stale_ = true;
+    const auto& [address, entry] = robot;
+    Heard& heard = heard_[address];
+    if (entry.state && std::exchange(heard.state, entry.state.get()) != entry.state.get()) {
+      heard.at = steady_clock::now();
+    }
+  }
   void Lost(const Error& error) override {
     trouble_ = base::Printable(error.message) + ": connecting again";
     is_stale_ = true;
@@ -85,12 +101,21 @@ class ScreenDisplay final : public app::FleetDisplay {
   }
 
   Result<bool> Refresh(const Fleet& fleet) override {
-    for (char key = screen_.Key(); key != 0; key = screen_.Key()) {
-      if (key == 'q' || key == 'Q') return false;
+    for (int key = Screen::ReadKey(); key != kNoKey; key = Screen::ReadKey()) {
+      is_stale_ = true;
+      switch (browser_.Press(key)) {
+        case FleetBrowser::Wish::kQuit:
+          return false;
+        case FleetBrowser::Wish::kAsk:
+          if (ask_) ask_(browser_.shown());
+          break;
+        case FleetBrowser::Wish::kNothing:
+          break;
+      }
     }
     const auto now = steady_clock::now();
-    if (screen_.WasDisturbed() || is_stale_ || now >= drawn_ + kLongestStill) {
-      Draw(fleet);
+    if (Screen::WasDisturbed() || is_stale_ || now >= drawn_ + kLongestStill) {
+      Draw(fleet, now);
       is_stale_ = false;
       drawn_ = now;
     }
@@ -98,81 +123,72 @@ class ScreenDisplay final : public app::FleetDisplay {
   }
 
  private:
-  void Draw(const Fleet& fleet) {
-    constexpr std::size_t kFrame = 3;  // title, trouble, the table's header
-    const auto [rows, columns] = screen_.size();
-    if (std::exchange(columns_, columns) != columns) widths_.clear();
-    auto robots = fleet.robots();
-    const std::size_t room = rows > kFrame ? rows - kFrame : 0;
-    const std::size_t hidden = robots.size() > room ? robots.size() - room + 1 : 0;
-    std::vector<Row> table;
-    const auto now = base::WallTime::clock::now();
-    const std::size_t shown = robots.size() - std::min(hidden, robots.size());
-    for (std::size_t i = 0; i < shown; ++i) table.push_back(FleetRow(*robots[i], now));
+  // When the last state came.
+  struct Heard {
+    const vda5050::LiveState* state = nullptr;
+    std::optional<steady_clock::time_point> at;
+  };
 
-    std::string trouble = trouble_;
-    if (trouble.empty() && fleet.directory().abridged() > 0)
-      trouble = app::AbridgedWarning(fleet.directory().abridged());
-    if (trouble.empty()) {
-      std::vector<vda5050::RobotAddress> names;
-      names.reserve(robots.size());
-      for (const ListedRobot* robot : robots) names.push_back(robot->first);
-      trouble = app::DescribeEscapedNames(names);
-    }
-    const auto line = [&, width = columns](Tone tone, std::string_view text) {
-      return output_.Toned(tone, base::Shortened(width, text));
+  void Draw(const Fleet& fleet, steady_clock::time_point now) {
+    auto robots = fleet.robots();
+    SortRobots(robots, by_);
+    const auto silence = [&](const vda5050::RobotAddress& robot) {
+      const auto heard = heard_.find(robot);
+      const bool is_known = heard != heard_.end() && heard->second.at;
+      return is_known ? std::optional<std::chrono::nanoseconds>(now - *heard->second.at)
+                      : std::nullopt;
     };
-    std::vector<std::string> lines = {line(Tone::kPlain, Title(robots, now)),
-                                      line(Tone::kBad, trouble)};
-    const auto body = TableLines(FleetColumns(), table, columns, output_, &widths_);
-    lines.insert(lines.end(), body.begin(), body.end());
-    if (hidden > 0) {
-      lines.push_back(line(
-          Tone::kDim,
-          fmt::format("{} more are not shown: a larger window or fewer TARGETs help", hidden)));
-    }
-    lines.resize(std::min(lines.size(), rows));
-    screen_.Draw(lines);
+    screen_.Draw(browser_.Lines(robots,
+                                {.size = Screen::size(),
+                                 .now = base::WallTime::clock::now(),
+                                 .title = title_,
+                                 .trouble = DescribeTrouble(fleet, robots)},
+                                silence));
   }
 
-  [[nodiscard]] std::string Title(const std::vector<const ListedRobot*>& robots,
-                                  base::WallTime now) const {
-    const auto online = std::count_if(robots.begin(), robots.end(), [](const ListedRobot* robot) {
-      return robot->second.IsOnline();
-    });
-    // What matters most comes first: a narrow window cuts the rest.
-    return fmt::format("{} robot{}, {} online   q quits   {}   {}", robots.size(),
-                       robots.size() == 1 ? "" : "s", online, base::FormatLocal(now), title_);
+  [[nodiscard]] std::string DescribeTrouble(const Fleet& fleet,
+                                            const FleetBrowser::Robots& robots) const {
+    if (!trouble_.empty()) return trouble_;
+    const std::size_t abridged = fleet.directory().abridged();
+    if (abridged > 0) return app::AbridgedWarning(abridged);
+    std::vector<vda5050::RobotAddress> names;
+    names.reserve(robots.size());
+    for (const ListedRobot* robot : robots) names.push_back(robot->first);
+    return app::DescribeEscapedNames(names);
   }
 
   std::string title_;
+  SortBy by_;
+  AskHook ask_;
   Output& output_;
+  FleetBrowser browser_;
+  std::map<vda5050::RobotAddress, Heard> heard_;
   std::string trouble_;
   bool is_stale_ = true;
-  std::size_t columns_ = 0;
-  std::vector<std::size_t> widths_;  // of the table, which only grows until the window changes
   steady_clock::time_point drawn_;
   Screen screen_;
 };
 
-std::unique_ptr<app::FleetDisplay> MakeDisplay(const mqtt::BrokerUrl& broker, const Fleet& fleet,
-                                               const Context& context) {
+std::unique_ptr<app::FleetDisplay> MakeDisplay(const Options& o, const mqtt::BrokerUrl& broker,
+                                               const Fleet& fleet, const Context& context) {
   // A trace on standard error would run over the screen.
   if (context.output.json() || context.options.debug || !Screen::IsPossible()) {
     EndQuietlyOnSignals();
     return std::make_unique<LineDisplay>(context.output);
   }
   return std::make_unique<ScreenDisplay>(fmt::format("{}   {}", broker.ToString(), fleet.name()),
+                                         o.view.sort.value_or(SortBy::kTrouble), AskHook(),
                                          context.output);
 }
 
 Result<ExitCode> RunWatch(const Options& o, const Context& context) {
   auto request = ParseFleetOptions(o.fleet);
   if (!request) return Fail(request.error());
+  request->problems = o.view.problems;
   const auto watched = app::WatchFleet(
       *std::move(request), FindEnd(o.duration), MakeEnvironment(context),
       [&](const mqtt::BrokerUrl& broker, const Fleet& fleet) {
-        return MakeDisplay(broker, fleet, context);
+        return MakeDisplay(o, broker, fleet, context);
       },
       context.output);
   if (!watched) return Fail(watched.error());
@@ -184,6 +200,7 @@ Result<ExitCode> RunWatch(const Options& o, const Context& context) {
 Run DeclareWatch(OptionSet& set) {
   const auto options = std::make_shared<Options>();
   DeclareFleetOptions(set, options->fleet);
+  DeclareFleetViewOptions(set, options->view);
   set.AddOption("--for", Duration(options->duration), "End after this time [on q or Ctrl-C]")
       .Group("Waiting");
   return [options](const Context& context) { return RunWatch(*options, context); };
