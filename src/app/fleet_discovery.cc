@@ -104,6 +104,11 @@ bool Fleet::Shows(const ListedRobot& robot) const {
          Satisfies(parts_->targets, entry) == Answer::kYes;
 }
 
+bool Fleet::Shows(const RobotAddress& robot) const {
+  const auto found = parts_->directory.robots().find(robot);
+  return found != parts_->directory.robots().end() && Shows(*found);
+}
+
 std::vector<const ListedRobot*> Fleet::robots() const {
   std::vector<const ListedRobot*> robots;
   for (const ListedRobot& robot : parts_->directory.robots()) {

@@ -41,6 +41,7 @@ class Fleet {
   /// Whether it was seen and is among those that are asked for. One of which it is not known whether
   /// every --where is true is not.
   [[nodiscard]] bool Shows(const ListedRobot& robot) const;
+  [[nodiscard]] bool Shows(const vda5050::RobotAddress& robot) const;
   /// These, in order of address.
   [[nodiscard]] std::vector<const ListedRobot*> robots() const;
 

@@ -22,7 +22,9 @@ constexpr std::chrono::seconds kStateWait{35};  // each repeats its own every 30
 
 constexpr const char* kTargets = "Targets";
 
-void DeclareCommon(OptionSet& set, TargetOptions& o) {
+}  // namespace
+
+void DeclareSelectionFlags(OptionSet& set, TargetOptions& o) {
   set.AddFlag("--all", o.all, "All robots that the broker knows").Group(kTargets);
   set.AddFlag("--patterns", o.patterns, "Lines of standard input may be patterns and groups too")
       .Group(kTargets);
@@ -41,13 +43,11 @@ void DeclareCommon(OptionSet& set, TargetOptions& o) {
       .Group(kTargets);
 }
 
-}  // namespace
-
 void DeclareTargetOptions(OptionSet& set, TargetOptions& o) {
   set.AddOption("targets", o.words,
                 "Robots: manufacturer/serialNumber, alias, @group, 'KIT/*', - (standard input)")
       .Type("TARGET");
-  DeclareCommon(set, o);
+  DeclareSelectionFlags(set, o);
   set.AddOption("--state-wait", Duration(o.state_wait),
                 "How long --where waits for the states of robots that are online [35s]")
       .Group(kTargets);
@@ -61,7 +61,7 @@ void DeclareSelectionOptions(OptionSet& set, TargetOptions& o) {
                 "Robots: manufacturer/serialNumber, alias, @group, 'KIT/*', - (standard input) "
                 "[all]")
       .Type("TARGET");
-  DeclareCommon(set, o);
+  DeclareSelectionFlags(set, o);
 }
 
 Result<app::TargetRequest> ParseTargetOptions(const TargetOptions& options) {

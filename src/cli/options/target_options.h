@@ -29,6 +29,8 @@ struct TargetOptions {
 void DeclareTargetOptions(OptionSet& set, TargetOptions& options);
 /// For those who look on, and mean all robots when no word says otherwise.
 void DeclareSelectionOptions(OptionSet& set, TargetOptions& options);
+/// The same without the words.
+void DeclareSelectionFlags(OptionSet& set, TargetOptions& options);
 
 /// Errors: ErrorKind::kUsage.
 [[nodiscard]] Result<app::TargetRequest> ParseTargetOptions(const TargetOptions& options);

@@ -261,9 +261,13 @@ std::string FleetJson(const ListedRobot& robot) {
 
 void SortRobots(std::vector<const ListedRobot*>& robots, SortBy by) {
   const auto sort = [&](const auto& key) {
-    std::stable_sort(robots.begin(), robots.end(), [&](const ListedRobot* a, const ListedRobot* b) {
-      return key(a->second) < key(b->second);
-    });
+    std::vector<std::pair<decltype(key(robots.front()->second)), const ListedRobot*>> keyed;
+    keyed.reserve(robots.size());
+    for (const ListedRobot* robot : robots) keyed.emplace_back(key(robot->second), robot);
+    std::stable_sort(keyed.begin(), keyed.end(),
+                     [](const auto& a, const auto& b) { return a.first < b.first; });
+    std::transform(keyed.begin(), keyed.end(), robots.begin(),
+                   [](const auto& one) { return one.second; });
   };
   switch (by) {
     case SortBy::kName:
