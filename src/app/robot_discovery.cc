@@ -255,6 +255,7 @@ class Discoverer {
 
   // The filters of many that are named were ended when what is retained had come.
   Status SubscribeAgain(const std::set<const RobotEntry*>& silent) {
+    if (2 * targets_.include.robots.size() <= delivery::kFiltersAtOnce) return {};
     constexpr std::array<std::string_view, 1> kState = {"state"};
     Filters filters;
     for (const RobotAddress& robot : targets_.include.robots) {
@@ -264,7 +265,6 @@ class Discoverer {
       if (auto ok = filters.Add(scheme, Exactly(robot), kState); !ok) return ok;
     }
     const auto topics = filters.Take();
-    if (2 * targets_.include.robots.size() <= delivery::kFiltersAtOnce) return {};
     for (std::span<const std::string> rest = topics; !rest.empty();) {
       const auto some = rest.first(std::min(rest.size(), delivery::kFiltersAtOnce));
       rest = rest.subspan(some.size());

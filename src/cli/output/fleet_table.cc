@@ -202,7 +202,7 @@ std::span<const Column> FleetColumns() {
                                           Column{.name = "PAUSED", .rank = 1},
                                           Column{.name = "BATTERY", .rank = 2},
                                           Column{.name = "ORDER", .rank = 4, .least = 12},
-                                          Column{.name = "ERRORS", .least = 16}};
+                                          Column{.name = "ERRORS", .least = 15}};
   return kColumns;
 }
 
