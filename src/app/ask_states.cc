@@ -23,7 +23,7 @@ std::vector<message::Command> MakeRequests(std::span<const ListedRobot* const> r
   factory.SetLook(true, link.transport->server(), environment.config.profile);
   CommandFactory::Built built;
   for (const ListedRobot* robot : robots) {
-    if (!robot->second.IsAlive() || robot->second.state_heard) continue;
+    if (!robot->second.IsAlive()) continue;
     const auto message = MakeInstantMessage({.type = std::string(kStateRequest)}, false);
     auto ok = factory.Build(*robot, {.message = *message, .header_id = {}, .wait_for = {}}, built);
     if (!ok) log.Debug(ok.error().message);

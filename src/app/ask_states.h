@@ -11,8 +11,8 @@
 
 namespace fleetpub::app {
 
-/// Sends `stateRequest` to those of these robots that are there, have not sent a state yet and have
-/// the action, as far as is known. Recorded as every command is; waits for no answer, and no longer
+/// Sends `stateRequest` to those of these robots that are there and have the action, as far as is
+/// known. Recorded as every command is; waits for no answer, and no longer
 /// than `patience` for the ledger or the connection. What keeps one from leaving is warned of:
 /// whoever asks goes on without. `link.transport` is null afterwards if that has cost the
 /// connection.

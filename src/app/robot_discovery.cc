@@ -23,12 +23,6 @@ using vda5050::RobotEntry;
 using vda5050::RobotFilter;
 using vda5050::RobotPattern;
 
-bool Needs(const Targets& targets, std::string_view topic_name) {
-  return std::any_of(targets.where.begin(), targets.where.end(), [&](const Condition& condition) {
-    return vda5050::FindTopicName(condition) == topic_name;
-  });
-}
-
 // What to subscribe to, each once.
 class Filters {
  public:
@@ -45,6 +39,17 @@ class Filters {
     return {};
   }
 
+  // Of those that the patterns may find.
+  Status Add(const Targets& targets, const RobotDirectory& directory,
+             std::span<const std::string_view> topic_names) {
+    for (const vda5050::TopicScheme& scheme : directory.schemes()) {
+      for (const RobotPattern& pattern : targets.include.patterns) {
+        if (auto ok = Add(scheme, pattern.Filter(), topic_names); !ok) return ok;
+      }
+    }
+    return {};
+  }
+
   std::vector<std::string> Take() { return std::move(filters_); }
 
  private:
@@ -55,6 +60,8 @@ class Filters {
 RobotFilter Exactly(const RobotAddress& robot) {
   return {.manufacturer = robot.manufacturer, .serial_number = robot.serial_number};
 }
+
+constexpr std::chrono::milliseconds kTick{100};
 
 // Robots at work send states every second or so, and all of them every 30 s (VDA 5050, chapter on
 // the topic state): so many silences are listened for those that are not ONLINE.
@@ -71,23 +78,34 @@ class Discoverer {
         log_(log) {}
 
   Status Run() {
-    const auto start = steady_clock::now();
+    auto end = steady_clock::now() + targets_.state_wait;
     const bool finds = !targets_.include.patterns.empty();
     auto ok = ReadNamed();
     if (ok && finds) ok = ReadFound();
-    if (ok && (finds || AnyMissing())) ok = ListenForLife();
+    if (options_.states) {
+      if (ok) ok = ReadByName();
+      if (ok && options_.ask) {
+        ok = ReadFactsheets();
+        if (ok) ok = options_.ask();
+        if (!ok) return ok;
+        end = steady_clock::now() + targets_.state_wait;
+      }
+      if (ok) ok = ReceiveStates(end);
+    } else if (ok && (finds || AnyMissing())) {
+      ok = ListenForLife();
+    }
     if (ok && finds && !handed_out_.any) ok = ReadConnections();
-    if (ok && NeedsFactsheets()) ok = ReadFactsheets();
-    if (ok && Needs(targets_, "state")) ok = AwaitStates(start + targets_.state_wait);
+    if (ok && NeedsFactsheets() && !options_.ask) ok = ReadFactsheets();
+    if (ok && !options_.states && Need(targets_.where, "state")) ok = AwaitStates(end);
     return ok;
   }
 
  private:
   [[nodiscard]] bool NeedsFactsheets() const {
-    return options_.factsheets || Needs(targets_, "factsheet");
+    return options_.factsheets || Need(targets_.where, "factsheet");
   }
   [[nodiscard]] bool IsWanted(const RobotEntry& entry) const {
-    return options_.all || !targets_.where.empty() || entry.automatic;
+    return options_.all || targets_.AskAll() || entry.automatic;
   }
   [[nodiscard]] bool HasFactsheet(const RobotEntry& entry) const {
     return !NeedsFactsheets() || entry.factsheet || !entry.factsheet_fault.empty();
@@ -109,12 +127,11 @@ class Discoverer {
   }
 
   const RobotEntry* Take(const mqtt::Message& message) {
-    const auto origin = message.retained ? vda5050::Origin::kRetained : vda5050::Origin::kLive;
-    const RobotEntry* entry = directory_.Deliver(message.topic, message.payload, origin);
-    if (message.retained && entry != nullptr && message.topic == entry->topic) {
-      retained_topic_ = message.topic;
-    }
-    return entry;
+    const ListedRobot* listed = app::Take(message, directory_);
+    if (listed == nullptr) return nullptr;
+    const RobotEntry& entry = listed->second;
+    if (message.retained && message.topic == entry.topic) retained_topic_ = message.topic;
+    return &entry;
   }
 
   // Until nothing is missing of these robots.
@@ -131,6 +148,7 @@ class Discoverer {
   // Those that are named outright, by topics of their own. Most brokers send a factsheet along.
   Status ReadNamed() {
     std::vector<std::string_view> topics;
+    if (options_.states) topics.emplace_back("state");
     if (NeedsFactsheets()) topics.emplace_back("factsheet");
     topics.emplace_back("connection");
     Filters filters;
@@ -143,15 +161,15 @@ class Discoverer {
     return Read(filters.Take(), std::move(waiting), options_.discover, IsDecided);
   }
 
-  // Connection messages alone: with the large ones the broker's queue would run over sooner.
+  // Connection messages, with states only where they are waited for: with large ones the broker's
+  // queue would run over sooner. In the order in which a broker hands them out, so that the state of
+  // a robot is mostly there when its connection is.
   Status ReadFound() {
-    constexpr std::array<std::string_view, 1> kTopics = {"connection"};
+    std::vector<std::string_view> topics;
+    if (options_.states) topics.emplace_back("state");
+    topics.emplace_back("connection");
     Filters filters;
-    for (const vda5050::TopicScheme& scheme : directory_.schemes()) {
-      for (const RobotPattern& pattern : targets_.include.patterns) {
-        if (auto ok = filters.Add(scheme, pattern.Filter(), kTopics); !ok) return ok;
-      }
-    }
+    if (auto ok = filters.Add(targets_, directory_, topics); !ok) return ok;
     auto handed_out = ReadWholeFleet(
         transport_,
         {.schemes = directory_.schemes(), .filters = filters.Take(), .expected = options_.expected},
@@ -180,15 +198,8 @@ class Discoverer {
       if (entry.WasHeard()) continue;
       if (auto ok = filters.Add(vda5050::SpecifiedTopics(scheme, robot, topics)); !ok) return ok;
     }
-    for (const vda5050::TopicScheme& scheme : directory_.schemes()) {
-      for (const RobotPattern& pattern : targets_.include.patterns) {
-        if (auto ok = filters.Add(scheme, pattern.Filter(), kState); !ok) return ok;
-      }
-    }
-    if (const auto unheard = Unheard();
-        AreAskedByName(unheard, !handed_out_.any || handed_out_.limit > 0)) {
-      if (auto ok = filters.Add(TopicsByName(unheard, "connection")); !ok) return ok;
-    }
+    if (auto ok = filters.Add(targets_, directory_, kState); !ok) return ok;
+    if (auto ok = AddUnheard(filters); !ok) return ok;
     auto options = options_.discover;
     if (!missing.empty() || !handed_out_.any)
       options.quiet = options.most = kLifeFactor * options.quiet;
@@ -197,9 +208,77 @@ class Discoverer {
     return Read(filters.Take(), std::move(missing), options, IsDecided);
   }
 
-  [[nodiscard]] std::vector<ExpectedRobot> Unheard() const {
-    return FindUnheard(options_.expected,
-                       [this](const RobotAddress& robot) { return directory_.Knows(robot); });
+  Status AddUnheard(Filters& filters) const {
+    const auto unheard = FindUnheard(
+        options_.expected, [this](const RobotAddress& robot) { return directory_.Knows(robot); });
+    const bool is_partial = !handed_out_.any || handed_out_.limit > 0;
+    return AreAskedByName(unheard, is_partial) ? filters.Add(TopicsByName(unheard, "connection"))
+                                               : Status();
+  }
+
+  // Those that should be there and were not heard.
+  Status ReadByName() {
+    constexpr std::array<std::string_view, 1> kConnection = {"connection"};
+    Filters filters;
+    for (const auto& [robot, entry] : directory_.robots()) {
+      if (entry.WasHeard()) continue;
+      const auto& scheme = entry.base->topics;
+      if (auto ok = filters.Add(vda5050::SpecifiedTopics(scheme, robot, kConnection)); !ok) {
+        return ok;
+      }
+    }
+    if (auto ok = AddUnheard(filters); !ok) return ok;
+    return Read(filters.Take(), {nullptr}, options_.discover,
+                [](const RobotEntry& /*entry*/) { return false; });
+  }
+
+  Status ReceiveStates(mqtt::Deadline end) {
+    std::set<const RobotEntry*> silent;
+    for (const auto& [robot, entry] : directory_.robots()) {
+      if (entry.IsAlive() && !entry.HasSpoken()) silent.insert(&entry);
+    }
+    if (auto ok = SubscribeAgain(silent); !ok) return ok;
+    const bool nobody = directory_.CountSeen() == 0;
+    const bool is_told =
+        handed_out_.any || (targets_.include.patterns.empty() && directory_.CountSeen() > 0);
+    const auto goes_on = [&] {
+      return !is_told || (nobody ? directory_.CountSeen() == 0 : !silent.empty());
+    };
+    auto next_tick = steady_clock::now();
+    while (steady_clock::now() < end && goes_on()) {
+      if (options_.tick && steady_clock::now() >= next_tick) {
+        options_.tick();
+        next_tick = steady_clock::now() + kTick;
+      }
+      const auto message = transport_.Receive(options_.tick ? std::min(end, next_tick) : end);
+      if (!message) return Fail(message.error());
+      if (!*message) continue;
+      const RobotEntry* entry = Take(**message);
+      if (entry != nullptr && entry->HasSpoken()) silent.erase(entry);
+    }
+    return {};
+  }
+
+  // The filters of many that are named were ended when what is retained had come.
+  Status SubscribeAgain(const std::set<const RobotEntry*>& silent) {
+    if (2 * targets_.include.robots.size() <= delivery::kFiltersAtOnce) return {};
+    constexpr std::array<std::string_view, 1> kState = {"state"};
+    Filters filters;
+    for (const RobotAddress& robot : targets_.include.robots) {
+      const auto found = directory_.robots().find(robot);
+      if (!silent.contains(&found->second)) continue;
+      const auto& scheme = found->second.base->topics;
+      if (auto ok = filters.Add(scheme, Exactly(robot), kState); !ok) return ok;
+    }
+    const auto topics = filters.Take();
+    for (std::span<const std::string> rest = topics; !rest.empty();) {
+      const auto some = rest.first(std::min(rest.size(), delivery::kFiltersAtOnce));
+      rest = rest.subspan(some.size());
+      auto ok = transport_.Subscribe(some, mqtt::kListeningQos,
+                                     steady_clock::now() + options_.discover.subscribe);
+      if (!ok) return ok;
+    }
+    return {};
   }
 
   // Of robots that were found by their states, where a filter with wildcards brings none.
@@ -246,13 +325,14 @@ class Discoverer {
     }
     auto ok = Read(filters.Take(), std::move(waiting), options,
                    [this](const RobotEntry& entry) { return HasFactsheet(entry); });
-    if (ok) TellUnchecked(!options.marker.empty() && retained_topic_ == options.marker);
+    if (ok && !options_.ask)
+      TellUnchecked(!options.marker.empty() && retained_topic_ == options.marker);
     return ok;
   }
 
   // Of a robot that is offline nothing more is asked than whether it is meant.
   [[nodiscard]] bool LacksFactsheet(const RobotEntry& entry) const {
-    const bool counts = IsThere(entry) || Needs(targets_, "factsheet");
+    const bool counts = IsThere(entry) || Need(targets_.where, "factsheet");
     return counts && IsWanted(entry) && entry.own && !HasFactsheet(entry);
   }
 
@@ -302,40 +382,6 @@ class Discoverer {
   HandedOut handed_out_;        // for filters with wildcards
   std::string retained_topic_;  // of the last connection message that was retained
 };
-
-enum class Answer { kYes, kNo, kUnheard, kOffline };
-
-Answer Satisfies(const Targets& targets, const RobotEntry& entry) {
-  Answer answer = Answer::kYes;
-  for (std::size_t i = 0; i < targets.where.size(); ++i) {
-    const auto unmet = i < entry.unmet.size() ? entry.unmet[i] : std::nullopt;
-    if (unmet && unmet->empty()) continue;
-    const bool is_state = vda5050::FindTopicName(targets.where[i]) == "state";
-    if (unmet || !is_state) return Answer::kNo;
-    answer = entry.IsAlive() ? Answer::kUnheard : Answer::kOffline;
-  }
-  return answer;
-}
-
-std::string FormatSpec(const Targets& targets) {
-  std::vector<std::string> words;
-  if (!targets.include.set.empty()) words.push_back(base::Printable(targets.include.set));
-  for (const Condition& condition : targets.where) {
-    words.push_back("--where " + base::Printable(vda5050::ToString(condition)));
-  }
-  return base::Join(words, " ");
-}
-
-// Why the first one of those that are meant was not chosen.
-std::string FirstReason(const RobotDirectory& directory) {
-  for (const auto& [robot, entry] : directory.robots()) {
-    for (const auto& unmet : entry.unmet) {
-      if (!unmet || unmet->empty()) continue;
-      return fmt::format("; of {}, {}", base::Printable(robot.ToString()), *unmet);
-    }
-  }
-  return "";
-}
 
 // Of those who have left a connection message under these filters.
 std::vector<RobotAddress> ReadNames(mqtt::Transport& transport, const vda5050::TopicScheme& scheme,
@@ -389,6 +435,29 @@ Result<RobotDirectory> MakeDirectory(const Targets& targets, const DialectResolv
   return directory;
 }
 
+bool Need(std::span<const Condition> conditions, std::string_view topic_name) {
+  return std::any_of(conditions.begin(), conditions.end(), [&](const Condition& condition) {
+    return vda5050::FindTopicName(condition) == topic_name;
+  });
+}
+
+Result<std::vector<std::string>> ListFilters(const Targets& targets,
+                                             const RobotDirectory& directory,
+                                             std::span<const std::string_view> topic_names) {
+  Filters filters;
+  if (auto ok = filters.Add(targets, directory, topic_names); !ok) return Fail(ok.error());
+  for (const RobotAddress& robot : targets.include.robots) {
+    const auto& scheme = directory.robots().at(robot).base->topics;
+    if (auto ok = filters.Add(scheme, Exactly(robot), topic_names); !ok) return Fail(ok.error());
+  }
+  return filters.Take();
+}
+
+const ListedRobot* Take(const mqtt::Message& message, RobotDirectory& directory) {
+  const auto origin = message.retained ? vda5050::Origin::kRetained : vda5050::Origin::kLive;
+  return directory.Deliver(message.topic, message.payload, origin);
+}
+
 Status DiscoverRobots(mqtt::Transport& transport, const Targets& targets,
                       const DiscoveryOptions& options, RobotDirectory& directory, Log& log) {
   return Discoverer(transport, targets, options, directory, log).Run();
@@ -409,95 +478,6 @@ std::vector<ExpectedRobot> FindExpectedRobots(const Targets& targets,
         if (!addressed) return std::nullopt;
         return addressed->dialect->topics;
       });
-}
-
-Chosen Choose(const Targets& targets, const RobotDirectory& directory, Log& log) {
-  Chosen chosen;
-  std::vector<RobotAddress> offline;
-  const auto consider = [&](const ListedRobot& listed) {
-    switch (Satisfies(targets, listed.second)) {
-      case Answer::kYes:
-        return chosen.robots.push_back(&listed);
-      case Answer::kUnheard:
-        return chosen.unheard.push_back(&listed);
-      case Answer::kOffline:
-        return offline.push_back(listed.first);
-      case Answer::kNo:
-        return;
-    }
-  };
-  std::set<RobotAddress> named;
-  std::vector<RobotAddress> discovered;
-  for (const RobotAddress& robot : targets.include.robots) {
-    const auto found = directory.robots().find(robot);
-    if (!targets.include.patterns.empty()) named.insert(robot);
-    if (found->second.WasHeard() || targets.where.empty()) {
-      consider(*found);
-    } else {
-      chosen.unheard.push_back(&*found);
-    }
-  }
-  if (!targets.include.patterns.empty()) {
-    for (const ListedRobot& listed : directory.robots()) {
-      if (!listed.second.IsKnown() || named.contains(listed.first)) continue;
-      discovered.push_back(listed.first);
-      consider(listed);
-    }
-  }
-  WarnOfEscapedNames(discovered, log);
-  if (!offline.empty()) {
-    log.Warn(fmt::format("left out, as they are offline and have left no state: {}",
-                         FormatRobotList(offline)));
-  }
-  return chosen;
-}
-
-std::optional<std::string> UnusedExclusion(const Targets& targets, const Excluded& excluded,
-                                           const config::Config& config) {
-  if (targets.include.patterns.empty()) return std::nullopt;
-  for (const RobotAddress& robot : targets.except.robots) {
-    const bool is_configured =
-        config.robots.contains(robot) ||
-        std::any_of(config.group_robots.begin(), config.group_robots.end(), [&](const auto& group) {
-          return std::find(group.second.begin(), group.second.end(), robot) != group.second.end();
-        });
-    if (!is_configured && !excluded.contains(robot)) return robot.ToString();
-  }
-  for (const RobotPattern& pattern : targets.except.patterns) {
-    const bool spares =
-        std::any_of(excluded.begin(), excluded.end(),
-                    [&](const RobotAddress& robot) { return pattern.Matches(robot); });
-    if (!spares) return pattern.manufacturer + "/" + pattern.serial_number;
-  }
-  return std::nullopt;
-}
-
-Error NobodyChosen(mqtt::Transport& transport, const Targets& targets,
-                   const DialectResolver& resolver, const RobotDirectory& directory,
-                   const delivery::RetainedOptions& discover, const std::string& site) {
-  const auto meant =
-      std::count_if(directory.robots().begin(), directory.robots().end(),
-                    [](const ListedRobot& listed) { return listed.second.IsKnown(); });
-  const std::string nobody =
-      fmt::format("nothing was sent: no robot matches {} at {}", FormatSpec(targets), site);
-  if (meant > 0) {
-    return {ErrorKind::kPreflight,
-            fmt::format("{}: {} robot{} heard, none satisfies every --where{}", nobody, meant,
-                        meant == 1 ? " was" : "s were", FirstReason(directory))};
-  }
-  const auto all = ListRobots(transport, resolver.common().topics, discover, Robots::kAll);
-  const std::string heard =
-      !all.empty() ? fmt::format("it knows {} robot{}: {}", all.size(), all.size() == 1 ? "" : "s",
-                                 FormatRobotList(all))
-      : transport.server().KeepsNothing()
-          ? std::string(kNothingRetained)
-          : "it knows no robot: none has left a connection message, or the broker has nothing "
-            "retained for patterns, as RabbitMQ: name the robots";
-  return {ErrorKind::kPreflight,
-          fmt::format("{}: {}{}", nobody, heard,
-                      targets.except.set.empty() && targets.except.robots.empty()
-                          ? ""
-                          : " (--except spares some)")};
 }
 
 std::vector<RobotAddress> ListRobots(mqtt::Transport& transport, const vda5050::TopicScheme& scheme,

@@ -1,12 +1,12 @@
-// Asks the broker which robots there are and what each has said of itself, and chooses those that a
-// command is for.
+// Asks the broker which robots there are and what each has said of itself.
 #pragma once
 
+#include <functional>
 #include <map>
-#include <optional>
 #include <set>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "app/dialect_resolver.h"
@@ -19,14 +19,7 @@
 
 namespace fleetpub::app {
 
-using ListedRobot = std::map<vda5050::RobotAddress, vda5050::RobotEntry>::value_type;
-
-/// Robots of a directory. Valid as long as that.
-struct Chosen {
-  std::vector<const ListedRobot*>
-      robots;  ///< named ones in their order, then the found ones by name
-  std::vector<const ListedRobot*> unheard;  ///< whether --where is true of them is not known
-};
+using vda5050::ListedRobot;
 
 /// Robots that the patterns have found and an exception spares.
 using Excluded = std::set<vda5050::RobotAddress>;
@@ -41,6 +34,14 @@ using Excluded = std::set<vda5050::RobotAddress>;
 struct DiscoveryOptions {
   bool all = false;         ///< else only those whose dialect is wanted
   bool factsheets = false;  ///< these are wanted too
+  /// So are states, of all and from the beginning: until every robot that is there has sent one, or
+  /// the targets' time is up. Where nobody is known, until one has; where the broker hands out
+  /// nothing, until the end. Robots that are not ONLINE are waited for no longer.
+  bool states = false;
+  /// Called before states are waited for; factsheets are there by then. May be empty. When it fails,
+  /// the transport may be gone.
+  std::function<Status()> ask = {};
+  std::function<void()> tick = {};  ///< called about every 100 ms while states are waited for
   delivery::RetainedOptions discover;
   /// Of those that patterns mean. When a filter with wildcards does not bring them, they are asked
   /// for by name.
@@ -51,6 +52,19 @@ struct DiscoveryOptions {
 inline constexpr std::string_view kNothingRetained =
     "it keeps no retained messages, as it says on connecting";
 
+/// What to subscribe to for messages of these topics, each once: of robots that are named and of those
+/// that patterns may find. Errors: ErrorKind::kUsage (a topic template).
+[[nodiscard]] Result<std::vector<std::string>> ListFilters(
+    const Targets& targets, const vda5050::RobotDirectory& directory,
+    std::span<const std::string_view> topic_names);
+
+/// Whether one of them is held against messages of this topic.
+[[nodiscard]] bool Need(std::span<const vda5050::Condition> conditions,
+                        std::string_view topic_name);
+
+/// Hands a message on to the directory, as its Deliver().
+const ListedRobot* Take(const mqtt::Message& message, vda5050::RobotDirectory& directory);
+
 /// Gathers what is retained of the directory's robots and of those that the patterns find; of those
 /// that are not ONLINE whether they send states; and, where a condition needs them, the states of all
 /// that are there. One round trip for robots that are ONLINE. Errors: ErrorKind::kBroker, kUsage (a
@@ -59,30 +73,11 @@ inline constexpr std::string_view kNothingRetained =
                                     const DiscoveryOptions& options,
                                     vda5050::RobotDirectory& directory, Log& log);
 
-/// The first exception that spares nobody of those that the patterns have found: a misspelt one
-/// would command whom it should spare. One that the configuration names may just be away.
-[[nodiscard]] std::optional<std::string> UnusedExclusion(const Targets& targets,
-                                                         const Excluded& excluded,
-                                                         const config::Config& config);
-
 /// Of the robots that the patterns mean, those that are expected at this broker.
 [[nodiscard]] std::vector<ExpectedRobot> FindExpectedRobots(const Targets& targets,
                                                             const DialectResolver& resolver,
                                                             const Environment& environment,
                                                             const mqtt::BrokerUrl& broker);
-
-/// Those that are meant, and satisfy the conditions. Robots that have neither left a connection
-/// message nor sent a state are meant only when they are named outright. Warns of robots that are offline and whose state is not
-/// known. Nobody at all is not an error.
-[[nodiscard]] Chosen Choose(const Targets& targets, const vda5050::RobotDirectory& directory,
-                            Log& log);
-
-/// Why nobody was chosen: what was heard instead. ErrorKind::kPreflight, or the connection's.
-[[nodiscard]] Error NobodyChosen(mqtt::Transport& transport, const Targets& targets,
-                                 const DialectResolver& resolver,
-                                 const vda5050::RobotDirectory& directory,
-                                 const delivery::RetainedOptions& discover,
-                                 const std::string& site);
 
 enum class Robots { kAll, kOnline };
 

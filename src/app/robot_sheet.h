@@ -10,6 +10,7 @@
 #include "ledger/ledger.h"
 #include "vda5050/model/robot_address.h"
 #include "vda5050/model/version.h"
+#include "vda5050/reports/robot_directory.h"
 #include "vda5050/reports/robot_messages.h"
 
 namespace fleetpub::app {
@@ -23,6 +24,8 @@ struct RobotSheet {
   std::optional<vda5050::ConnectionMessage> connection;
   bool speaks = false;    ///< it sends states, whatever its connection message says
   bool is_alive = false;  ///< it may be expected to send one
+  /// Looked at as messages come: neither its factsheet nor its commands were asked for.
+  bool is_watched = false;
   std::optional<vda5050::RobotState> state;
   bool state_is_retained = false;      ///< it is the past
   std::string state_fault;             ///< why the last one could not be read; "": it could
@@ -38,5 +41,8 @@ struct RobotSheet {
   std::vector<ledger::Record> commands;  ///< the last ones, oldest first
   std::string commands_fault;            ///< why they are not known; "": they are
 };
+
+/// What the directory knows of it: no JSON, no commands.
+[[nodiscard]] RobotSheet MakeRobotSheet(const vda5050::ListedRobot& robot);
 
 }  // namespace fleetpub::app

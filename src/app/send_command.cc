@@ -8,6 +8,7 @@
 #include <set>
 #include <utility>
 
+#include "app/choose_robots.h"
 #include "app/dry_run.h"
 #include "app/robot_discovery.h"
 #include "app/tidy_up.h"
@@ -197,10 +198,11 @@ class CommandSender final : private delivery::CommandSource {
     Chosen chosen = Choose(request_.targets, directory_, observer_);
     robots_ = std::move(chosen.robots);
     unheard_ = std::move(chosen.unheard);
+    left_out_ = chosen.left_out;
   }
 
   Status CheckAnyChosen() {
-    if (!robots_.empty() || !unheard_.empty()) return {};
+    if (!robots_.empty() || !unheard_.empty() || left_out_ > 0) return {};
     return Fail(NobodyChosen(*link_->transport, request_.targets, request_.resolver, directory_,
                              DiscoverOptions(), Site()));
   }
@@ -253,8 +255,9 @@ class CommandSender final : private delivery::CommandSource {
     for (const ListedRobot* robot : unheard_) {
       observer_.Report(
           ReportOn(*robot, CommandStatus::kRefused, ErrorKind::kPreflight,
-                   fmt::format("not sent: {}, so --where cannot be decided",
-                               WhyUnheard(robot->second, request_.targets.state_wait))));
+                   fmt::format("not sent: {}, so {} cannot be decided",
+                               WhyUnheard(robot->second, request_.targets.state_wait),
+                               request_.targets.where.empty() ? "--online" : "--where")));
     }
     auto sent = settings_.dry_run
                     ? ShowDryRun(*this, environment_, observer_,
@@ -353,6 +356,7 @@ class CommandSender final : private delivery::CommandSource {
   std::optional<Link> link_;
   std::vector<const ListedRobot*> robots_;   // of the directory
   std::vector<const ListedRobot*> unheard_;  // whether --where is true is not known
+  std::size_t left_out_ = 0;                 // as they are offline
   std::size_t next_ = 0;
   CommandFactory::Built built_;
   std::vector<std::string> explanations_;  // of these, in a dry run

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "app/ask_states.h"
+#include "app/choose_robots.h"
 #include "app/robot_discovery.h"
 #include "base/text.h"
 #include "vda5050/reports/discovery.h"
@@ -254,19 +255,8 @@ class SheetReader {
   }
 
   [[nodiscard]] RobotSheet MakeSheet(const ListedRobot& robot) const {
-    const auto& [address, entry] = robot;
-    RobotSheet sheet{.robot = address,
-                     .version = entry.own || !entry.automatic
-                                    ? std::optional(entry.Spoken()->version)
-                                    : std::nullopt,
-                     .said_version = entry.said_version,
-                     .place = entry.place,
-                     .connection = entry.connection,
-                     .speaks = entry.speaks,
-                     .is_alive = entry.IsAlive(),
-                     .waited = request_.targets.state_wait,
-                     .factsheet = entry.factsheet,
-                     .factsheet_fault = entry.factsheet_fault};
+    RobotSheet sheet = MakeRobotSheet(robot);
+    sheet.waited = request_.targets.state_wait;
     const auto find_json = [&](std::string_view topic_name) {
       const mqtt::Message* const message = messages_.Find(FindTopic(robot, topic_name));
       return message == nullptr ? "" : vda5050::ToOneLine(message->payload);

@@ -223,6 +223,7 @@ Result<Targets> ResolveTargets(TargetRequest request, const config::Config& conf
   Targets targets;
   if (auto ok = CheckConditions(request.where, log); !ok) return Fail(std::move(ok.error()));
   targets.where = std::move(request.where);
+  targets.online = request.online;
   targets.state_wait = request.state_wait;
   targets.expect = request.expect;
   auto except = ParseTargetSpec(request.except, config, log);
@@ -245,7 +246,7 @@ Result<Targets> ResolveTargets(TargetRequest request, const config::Config& conf
   std::erase_if(targets.include.robots,
                 [&](const RobotAddress& robot) { return targets.IsExcepted(robot); });
   if (targets.include.robots.empty() && targets.include.patterns.empty()) {
-    return Fail(ErrorKind::kUsage, "nothing was sent: --except leaves no target");
+    return Fail(ErrorKind::kUsage, "--except leaves no target");
   }
   return targets;
 }

@@ -26,6 +26,7 @@ struct TargetRequest {
   bool all = false;
   std::vector<std::string> except;
   std::vector<vda5050::Condition> where;
+  bool online = false;  ///< only robots that are there
   std::chrono::milliseconds state_wait{};
   std::optional<std::size_t> expect = {};  ///< so many robots, or nothing is sent
 };
@@ -41,11 +42,14 @@ struct Targets {
   TargetSpec include;
   TargetSpec except;
   std::vector<vda5050::Condition> where;
+  bool online = false;
   std::chrono::milliseconds state_wait{};
   std::optional<std::size_t> expect = {};
 
   /// Whether the broker is asked which robots are meant.
-  [[nodiscard]] bool AreFound() const { return !include.patterns.empty() || !where.empty(); }
+  [[nodiscard]] bool AreFound() const { return !include.patterns.empty() || AskAll(); }
+  /// Whether only what each robot says tells whether it is meant.
+  [[nodiscard]] bool AskAll() const { return online || !where.empty(); }
   /// Whether a word stands for several.
   [[nodiscard]] bool IsSet() const { return !include.set.empty() || !where.empty(); }
   [[nodiscard]] bool IsExcepted(const vda5050::RobotAddress& robot) const;

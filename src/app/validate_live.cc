@@ -1,6 +1,7 @@
 #include "app/validate_live.h"
 
 #include <algorithm>
+#include <iterator>
 #include <set>
 #include <unordered_map>
 #include <unordered_set>
@@ -19,18 +20,22 @@ using vda5050::ValidationResult;
 
 class Inspector {
  public:
-  Inspector(const vda5050::Conformance& conformance, std::size_t count,
+  Inspector(const vda5050::Conformance& conformance, Fleet& fleet, std::size_t count,
             const std::vector<std::string>& filters, LiveObserver& observer, Log& log)
       : conformance_(conformance),
+        fleet_(fleet),
         count_(count),
         filters_(filters),
         observer_(observer),
         log_(log) {}
 
   void Take(const mqtt::Message& message) {
+    const bool ask_all = fleet_.targets().AskAll();
+    if (ask_all) fleet_.Take(message);
     const auto result =
         IsWanted(message) ? conformance_.Validate(message.topic, message.payload) : std::nullopt;
-    if (!result) return;
+    if (!result || fleet_.targets().IsExcepted(result->robot)) return;
+    if (ask_all && !fleet_.Shows(result->robot)) return;
     NoteConnection(message, *result);
     if (IsFull()) return;
     if (vda5050::IsWrittenOtherwise(result->robot) && escaped_.insert(result->robot).second) {
@@ -99,6 +104,7 @@ class Inspector {
   }
 
   const vda5050::Conformance& conformance_;
+  Fleet& fleet_;
   std::size_t count_;
   const std::vector<std::string>& filters_;
   LiveObserver& observer_;
@@ -115,18 +121,31 @@ class Inspector {
 
 Result<LiveSummary> ValidateLive(LiveRequest request, const Environment& environment,
                                  LiveObserver& observer, Log& log) {
+  auto fleet = Fleet::Make(std::move(request.robots), environment.config, log);
+  if (!fleet) return Fail(std::move(fleet.error()));
+  request.conformance.patterns = fleet->targets().include.patterns;
+  for (const RobotAddress& robot : fleet->targets().include.robots) {
+    request.conformance.patterns.push_back(vda5050::RobotPattern::Of(robot));
+  }
   schema::Registry registry(environment.schema_directory);
   const vda5050::Conformance conformance(std::move(request.conformance), registry);
   auto found = conformance.Filters();
   if (!found) return Fail(std::move(found.error()));
-  const std::vector<std::string> filters = *std::move(found);
+  std::vector<std::string> filters = *std::move(found);
+  if (fleet->targets().AskAll()) {
+    const auto more = fleet->Filters();
+    if (!more) return Fail(more.error());
+    std::copy_if(more->begin(), more->end(), std::back_inserter(filters), [&](const auto& filter) {
+      return std::find(filters.begin(), filters.end(), filter) == filters.end();
+    });
+  }
   auto link = Connect(environment, log);
   if (!link) return Fail(std::move(link.error()));
   auto subscription = delivery::Subscription::Open(
       std::move(link->transport), filters, MakeReconnectHooks(link->connection, log), request.end);
   if (!subscription) return Fail(std::move(subscription.error()));
   observer.Begin();
-  Inspector inspector(conformance, request.count, filters, observer, log);
+  Inspector inspector(conformance, *fleet, request.count, filters, observer, log);
   const auto read = subscription->Read(
       [&](const mqtt::Message& message) {
         inspector.Take(message);

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "app/environment.h"
+#include "app/fleet_discovery.h"
 #include "app/observer.h"
 #include "base/result.h"
 #include "mqtt/transport.h"
@@ -15,7 +16,8 @@
 namespace fleetpub::app {
 
 struct LiveRequest {
-  vda5050::ConformanceOptions conformance;
+  FleetRequest robots;  ///< whose messages; of it dialect and times do not count
+  vda5050::ConformanceOptions conformance;  ///< its patterns are filled in
   mqtt::Deadline end = mqtt::Deadline::max();
   std::size_t count = SIZE_MAX;  ///< of messages, after which it ends
 };

@@ -23,10 +23,17 @@ void DeclareTopicOptions(OptionSet& set, app::VdaOptions& options) {
 }
 
 void DeclareFleetOptions(OptionSet& set, FleetOptions& options) {
-  set.AddOption("targets", options.words,
-                "Robots: manufacturer/serialNumber, alias, @group, 'KIT/*' [all]")
-      .Type("TARGET");
+  DeclareSelectionOptions(set, options.targets);
   DeclareTopicOptions(set, options.vda);
+}
+
+void DeclareFleetViewOptions(OptionSet& set, FleetViewOptions& options) {
+  set.AddFlag("--problems", options.problems,
+              "Only robots in trouble: an emergency stop, an error, a lost connection …")
+      .Group("Targets");
+  set.AddOption("--sort", OneOf(options.sort, kSortings),
+                "In which order: {} [trouble; with -o json name]")
+      .Group("Targets");
 }
 
 mqtt::Deadline FindEnd(std::optional<milliseconds> duration) {
@@ -48,25 +55,36 @@ delivery::RetainedOptions MakeRetainedOptions(milliseconds quiet) {
   return options;
 }
 
-void DeclareStateWait(OptionSet& set, milliseconds& state_wait) {
-  const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(state_wait);
-  set.AddOption("--state-wait", Duration(state_wait),
-                fmt::format("How long to wait for the states of robots that are online [{}s]",
-                            seconds.count()))
+void DeclareStateWait(OptionSet& set, std::optional<milliseconds>& state_wait,
+                      std::string_view usual) {
+  set.AddOption(
+         "--state-wait", Duration(state_wait),
+         fmt::format("How long to wait for the states of robots that are online [{}]", usual))
       .Group("Waiting");
 }
 
 void DeclareFleetDiscoveryOptions(OptionSet& set, FleetDiscoveryOptions& options) {
   DeclareFleetOptions(set, options.fleet);
-  DeclareStateWait(set, options.state_wait);
+  const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(options.state_wait);
+  DeclareStateWait(set, options.fleet.targets.state_wait,
+                   fmt::format("{}s; 35s when --where needs them", seconds.count()));
   DeclareDiscover(set, options.discover);
 }
 
-app::FleetRequest MakeFleetRequest(const FleetDiscoveryOptions& options) {
-  return {.words = options.fleet.words,
-          .vda = options.fleet.vda,
-          .discover = MakeRetainedOptions(options.discover),
-          .state_wait = options.state_wait};
+Result<app::FleetRequest> ParseFleetOptions(const FleetOptions& options) {
+  auto targets = ParseTargetOptions(options.targets);
+  if (!targets) return Fail(std::move(targets.error()));
+  return app::FleetRequest{.targets = *std::move(targets), .vda = options.vda};
+}
+
+Result<app::FleetRequest> ParseFleetOptions(const FleetDiscoveryOptions& options) {
+  auto request = ParseFleetOptions(options.fleet);
+  if (!request) return request;
+  const bool waits_for_all =
+      options.fleet.targets.state_wait || app::Need(request->targets.where, "state");
+  if (!waits_for_all) request->targets.state_wait = options.state_wait;
+  request->discover = MakeRetainedOptions(options.discover);
+  return request;
 }
 
 }  // namespace fleetpub::cli

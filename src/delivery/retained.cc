@@ -8,9 +8,6 @@ namespace {
 
 using std::chrono::steady_clock;
 
-// So many filters at a time, reading in between: a default mosquitto drops what it has to queue
-// beyond 1,000 messages, retained ones included.
-constexpr std::size_t kFiltersAtOnce = 500;
 constexpr std::size_t kBrokersQueue = 1'000;
 
 // What many have left takes its time, and it ends.

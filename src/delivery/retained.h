@@ -3,6 +3,7 @@
 #pragma once
 
 #include <chrono>
+#include <cstddef>
 #include <functional>
 #include <span>
 #include <string>
@@ -11,6 +12,10 @@
 #include "mqtt/transport.h"
 
 namespace fleetpub::delivery {
+
+/// So many filters stay subscribed; more are subscribed some at a time, reading in between: a default
+/// mosquitto drops what it has to queue beyond 1,000 messages, retained ones included.
+inline constexpr std::size_t kFiltersAtOnce = 500;
 
 struct RetainedOptions {
   std::chrono::milliseconds quiet{300};  ///< so long a silence is an end

@@ -60,6 +60,13 @@ std::optional<mqtt::Message> Subscription::Next(mqtt::Deadline deadline) {
   return std::nullopt;
 }
 
+void Subscription::Lend(
+    const std::function<void(std::unique_ptr<mqtt::Transport>& transport)>& use) {
+  if (transport_ == nullptr) return;
+  use(transport_);
+  if (transport_ == nullptr) reconnector_.Lose({ErrorKind::kBroker, "the connection was lost"});
+}
+
 void Subscription::Disconnect() {
   if (transport_ != nullptr) transport_->Disconnect();
   transport_.reset();

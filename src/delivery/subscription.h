@@ -33,6 +33,9 @@ class Subscription {
   /// is none, tries to connect, which may take longer than the deadline, but never longer than `end`.
   [[nodiscard]] std::optional<mqtt::Message> Next(mqtt::Deadline deadline);
 
+  /// Lends the connection, if there is one, to somebody who sends. Left null, it was lost.
+  void Lend(const std::function<void(std::unique_ptr<mqtt::Transport>& transport)>& use);
+
   /// The connection; null while it is lost.
   [[nodiscard]] mqtt::Transport* transport() const { return transport_.get(); }
   void Disconnect();

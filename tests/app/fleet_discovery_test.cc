@@ -22,16 +22,20 @@ class DiscoveringFleets : public ::testing::Test {
     };
   }
 
+  Result<Fleet> Discover() {
+    return DiscoverFleet(std::exchange(request_, {}), world_.Get(), {}, log_);
+  }
+
   testing::FakeEnvironment world_;
   testing::FakeLog log_;
   FleetRequest request_;
 };
 
 TEST_F(DiscoveringFleets, FindsWhoIsThereAndWarnsOfTheSilent) {
-  request_.state_wait = std::chrono::milliseconds(1);
-  const auto fleet = DiscoverFleet(request_, world_.Get(), log_);
+  request_.targets.state_wait = std::chrono::milliseconds(1);
+  const auto fleet = Discover();
   ASSERT_TRUE(fleet);
-  EXPECT_EQ(fleet->size(), 1U);
+  EXPECT_EQ(fleet->robots().size(), 1U);
   EXPECT_THAT(log_.warnings, ElementsAre(HasSubstr("1 of 1 robots")));
 }
 
@@ -41,25 +45,57 @@ TEST_F(DiscoveringFleets, AsksForConfiguredOnesByNameWhereWildcardsBringNothing)
     on_connect(broker);
     broker.exact_retained.swap(broker.retained);
   };
-  EXPECT_FALSE(DiscoverFleet(request_, world_.Get(), log_));
+  EXPECT_FALSE(Discover());
   world_.config.robots[{"KIT", "0001"}];
-  const auto fleet = DiscoverFleet(request_, world_.Get(), log_);
+  const auto fleet = Discover();
   ASSERT_TRUE(fleet);
-  EXPECT_TRUE(fleet->robots().front()->IsOnline());
+  EXPECT_TRUE(fleet->robots().front()->second.IsOnline());
   EXPECT_THAT(log_.warnings, ElementsAre(HasSubstr("wildcards")));
 }
 
 TEST_F(DiscoveringFleets, FailsWhenNoSuchRobotIsKnown) {
-  request_.words = {"ACME/*"};
-  const auto fleet = DiscoverFleet(request_, world_.Get(), log_);
+  request_.targets.words = {"ACME/*"};
+  const auto fleet = Discover();
   ASSERT_FALSE(fleet);
   EXPECT_EQ(fleet.error().kind, ErrorKind::kPreflight);
   EXPECT_THAT(fleet.error().message, HasSubstr("ACME/*"));
 }
 
+TEST_F(DiscoveringFleets, ShowsWhomTheOptionsMean) {
+  world_.on_connect = [](testing::FakeTransport& broker) {
+    const auto leave = [&](const std::string& serial, const std::string& state) {
+      broker.retained["vda5050/v3/KIT/" + serial + "/connection"] =
+          R"({"version":"3.0.0","connectionState":")" + state + "\"}";
+    };
+    leave("1", "ONLINE");
+    leave("2", "OFFLINE");
+    leave("3", "CONNECTION_BROKEN");
+    leave("4", "ONLINE");
+  };
+  const auto discover = [&](const auto& change) {
+    FleetRequest request;
+    request.discover.quiet = std::chrono::milliseconds(1);
+    change(request);
+    std::string names;
+    const auto fleet = DiscoverFleet(std::move(request), world_.Get(), {}, log_);
+    if (!fleet) return fleet.error().message;
+    for (const ListedRobot* robot : fleet->robots()) names += robot->first.serial_number;
+    return names;
+  };
+  EXPECT_EQ(discover([](FleetRequest&) {}), "1234");
+  EXPECT_EQ(discover([](FleetRequest& r) { r.targets.online = true; }), "14");
+  EXPECT_EQ(discover([](FleetRequest& r) { r.problems = true; }), "3");
+  EXPECT_EQ(discover([](FleetRequest& r) { r.targets.except = {"KIT/2"}; }), "134");
+  EXPECT_EQ(discover([](FleetRequest& r) { r.targets.words = {"KIT/3", "KIT/4"}; }), "34");
+  EXPECT_EQ(discover([](FleetRequest& r) {
+              r.targets.where.push_back(*vda5050::ParseCondition("connectionState=OFFLINE"));
+            }),
+            "2");
+}
+
 TEST_F(DiscoveringFleets, ConnectsForNoMisspeltWord) {
-  request_.words = {"@hall"};
-  EXPECT_FALSE(DiscoverFleet(request_, world_.Get(), log_));
+  request_.targets.words = {"@hall"};
+  EXPECT_FALSE(Discover());
   EXPECT_EQ(world_.connections, 0);
 }
 
@@ -68,13 +104,11 @@ class Display final : public FleetDisplay {
  public:
   explicit Display(std::vector<std::string>& seen) : seen_(seen) {}
 
-  void Changed(const vda5050::RobotView& robot) override {
-    seen_.push_back(robot.robot.ToString());
-  }
+  void Changed(const ListedRobot& robot) override { seen_.push_back(robot.first.ToString()); }
   void Lost(const Error& error) override { seen_.push_back(error.message); }
   void ConnectedAgain() override { seen_.emplace_back("again"); }
-  Result<bool> Refresh(const vda5050::FleetView& view) override {
-    seen_.push_back(std::to_string(view.size()));
+  Result<bool> Refresh(const Fleet& fleet) override {
+    seen_.push_back(std::to_string(fleet.robots().size()));
     return false;
   }
 
@@ -85,11 +119,13 @@ class Display final : public FleetDisplay {
 TEST_F(DiscoveringFleets, WatchesUntilThePersonHasSeenEnough) {
   std::vector<std::string> seen;
   std::string at;
-  const auto make_display = [&](const mqtt::BrokerUrl& broker) {
+  const auto make_display = [&](const mqtt::BrokerUrl& broker, const Fleet& /*fleet*/,
+                                const AskHook& /*ask*/) {
     at = broker.host;
     return std::make_unique<Display>(seen);
   };
-  EXPECT_TRUE(WatchFleet(request_, mqtt::Deadline::max(), world_.Get(), make_display, log_));
+  EXPECT_TRUE(
+      WatchFleet(std::move(request_), mqtt::Deadline::max(), world_.Get(), make_display, log_));
   EXPECT_THAT(seen, ElementsAre("KIT/0001", "1"));
   EXPECT_EQ(at, "broker");
 }
@@ -97,11 +133,13 @@ TEST_F(DiscoveringFleets, WatchesUntilThePersonHasSeenEnough) {
 TEST_F(DiscoveringFleets, TakesNoScreenWithoutAConnection) {
   world_.connect_error = Error{ErrorKind::kBroker, "broker: refused"};
   bool is_made = false;
-  const auto make_display = [&](const mqtt::BrokerUrl& /*broker*/) {
+  const auto make_display = [&](const mqtt::BrokerUrl& /*broker*/, const Fleet& /*fleet*/,
+                                const AskHook& /*ask*/) {
     is_made = true;
     return nullptr;
   };
-  EXPECT_FALSE(WatchFleet(request_, mqtt::Deadline::max(), world_.Get(), make_display, log_));
+  EXPECT_FALSE(
+      WatchFleet(std::move(request_), mqtt::Deadline::max(), world_.Get(), make_display, log_));
   EXPECT_FALSE(is_made);
 }
 

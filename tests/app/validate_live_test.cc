@@ -54,7 +54,9 @@ class ValidatingLive : public ::testing::Test {
     return fmt::format("vda5050/v3/KIT/0001/{}", name);
   }
 
-  Result<LiveSummary> Validate() { return ValidateLive(request_, world_.Get(), reader_, log_); }
+  Result<LiveSummary> Validate() {
+    return ValidateLive(std::exchange(request_, {}), world_.Get(), reader_, log_);
+  }
 
   std::map<std::string, std::string> retained_;
   std::deque<mqtt::Message> arriving_;
@@ -77,6 +79,31 @@ TEST_F(ValidatingLive, CountsByTopicAndTellsViolations) {
   EXPECT_EQ(summary->by_topic.at("connection").invalid, 1U);
   EXPECT_THAT(reader_.found, ElementsAre("v vda5050/v3/KIT/0001/connection /connectionState",
                                          "v vda5050/v3/KIT/0001/factsheet "));
+}
+
+TEST_F(ValidatingLive, KeepsToTheRobotsThatAreMeant) {
+  for (const char* serial : {"0001", "0002", "0003"}) {
+    const std::string topic = fmt::format("vda5050/v3/KIT/{}/", serial);
+    const bool is_online = std::string_view(serial) != "0002";
+    retained_[topic + "connection"] = fmt::format(R"({{"version":"3.0.0","connectionState":"{}"}})",
+                                                  is_online ? "ONLINE" : "OFFLINE");
+    arriving_.push_back({.topic = topic + "order", .payload = "{"});
+  }
+  const auto orders = [&](const auto& choose) {
+    request_.conformance.topic = "order";
+    request_.end = steady_clock::now() + milliseconds(20);
+    choose(request_.robots.targets);
+    reader_.found.clear();
+    const auto summary = Validate();
+    if (!summary) return summary.error().message;
+    std::string serials;
+    for (const std::string& found : reader_.found) serials += found.substr(20, 1);
+    return serials;
+  };
+  EXPECT_EQ(orders([](TargetRequest&) {}), "123");
+  EXPECT_EQ(orders([](TargetRequest& r) { r.words = {"KIT/0001", "KIT/0002"}; }), "12");
+  EXPECT_EQ(orders([](TargetRequest& r) { r.except = {"KIT/0001"}; }), "23");
+  EXPECT_EQ(orders([](TargetRequest& r) { r.online = true; }), "13");
 }
 
 TEST_F(ValidatingLive, EndsAfterSoManyMessages) {

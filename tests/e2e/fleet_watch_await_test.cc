@@ -164,6 +164,105 @@ TEST_F(FleetWatchAwait, SaysThatThereIsNobody) {
   EXPECT_EQ(Fleetpub({"fleet", "KIT"}).exit_code, 2);
 }
 
+// Three robots that are played by hand: in trouble, well, and gone for long.
+class FleetInTrouble : public FleetWatchAwait {
+ protected:
+  FleetInTrouble() {
+    Connect("0001", "ONLINE");
+    Connect("0002", "ONLINE");
+    Connect("0009", "OFFLINE");
+  }
+  void Connect(const std::string& serial, const std::string& state) const {
+    Say("vda5050/v3/KIT/" + serial + "/connection",
+        R"({"headerId":1,"timestamp":"2020-01-02T03:04:05.000Z","version":"3.0.0",)"
+        R"("connectionState":")" +
+            state + "\"}",
+        true);
+  }
+  // Runs it, while the living say how they are again and again.
+  Finished Look(std::vector<std::string> arguments) const {
+    Process run(operator_.Prepare(std::move(arguments)));
+    do {
+      Say("vda5050/v3/KIT/0001/state",
+          R"({"version":"3.0.0","operatingMode":"AUTOMATIC","paused":false,)"
+          R"("powerSupply":{"stateOfCharge":15,"charging":false},)"
+          R"("safetyState":{"activeEmergencyStop":"NONE","fieldViolation":false},"errors":[]})",
+          false);
+      Say("vda5050/v3/KIT/0002/state",
+          R"({"version":"3.0.0","operatingMode":"AUTOMATIC","paused":false,)"
+          R"("powerSupply":{"stateOfCharge":80,"charging":true},)"
+          R"("safetyState":{"activeEmergencyStop":"MANUAL","fieldViolation":false},)"
+          R"("errors":[{"errorType":"motorFault","errorLevel":"FATAL",)"
+          R"("errorDescription":"the left wheel is stuck"}]})",
+          false);
+    } while (!run.Wait(std::chrono::milliseconds(20)));
+    return {run.Wait().value_or(-1), run.Output(), run.Errors()};
+  }
+  static std::string Targets(const Finished& run) {
+    std::string serials;
+    for (const std::string& line : Lines(run.output)) {
+      const auto robot = Json(line);
+      if (robot.HasMember("serialNumber")) serials += robot["serialNumber"].GetString()[3];
+    }
+    return serials;
+  }
+};
+
+TEST_F(FleetInTrouble, TroubleComesFirstAndLeftoversLast) {
+  const Finished run = Look({"fleet", "--state-wait", "20s"});
+  EXPECT_EQ(run.exit_code, 0) << run.errors;
+  const auto lines = Lines(run.output);
+  ASSERT_THAT(lines, SizeIs(4));
+  EXPECT_THAT(lines[1], AllOf(StartsWith("KIT/0002"), HasSubstr("E-STOP"),
+                              HasSubstr("1 FATAL motorFault: the left wheel is stuck")));
+  EXPECT_THAT(lines[2], AllOf(StartsWith("KIT/0001"), HasSubstr("  ok  ")));
+  EXPECT_THAT(lines[3], AllOf(StartsWith("KIT/0009"), HasSubstr("last seen ")));
+}
+
+TEST_F(FleetInTrouble, TakesTheWordsThatCommandsTake) {
+  const auto shown = [&](std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), {"fleet", "-o", "json", "--state-wait", "20s"});
+    return Targets(Look(std::move(arguments)));
+  };
+  EXPECT_EQ(shown({}), "129");
+  EXPECT_EQ(shown({"--online"}), "12");
+  EXPECT_EQ(shown({"--problems"}), "2");
+  EXPECT_EQ(shown({"--where", "battery<20"}), "1");
+  EXPECT_EQ(shown({"KIT/*", "--except", "KIT/0001"}), "29");
+  EXPECT_EQ(shown({"KIT/0001", "KIT/0009"}), "19");
+  EXPECT_EQ(shown({"--sort", "battery"}), "129");
+  EXPECT_EQ(shown({"--sort", "trouble", "--online"}), "21");
+}
+
+TEST_F(FleetInTrouble, TellsSafetyAndLastSignsAsJson) {
+  const auto lines = Lines(Look({"fleet", "-o", "json", "--state-wait", "20s"}).output);
+  ASSERT_THAT(lines, SizeIs(3));
+  EXPECT_STREQ(Json(lines[1])["safety"]["emergencyStop"].GetString(), "MANUAL");
+  EXPECT_FALSE(Json(lines[0])["safety"]["fieldViolation"].GetBool());
+  EXPECT_STREQ(Json(lines[2])["lastSeen"].GetString(), "2020-01-02T03:04:05.000Z");
+}
+
+TEST_F(FleetInTrouble, SaysThatNobodyIsMeant) {
+  const Finished run = Fleetpub({"fleet", "--problems", "--state-wait", "0"});
+  EXPECT_EQ(run.exit_code, 0);
+  EXPECT_THAT(run.output, IsEmpty());
+  EXPECT_THAT(run.errors, HasSubstr("none of the 3 robots"));
+}
+
+TEST_F(FleetInTrouble, OnlineLeavesOutWhoIsOfflineWithoutAFailure) {
+  const auto live = Simulate({"KIT/0003"});
+  const Finished some = Fleetpub({"pause", "KIT/0003", "KIT/0009", "--online", "--wait"});
+  EXPECT_EQ(some.exit_code, 0) << some.output << some.errors;
+  EXPECT_THAT(some.output, AllOf(HasSubstr("FINISHED"), Not(HasSubstr("KIT/0009"))));
+  EXPECT_THAT(some.errors, HasSubstr("KIT/0009"));
+  const Finished none = Fleetpub({"resume", "KIT/0009", "--online", "--discover", "50"});
+  EXPECT_EQ(none.exit_code, 0) << none.errors;
+  EXPECT_THAT(none.errors, HasSubstr("KIT/0009"));
+  const Finished unknown = Fleetpub({"pause", "KIT/0O03", "--online", "--discover", "50"});
+  EXPECT_EQ(unknown.exit_code, 7) << "a name that nobody knows is no robot that is offline";
+  EXPECT_EQ(Fleetpub({"pause", "KIT/0003", "--online", "--dry-run", "--offline"}).exit_code, 2);
+}
+
 // ── watch ──
 
 TEST_F(FleetWatchAwait, WritesALineForEachChange) {

@@ -63,7 +63,7 @@ TEST_F(OnATerminal, WatchRedrawsInPlaceAndRestoresTheScreen) {
   const auto robots = Robot({"KIT/0001", "--count", "9", "--state-interval", "100ms"});
   Terminal terminal(AndTellTheEnd(Line({"watch"})), 100, 8);
   ASSERT_TRUE(terminal.Await("9 robots, 9 online"));
-  ASSERT_TRUE(terminal.Await("5 more are not shown"));
+  ASSERT_TRUE(terminal.Await("1 to 4 of 9"));
   EXPECT_EQ(terminal.Flags(), "1 0\n");
   EXPECT_EQ(Fleetpub({"pause", "KIT/0001"}).exit_code, 0);
   ASSERT_TRUE(terminal.Await("yes"));
@@ -118,16 +118,47 @@ TEST_F(OnATerminal, WatchShowsWhatMattersInEightyColumnsAndBreaksInNone) {
   ASSERT_TRUE(terminal.Await("AUTOMATIC"));
   EXPECT_THAT(terminal.Shown(),
               AllOf(HasSubstr("1 robot, 1 online   q quits"),
-                    HasSubstr("TARGET    CONNECTION  MODE       "), HasSubstr("ERRORS")));
+                    HasSubstr("TARGET    CONNECTION  MODE       SAFETY  "), HasSubstr("ERRORS")));
   const std::pair<int, int> sizes[] = {{40, 5}, {12, 3}, {2, 2}, {1, 1}};
   for (const auto& [columns, rows] : sizes) {
     terminal.Resize(columns, rows);
     EXPECT_FALSE(terminal.Shown().empty());
   }
   terminal.Resize(40, 8);
-  ASSERT_TRUE(terminal.Await("TARGET    CONNECTION  PAUSED  "));
+  ASSERT_TRUE(terminal.Await("TARGET    CONNECTION  SAFETY  "));
   terminal.Press("q");
   ASSERT_TRUE(terminal.Await("exit code 0"));
+}
+
+TEST_F(OnATerminal, WatchScrollsFiltersAndOpensARobot) {
+  const auto robots = Robot({"KIT/0001", "--count", "9", "--state-interval", "100ms"});
+  const auto manual = Robot({"ACME/7", "--mode", "MANUAL", "--state-interval", "100ms"});
+  Terminal terminal(AndTellTheEnd(Line({"watch"})), 80, 8);
+  ASSERT_TRUE(terminal.Await("10 robots, 10 online"));
+  ASSERT_TRUE(terminal.Await("MANUAL"));
+  EXPECT_THAT(Lines(terminal.Shown())[3], StartsWith("ACME/7"))
+      << "what is not at work comes first";
+  terminal.Press("End");
+  ASSERT_TRUE(terminal.Await("7 to 10 of 10"));
+  EXPECT_THAT(terminal.ShownInColour(), HasSubstr("\x1b[7m"));
+  terminal.Press("Up");
+  terminal.Press("Enter");
+  ASSERT_TRUE(terminal.Await("KIT/0008   Esc comes back"));
+  terminal.Press("Escape");
+  ASSERT_TRUE(terminal.Await("7 to 10 of 10"));
+  terminal.Press("/");
+  terminal.Type("manual");
+  ASSERT_TRUE(terminal.Await("/manual_   1 of them"));
+  terminal.Press("Enter");
+  EXPECT_THAT(terminal.Shown(), Not(HasSubstr("KIT/0001")));
+  terminal.Press("Escape");
+  ASSERT_TRUE(terminal.Await("KIT/0001"));
+  terminal.Press("?");
+  ASSERT_TRUE(terminal.Await("PgUp, PgDn"));
+  terminal.Press("q");
+  ASSERT_TRUE(terminal.Await("10 robots"));
+  terminal.Press("q");
+  ASSERT_TRUE(terminal.Await("exit code 0\nicanon"));
 }
 
 TEST_F(OnATerminal, WatchAlignsWideNamesAndKeepsItsColumns) {
@@ -158,15 +189,38 @@ TEST_F(OnATerminal, NoColourStandsAlone) {
   const std::string line = Line({"watch"});
   Terminal coloured(AndTellTheEnd(line), 100, 8);
   ASSERT_TRUE(coloured.Await("2 robots, 1 online"));
-  // Green and bold red: whoever sees neither reads the word, and sees what is bold.
-  EXPECT_THAT(coloured.ShownInColour(), AllOf(HasSubstr("\x1b[32mONLINE"), HasSubstr("OFFLINE")));
-  EXPECT_THAT(coloured.ShownInColour(), HasSubstr("\x1b[1m\x1b[31m"));
+  // Green, and dim for what a robot left that is gone: whoever sees neither reads the word.
+  EXPECT_THAT(coloured.ShownInColour(),
+              AllOf(HasSubstr("\x1b[32mONLINE"), HasSubstr("\x1b[2mOFFLINE")));
+  Say("vda5050/v3/KIT/0002/connection",
+      R"({"version":"3.0.0","connectionState":"CONNECTION_BROKEN"})", true);
+  ASSERT_TRUE(coloured.Await("BROKEN"));
+  EXPECT_THAT(coloured.ShownInColour(), HasSubstr("\x1b[1m\x1b[31mBROKEN"));
   Terminal plain(AndTellTheEnd("NO_COLOR=1 " + line.substr(line.find("-u NO_COLOR") + 12)), 100, 8);
   ASSERT_TRUE(plain.Await("2 robots, 1 online"));
   EXPECT_THAT(plain.ShownInColour(), Not(HasSubstr("\x1b[")));
 }
 
 // ── other tables ──
+
+TEST_F(OnATerminal, FleetShowsAtOnceWhatIsKnownAndFillsIn) {
+  const auto silent = Robot({"KIT/0001", "--count", "2", "--silent"});
+  Terminal terminal(AndTellTheEnd(Line({"fleet", "--state-wait", "20s"})), 80, 8);
+  ASSERT_TRUE(terminal.Await("waiting up to 20.0 s for 2 states"));
+  EXPECT_THAT(terminal.Shown(), HasSubstr("KIT/0002  ONLINE"));
+  const auto say = [&](const std::string& serial) {
+    Say("vda5050/v3/KIT/" + serial + "/state",
+        R"({"version":"3.0.0","operatingMode":"MANUAL","errors":[]})", false);
+  };
+  say("0001");
+  ASSERT_TRUE(terminal.Await("for 1 state"));
+  EXPECT_THAT(FindRow("KIT/0001", terminal.Shown()), HasSubstr("MANUAL"));
+  say("0002");
+  ASSERT_TRUE(terminal.Await("exit code 0"));
+  const auto lines = Lines(terminal.Shown());
+  EXPECT_THAT(lines.at(0), StartsWith("TARGET")) << "the table is there once";
+  EXPECT_THAT(lines.at(3), StartsWith("exit code 0"));
+}
 
 TEST_F(OnATerminal, FleetFitsTheWindowAndIsWholeInAPipe) {
   const auto robot = Robot({"KIT/0001", "--state-interval", "50ms"});

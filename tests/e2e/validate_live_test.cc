@@ -143,7 +143,32 @@ TEST_F(ValidateLive, RefusesWhatDoesNotGoTogether) {
   EXPECT_EQ(Fleetpub({"validate", "--live", "--lines"}).exit_code, 2);
   EXPECT_EQ(Fleetpub({"validate", "--count", "3"}).exit_code, 2);
   EXPECT_EQ(Fleetpub({"validate", "--live", "--topic", "status"}).exit_code, 2);
-  EXPECT_THAT(Fleetpub({"validate", "--live", "KIT"}).errors, HasSubstr("not a pattern"));
+  EXPECT_THAT(Fleetpub({"validate", "--live", "KIT"}).errors, HasSubstr("'KIT'"));
+  for (const char* option : {"--online", "--all"}) {
+    EXPECT_EQ(Fleetpub({"validate", option}).exit_code, 2) << "without --live";
+  }
+  EXPECT_EQ(Fleetpub({"validate", "a.json", "b.json"}).exit_code, 2);
+}
+
+TEST_F(ValidateLive, ListensToTheRobotsThatAreMeant) {
+  Publish("vda5050/v3/KIT/0001/connection", Connection("AWAY"), true);
+  Publish("vda5050/v3/KIT/0002/connection", Connection("AWAY"), true);
+  const auto targets = [&](std::vector<std::string> words) {
+    words.insert(words.begin(), {"validate", "--live", "--for", "300ms", "-o", "json"});
+    std::string serials;
+    for (const std::string& line : Lines(Fleetpub(words).output)) {
+      const auto found = Json(line);
+      const bool is_violation = found.HasMember("path");
+      if (is_violation && std::string_view(found["path"].GetString()) == "/connectionState") {
+        serials += found["target"].GetString()[7];
+      }
+    }
+    return serials;
+  };
+  EXPECT_EQ(targets({"KIT/0001", "KIT/0002"}), "12");
+  EXPECT_EQ(targets({"--except", "KIT/0001"}), "2");
+  EXPECT_EQ(targets({"KIT/0002", "--where", "connectionState=AWAY"}), "2");
+  EXPECT_EQ(targets({"--online"}), "");
 }
 
 }  // namespace

@@ -2,7 +2,7 @@
 // the check before sending.
 #include "base/text.h"
 #include "fuzz/fuzz.h"
-#include "vda5050/reports/fleet_view.h"
+#include "vda5050/reports/robot_directory.h"
 #include "vda5050/rules/preflight.h"
 
 using namespace fleetpub;
@@ -22,9 +22,12 @@ FUZZ(text) {
     dialect.version = version;
     static_cast<void>(vda5050::CheckRobot({"K", "1"}, dialect, std::span(&action, 1), known, 100));
   }
-  vda5050::FleetView fleet({}, {});
-  const vda5050::RobotView* view = fleet.Deliver(topic, payload, vda5050::Origin::kLive);
-  if (view != nullptr && view->state) static_cast<void>(vda5050::WorstError(view->state->errors));
+  const auto base = std::make_shared<const vda5050::Dialect>();
+  vda5050::RobotDirectory fleet({}, [&](const auto&) { return std::pair(base, true); });
+  fleet.AddScheme(base->topics);
+  fleet.KeepStates();
+  const auto* robot = fleet.Deliver(topic, payload, vda5050::Origin::kLive);
+  if (robot != nullptr) static_cast<void>(vda5050::WeighTrouble(robot->second));
   static_cast<void>(vda5050::DialectFrom({}, topic, payload));
   fuzz::Require(base::IsUtf8(vda5050::Shown(payload)));
 }

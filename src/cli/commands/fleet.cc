@@ -1,53 +1,113 @@
 // `fleetpub fleet [PATTERN]`: the robots known to the broker, and how they are.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <memory>
+#include <utility>
+#include <vector>
 
 #include "base/text.h"
 #include "base/time.h"
+#include "base/width.h"
 #include "cli/environment.h"
 #include "cli/listening.h"
 #include "cli/output/fleet_table.h"
+#include "cli/output/screen.h"
 #include "cli/parser/option_set.h"
 #include "cli/parser/subcommand.h"
 
 namespace fleetpub::cli {
 namespace {
 
-using vda5050::FleetView;
-using vda5050::RobotView;
-
-void Show(const FleetView& view, Output& output) {
-  const auto robots = view.robots();
-  if (output.json()) {
-    for (const RobotView* robot : robots) output.Line("{" + FleetJson(*robot) + "}");
-    return;
-  }
-  std::vector<Row> rows;
-  const auto now = base::WallTime::clock::now();
-  rows.reserve(robots.size());
-  for (const RobotView* robot : robots) rows.push_back(FleetRow(*robot, now));
-  PrintTable(FleetColumns(), rows, output);
-}
+using app::ListedRobot;
 
 struct Options {
-  FleetDiscoveryOptions discovery;
+  FleetDiscoveryOptions fleet;
+  FleetViewOptions view;
   bool ask = false;
 };
 
-Result<ExitCode> RunFleet(const Options& options, const Context& context) {
-  auto request = MakeFleetRequest(options.discovery);
-  request.ask = options.ask;
-  const auto view = app::DiscoverFleet(request, MakeEnvironment(context), context.output);
-  if (!view) return Fail(view.error());
-  for (const RobotView* robot : view->robots()) {
-    if (robot->also_at.empty()) continue;
-    context.output.Warn(fmt::format("{} is found twice: at {}, which is shown, and at {}",
-                                    base::Printable(robot->robot.ToString()),
-                                    base::Printable(robot->place),
-                                    base::Printable(robot->also_at)));
+std::vector<const ListedRobot*> Sorted(const app::Fleet& fleet, SortBy by) {
+  auto robots = fleet.robots();
+  SortRobots(robots, by);
+  return robots;
+}
+
+std::vector<Row> MakeRows(const std::vector<const ListedRobot*>& robots) {
+  std::vector<Row> rows;
+  const auto now = base::WallTime::clock::now();
+  rows.reserve(robots.size());
+  for (const ListedRobot* robot : robots) rows.push_back(FleetRow(*robot, now));
+  return rows;
+}
+
+void Show(const app::Fleet& fleet, const Options& o, Output& output) {
+  if (output.json()) {
+    for (const ListedRobot* robot : Sorted(fleet, o.view.sort.value_or(SortBy::kName))) {
+      output.Line("{" + FleetJson(*robot) + "}");
+    }
+    return;
   }
-  Show(*view, context.output);
+  const auto robots = Sorted(fleet, o.view.sort.value_or(SortBy::kTrouble));
+  if (!robots.empty()) PrintTable(FleetColumns(), MakeRows(robots), output);
+}
+
+// What is known so far, for a person who waits.
+class FillingTable {
+ public:
+  FillingTable(SortBy by, Output& output) : by_(by), output_(output) {}
+
+  [[nodiscard]] bool IsPossible() const {
+    return output_.CanPass() && !output_.json() && Screen::IsPossible();
+  }
+
+  void Draw(const app::Fleet& fleet) {
+    auto robots = Sorted(fleet, by_);
+    const auto silent = std::count_if(robots.begin(), robots.end(), [](const ListedRobot* robot) {
+      return robot->second.IsAlive() && !robot->second.HasSpoken();
+    });
+    const auto [rows, columns] = Screen::size();
+    constexpr std::size_t kFrame = 3;  // the table's header, the last line, and the prompt before
+    const std::size_t room = rows > kFrame ? rows - kFrame : 1;
+    const std::size_t hidden = robots.size() - std::min(room, robots.size());
+    robots.resize(robots.size() - hidden);
+    const std::size_t width = columns - 1;
+    auto lines = TableLines(FleetColumns(), MakeRows(robots), width, output_, &widths_);
+    const std::string more = hidden == 0 ? "" : fmt::format("{} more; ", hidden);
+    const std::string left = fmt::format("{}waiting up to {} for {} state{} (Ctrl-C ends)", more,
+                                         base::FormatElapsed(fleet.targets().state_wait), silent,
+                                         silent == 1 ? "" : "s");
+    lines.push_back(output_.Toned(Tone::kDim, base::Shortened(width, left)));
+    if (std::exchange(lines_, lines) != lines) output_.Pass(lines);
+  }
+
+ private:
+  SortBy by_;
+  Output& output_;
+  std::vector<std::size_t> widths_;
+  std::vector<std::string> lines_;
+};
+
+Result<ExitCode> RunFleet(const Options& o, const Context& context) {
+  auto request = ParseFleetOptions(o.fleet);
+  if (!request) return Fail(request.error());
+  request->problems = o.view.problems;
+  request->ask = o.ask;
+  FillingTable filling(o.view.sort.value_or(SortBy::kTrouble), context.output);
+  app::FleetHook progress;
+  if (filling.IsPossible()) progress = [&](const app::Fleet& fleet) { filling.Draw(fleet); };
+  const auto fleet =
+      app::DiscoverFleet(*std::move(request), MakeEnvironment(context), progress, context.output);
+  context.output.ClearPassing();
+  if (!fleet) return Fail(fleet.error());
+  for (const ListedRobot* robot : fleet->robots()) {
+    const auto& [address, entry] = *robot;
+    if (entry.AlsoAt().empty()) continue;
+    context.output.Warn(fmt::format("{} is found twice: at {}, which is shown, and at {}",
+                                    base::Printable(address.ToString()),
+                                    base::Printable(entry.place), base::Printable(entry.AlsoAt())));
+  }
+  Show(*fleet, o, context.output);
   return ExitCode::kDone;
 }
 
@@ -55,7 +115,8 @@ Result<ExitCode> RunFleet(const Options& options, const Context& context) {
 
 Run DeclareFleet(OptionSet& set) {
   const auto options = std::make_shared<Options>();
-  DeclareFleetDiscoveryOptions(set, options->discovery);
+  DeclareFleetDiscoveryOptions(set, options->fleet);
+  DeclareFleetViewOptions(set, options->view);
   set.AddFlag("--ask", options->ask,
               "Send a stateRequest to robots that are online: their states come at once")
       .Group("Waiting");

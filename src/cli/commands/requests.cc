@@ -49,14 +49,17 @@ std::string About(const RobotRequest& request) {
 }
 
 Result<ExitCode> RunRequests(const FleetDiscoveryOptions& options, const Context& context) {
-  const auto view =
-      app::DiscoverFleet(MakeFleetRequest(options), MakeEnvironment(context), context.output);
-  if (!view) return Fail(view.error());
+  auto asked = ParseFleetOptions(options);
+  if (!asked) return Fail(asked.error());
+  const auto fleet =
+      app::DiscoverFleet(*std::move(asked), MakeEnvironment(context), {}, context.output);
+  if (!fleet) return Fail(fleet.error());
   std::vector<Row> rows;
-  for (const vda5050::RobotView* robot : view->robots()) {
-    if (!robot->state) continue;
-    const std::string target = robot->robot.ToString();
-    for (const RobotRequest& request : robot->state->requests) {
+  for (const app::ListedRobot* robot : fleet->robots()) {
+    const auto& [address, entry] = *robot;
+    if (!entry.state) continue;
+    const std::string target = address.ToString();
+    for (const RobotRequest& request : entry.state->requests) {
       if (context.output.json()) {
         context.output.Line(RequestJson(target, request));
       } else {

@@ -69,8 +69,9 @@ Result<ExitCode> RunShow(const Options& o, const Context& context) {
 
 Run DeclareShow(OptionSet& set) {
   const auto options = std::make_shared<Options>();
-  DeclareTargetChoice(set, options->targets);
-  DeclareStateWait(set, options->targets.state_wait);
+  DeclareTargetWords(set, options->targets);
+  DeclareSelectionFlags(set, options->targets);
+  DeclareStateWait(set, options->targets.state_wait, "2s");
   DeclareDiscover(set, options->discover);
   set.AddFlag("--no-ask", options->no_ask,
               "Send no stateRequest: wait for the states that robots send anyway")

@@ -28,7 +28,7 @@ namespace {
 using delivery::Findings;
 
 struct Options {
-  std::string file = "-";
+  std::vector<std::string> files;  ///< none: standard input; with --live robots
   std::string version;
   std::string topic;
   std::string schema_file;
@@ -234,7 +234,7 @@ Result<ExitCode> RunLive(const Options& options, const Context& context) {
                 "--live goes with none of --lines, --schema, --protocol and --message-type");
   }
   LiveOptions live = options.live;
-  live.pattern = options.file == "-" ? "" : options.file;
+  live.targets.words = options.files;
   live.version = options.version;
   live.topic = options.topic;
   live.strict = options.strict;
@@ -243,14 +243,17 @@ Result<ExitCode> RunLive(const Options& options, const Context& context) {
 
 Result<ExitCode> RunValidate(const Options& options, const Context& context) {
   if (options.live.live) return RunLive(options, context);
-  if (options.live.duration || options.live.count) {
-    return Fail(ErrorKind::kUsage, "--for and --count belong to --live");
+  if (options.live.AreGiven()) {
+    return Fail(ErrorKind::kUsage,
+                "--for, --count and the options that choose robots belong to --live");
   }
+  if (options.files.size() > 1) return Fail(ErrorKind::kUsage, "name one file at a time");
+  const std::string file = options.files.empty() ? "-" : options.files.front();
   Validator validator(options, context);
   if (auto ready = validator.Prepare(); !ready) return Fail(ready.error());
-  const std::string name = options.file == "-" ? "standard input" : options.file;
-  if (options.lines) return CheckLines(validator, options.file, name, context.output);
-  const auto content = base::ReadFile(options.file);
+  const std::string name = file == "-" ? "standard input" : file;
+  if (options.lines) return CheckLines(validator, file, name, context.output);
+  const auto content = base::ReadFile(file);
   if (!content) return Fail(content.error());
   const Findings findings = validator.Check(*content);
   Show(findings, name, 0, context.output);
@@ -264,7 +267,7 @@ Run DeclareValidate(OptionSet& set) {
   const auto add = [&](const char* names, ValueKind kind, const char* type, const char* help) {
     return set.AddOption(names, std::move(kind), help).Type(type).Group("Checking");
   };
-  set.AddOption("file", options->file, "The message; - or nothing: standard input").Type("FILE");
+  set.AddOption("files", options->files, "The message; - or nothing: standard input").Type("FILE");
   add("--vda", VdaVersion(options->version, Automatic::kNo), "V", "Version [what the header says]")
       .Variable("FLEETPUB_VDA");
   add("--topic", Text(options->topic), "TOPIC",

@@ -101,9 +101,6 @@ Result<vda5050::ConformanceOptions> ParseConformance(const LiveOptions& options)
   const auto dialect = app::ParseDialect(options.vda);
   if (!dialect) return Fail(dialect.error());
   conformance.scheme = dialect->topics;
-  auto pattern = vda5050::ParseRobotPattern(options.pattern.empty() ? "*/*" : options.pattern);
-  if (!pattern) return Fail(std::move(pattern.error()));
-  conformance.pattern = std::move(*pattern);
   if (!options.version.empty()) {
     const auto version = vda5050::ParseVersion(options.version);
     if (!version) return Fail(version.error());
@@ -119,21 +116,25 @@ Result<vda5050::ConformanceOptions> ParseConformance(const LiveOptions& options)
 void DeclareLive(OptionSet& set, LiveOptions& options) {
   constexpr const char* kLive = "Live";
   set.AddFlag("--live", options.live,
-              "Check what robots and fleet controls publish; FILE is a PATTERN of robots then")
+              "Check what robots and fleet controls publish; FILE… are robots then")
       .Group(kLive);
   set.AddOption("--for", Duration(options.duration), "End after this time [on Ctrl-C]")
       .Group(kLive);
   set.AddOption("--count", WholeNumber(options.count, 1, 1'000'000'000'000),
                 "End after so many messages")
       .Group(kLive);
+  DeclareSelectionFlags(set, options.targets);
   DeclareTopicOptions(set, options.vda);
 }
 
 Result<ExitCode> ValidateLive(const LiveOptions& options, const Context& context) {
   auto conformance = ParseConformance(options);
   if (!conformance) return Fail(std::move(conformance.error()));
+  auto robots = ParseFleetOptions(FleetOptions{.targets = options.targets, .vda = options.vda});
+  if (!robots) return Fail(std::move(robots.error()));
   Printer printer(context.output);
-  const auto summary = app::ValidateLive({.conformance = *std::move(conformance),
+  const auto summary = app::ValidateLive({.robots = *std::move(robots),
+                                          .conformance = *std::move(conformance),
                                           .end = FindEnd(options.duration),
                                           .count = options.count.value_or(SIZE_MAX)},
                                          MakeEnvironment(context), printer, context.output);

@@ -7,6 +7,7 @@
 
 #include "base/result.h"
 #include "cli/options/global_options.h"
+#include "cli/options/target_options.h"
 #include "cli/options/vda_options.h"
 #include "cli/output/exit_code.h"
 
@@ -18,9 +19,15 @@ struct LiveOptions {
   bool live = false;
   std::optional<std::chrono::milliseconds> duration;
   std::optional<std::size_t> count;
+  TargetOptions targets;
   app::VdaOptions vda;  ///< interface and topic template
+
+  /// What belongs to `--live` alone was given.
+  [[nodiscard]] bool AreGiven() const {
+    return duration || count || targets.all || targets.patterns || targets.online ||
+           !targets.except.empty() || !targets.where.empty();
+  }
   // What `validate` is told besides.
-  std::string pattern;  ///< empty: everybody
   std::string version;  ///< empty: as each header says
   std::string topic;    ///< empty: all
   bool strict = false;

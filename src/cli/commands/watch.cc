@@ -2,7 +2,7 @@
 // each change.
 #include <fmt/format.h>
 
-#include <algorithm>
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -12,9 +12,9 @@
 #include "base/json.h"
 #include "base/text.h"
 #include "base/time.h"
-#include "base/width.h"
 #include "cli/environment.h"
 #include "cli/listening.h"
+#include "cli/output/fleet_browser.h"
 #include "cli/output/fleet_table.h"
 #include "cli/output/screen.h"
 #include "cli/parser/option_set.h"
@@ -23,15 +23,17 @@
 namespace fleetpub::cli {
 namespace {
 
+using app::Fleet;
+using app::ListedRobot;
 using std::chrono::seconds;
 using std::chrono::steady_clock;
-using vda5050::FleetView;
-using vda5050::RobotView;
 
+constexpr seconds kNotice{3};
 constexpr seconds kLongestStill{1};  // ages grow while nothing happens
 
 struct Options {
   FleetOptions fleet;
+  FleetViewOptions view;
   std::optional<std::chrono::milliseconds> duration;
 };
 
@@ -40,13 +42,13 @@ class LineDisplay final : public app::FleetDisplay {
   explicit LineDisplay(Output& output) : output_(output) {}
 
   // Only what is shown counts: a robot repeats its state every few seconds.
-  void Changed(const RobotView& robot) override {
+  void Changed(const ListedRobot& robot) override {
     const bool json = output_.json();
     const std::string line = json ? FleetJson(robot) : FleetLine(robot, output_);
     const std::size_t sum = std::hash<std::string>{}(line);
-    const auto [last, is_first] = sums_.try_emplace(robot.robot, sum);
+    const auto [last, is_first] = sums_.try_emplace(robot.first, sum);
     if (!is_first && std::exchange(last->second, sum) == sum) return;
-    if (is_first) app::WarnOfEscapedNames({&robot.robot, 1}, output_);
+    if (is_first) app::WarnOfEscapedNames({&robot.first, 1}, output_);
     const auto now = base::WallTime::clock::now();
     output_.Line(json ? fmt::format(R"({{"time":"{}",{}}})", base::FormatTimestamp(now), line)
                       : fmt::format("{}  {}", base::FormatLocal(now), line));
@@ -56,9 +58,9 @@ class LineDisplay final : public app::FleetDisplay {
   void Lost(const Error& error) override { output_.Lost(error); }
   void ConnectedAgain() override { output_.ConnectedAgain(); }
 
-  Result<bool> Refresh(const FleetView& view) override {
-    if (view.abridged() > 0 && !std::exchange(has_warned_, true)) {
-      output_.Warn(app::AbridgedWarning(view.abridged()));
+  Result<bool> Refresh(const Fleet& fleet) override {
+    if (fleet.directory().abridged() > 0 && !std::exchange(has_warned_, true)) {
+      output_.Warn(app::AbridgedWarning(fleet.directory().abridged()));
     }
     if (auto ok = output_.Flush(); !ok) return Fail(std::move(ok.error()));
     return true;
@@ -72,9 +74,21 @@ class LineDisplay final : public app::FleetDisplay {
 
 class ScreenDisplay final : public app::FleetDisplay {
  public:
-  ScreenDisplay(std::string title, Output& output) : title_(std::move(title)), output_(output) {}
+  ScreenDisplay(std::string title, SortBy by, app::AskHook ask, Output& output)
+      : title_(std::move(title)),
+        by_(by),
+        ask_(std::move(ask)),
+        output_(output),
+        browser_(output) {}
 
-  void Changed(const RobotView& /*robot*/) override { is_stale_ = true; }
+  void Changed(const ListedRobot& robot) override {
+    is_stale_ = true;
+    const auto& [address, entry] = robot;
+    Heard& heard = heard_[address];
+    if (entry.state && std::exchange(heard.state, entry.state.get()) != entry.state.get()) {
+      heard.at = steady_clock::now();
+    }
+  }
   void Lost(const Error& error) override {
     trouble_ = base::Printable(error.message) + ": connecting again";
     is_stale_ = true;
@@ -84,13 +98,23 @@ class ScreenDisplay final : public app::FleetDisplay {
     is_stale_ = true;
   }
 
-  Result<bool> Refresh(const FleetView& view) override {
-    for (char key = screen_.Key(); key != 0; key = screen_.Key()) {
-      if (key == 'q' || key == 'Q') return false;
+  Result<bool> Refresh(const Fleet& fleet) override {
+    for (int key = Screen::ReadKey(); key != kNoKey; key = Screen::ReadKey()) {
+      is_stale_ = true;
+      switch (browser_.Press(key)) {
+        case FleetBrowser::Wish::kQuit:
+          return false;
+        case FleetBrowser::Wish::kAsk:
+          notice_ = ask_(browser_.shown());
+          noticed_ = steady_clock::now();
+          break;
+        case FleetBrowser::Wish::kNothing:
+          break;
+      }
     }
     const auto now = steady_clock::now();
-    if (screen_.WasDisturbed() || is_stale_ || now >= drawn_ + kLongestStill) {
-      Draw(view);
+    if (Screen::WasDisturbed() || is_stale_ || now >= drawn_ + kLongestStill) {
+      Draw(fleet, now);
       is_stale_ = false;
       drawn_ = now;
     }
@@ -98,77 +122,77 @@ class ScreenDisplay final : public app::FleetDisplay {
   }
 
  private:
-  void Draw(const FleetView& view) {
-    constexpr std::size_t kFrame = 3;  // title, trouble, the table's header
-    const auto [rows, columns] = screen_.size();
-    if (std::exchange(columns_, columns) != columns) widths_.clear();
-    auto robots = view.robots();
-    const std::size_t room = rows > kFrame ? rows - kFrame : 0;
-    const std::size_t hidden = robots.size() > room ? robots.size() - room + 1 : 0;
-    std::vector<Row> table;
-    const auto now = base::WallTime::clock::now();
-    const std::size_t shown = robots.size() - std::min(hidden, robots.size());
-    for (std::size_t i = 0; i < shown; ++i) table.push_back(FleetRow(*robots[i], now));
+  // When the last state came.
+  struct Heard {
+    const vda5050::LiveState* state = nullptr;
+    std::optional<steady_clock::time_point> at;
+  };
 
-    std::string trouble = trouble_;
-    if (trouble.empty() && view.abridged() > 0) trouble = app::AbridgedWarning(view.abridged());
-    if (trouble.empty()) {
-      std::vector<vda5050::RobotAddress> names;
-      names.reserve(robots.size());
-      for (const RobotView* robot : robots) names.push_back(robot->robot);
-      trouble = app::DescribeEscapedNames(names);
-    }
-    const auto line = [&, width = columns](Tone tone, std::string_view text) {
-      return output_.Toned(tone, base::Shortened(width, text));
+  void Draw(const Fleet& fleet, steady_clock::time_point now) {
+    auto robots = fleet.robots();
+    SortRobots(robots, by_);
+    const auto silence = [&](const vda5050::RobotAddress& robot) {
+      const auto heard = heard_.find(robot);
+      const bool is_known = heard != heard_.end() && heard->second.at;
+      return is_known ? std::optional<std::chrono::nanoseconds>(now - *heard->second.at)
+                      : std::nullopt;
     };
-    std::vector<std::string> lines = {line(Tone::kPlain, Title(robots, now)),
-                                      line(Tone::kBad, trouble)};
-    const auto body = TableLines(FleetColumns(), table, columns, output_, &widths_);
-    lines.insert(lines.end(), body.begin(), body.end());
-    if (hidden > 0) {
-      lines.push_back(line(
-          Tone::kDim,
-          fmt::format("{} more are not shown: a larger window or fewer TARGETs help", hidden)));
-    }
-    lines.resize(std::min(lines.size(), rows));
-    screen_.Draw(lines);
+    screen_.Draw(browser_.Lines(robots,
+                                {.size = Screen::size(),
+                                 .now = base::WallTime::clock::now(),
+                                 .title = title_,
+                                 .trouble = DescribeTrouble(fleet, robots)},
+                                silence));
   }
 
-  [[nodiscard]] std::string Title(const std::vector<const RobotView*>& robots,
-                                  base::WallTime now) const {
-    const auto online = std::count_if(robots.begin(), robots.end(),
-                                      [](const RobotView* robot) { return robot->IsOnline(); });
-    // What matters most comes first: a narrow window cuts the rest.
-    return fmt::format("{} robot{}, {} online   q quits   {}   {}", robots.size(),
-                       robots.size() == 1 ? "" : "s", online, base::FormatLocal(now), title_);
+  [[nodiscard]] std::string DescribeTrouble(const Fleet& fleet,
+                                            const FleetBrowser::Robots& robots) const {
+    if (!trouble_.empty()) return trouble_;
+    if (steady_clock::now() < noticed_ + kNotice) return notice_;
+    const std::size_t abridged = fleet.directory().abridged();
+    if (abridged > 0) return app::AbridgedWarning(abridged);
+    std::vector<vda5050::RobotAddress> names;
+    names.reserve(robots.size());
+    for (const ListedRobot* robot : robots) names.push_back(robot->first);
+    return app::DescribeEscapedNames(names);
   }
 
   std::string title_;
+  SortBy by_;
+  app::AskHook ask_;
   Output& output_;
+  FleetBrowser browser_;
+  std::map<vda5050::RobotAddress, Heard> heard_;
   std::string trouble_;
+  std::string notice_;
+  steady_clock::time_point noticed_;
   bool is_stale_ = true;
-  std::size_t columns_ = 0;
-  std::vector<std::size_t> widths_;  // of the table, which only grows until the window changes
   steady_clock::time_point drawn_;
   Screen screen_;
 };
 
 std::unique_ptr<app::FleetDisplay> MakeDisplay(const Options& o, const mqtt::BrokerUrl& broker,
+                                               const Fleet& fleet, app::AskHook ask,
                                                const Context& context) {
   // A trace on standard error would run over the screen.
   if (context.output.json() || context.options.debug || !Screen::IsPossible()) {
     EndQuietlyOnSignals();
     return std::make_unique<LineDisplay>(context.output);
   }
-  return std::make_unique<ScreenDisplay>(
-      fmt::format("{}   {}", broker.ToString(), app::FormatFleetName(o.fleet.words)),
-      context.output);
+  return std::make_unique<ScreenDisplay>(fmt::format("{}   {}", broker.ToString(), fleet.name()),
+                                         o.view.sort.value_or(SortBy::kTrouble), std::move(ask),
+                                         context.output);
 }
 
 Result<ExitCode> RunWatch(const Options& o, const Context& context) {
+  auto request = ParseFleetOptions(o.fleet);
+  if (!request) return Fail(request.error());
+  request->problems = o.view.problems;
   const auto watched = app::WatchFleet(
-      {.words = o.fleet.words, .vda = o.fleet.vda}, FindEnd(o.duration), MakeEnvironment(context),
-      [&](const mqtt::BrokerUrl& broker) { return MakeDisplay(o, broker, context); },
+      *std::move(request), FindEnd(o.duration), MakeEnvironment(context),
+      [&](const mqtt::BrokerUrl& broker, const Fleet& fleet, app::AskHook ask) {
+        return MakeDisplay(o, broker, fleet, std::move(ask), context);
+      },
       context.output);
   if (!watched) return Fail(watched.error());
   return ExitCode::kDone;
@@ -179,6 +203,7 @@ Result<ExitCode> RunWatch(const Options& o, const Context& context) {
 Run DeclareWatch(OptionSet& set) {
   const auto options = std::make_shared<Options>();
   DeclareFleetOptions(set, options->fleet);
+  DeclareFleetViewOptions(set, options->view);
   set.AddOption("--for", Duration(options->duration), "End after this time [on q or Ctrl-C]")
       .Group("Waiting");
   return [options](const Context& context) { return RunWatch(*options, context); };

@@ -1,11 +1,11 @@
 #include "cli/options/target_options.h"
 
+#include <fmt/format.h>
+
 #include "cli/parser/option_set.h"
 
 namespace fleetpub::cli {
 namespace {
-
-constexpr const char* kTargets = "Targets";
 
 Result<std::vector<vda5050::Condition>> ParseConditions(const std::vector<std::string>& texts) {
   std::vector<vda5050::Condition> conditions;
@@ -20,12 +20,22 @@ Result<std::vector<vda5050::Condition>> ParseConditions(const std::vector<std::s
   return conditions;
 }
 
+constexpr std::chrono::seconds kStateWait{35};  // each repeats its own every 30 s
+
+constexpr const char* kTargets = "Targets";
+
 }  // namespace
 
-void DeclareTargetChoice(OptionSet& set, TargetOptions& o) {
-  set.AddOption("targets", o.words,
-                "Robots: manufacturer/serialNumber, alias, @group, 'KIT/*', - (standard input)")
+void DeclareTargetWords(OptionSet& set, TargetOptions& o, std::string_view otherwise) {
+  set.AddOption(
+         "targets", o.words,
+         fmt::format("Robots: manufacturer/serialNumber, alias, @group, 'KIT/*', - (standard "
+                     "input){}",
+                     otherwise))
       .Type("TARGET");
+}
+
+void DeclareSelectionFlags(OptionSet& set, TargetOptions& o) {
   set.AddFlag("--all", o.all, "All robots that the broker knows").Group(kTargets);
   set.AddFlag("--patterns", o.patterns, "Lines of standard input may be patterns and groups too")
       .Group(kTargets);
@@ -40,16 +50,24 @@ void DeclareTargetChoice(OptionSet& set, TargetOptions& o) {
       .Type("CONDITION")
       .OneValueEach()
       .Group(kTargets);
+  set.AddFlag("--online", o.online, "Only robots that are online: others are no failure")
+      .Group(kTargets);
 }
 
 void DeclareTargetOptions(OptionSet& set, TargetOptions& o) {
-  DeclareTargetChoice(set, o);
+  DeclareTargetWords(set, o);
+  DeclareSelectionFlags(set, o);
   set.AddOption("--state-wait", Duration(o.state_wait),
                 "How long --where waits for the states of robots that are online [35s]")
       .Group(kTargets);
   set.AddOption("--expect", WholeNumber(o.expect, 1, 1'000'000),
                 "Send nothing unless just so many robots are meant")
       .Group(kTargets);
+}
+
+void DeclareSelectionOptions(OptionSet& set, TargetOptions& o) {
+  DeclareTargetWords(set, o, " [all]");
+  DeclareSelectionFlags(set, o);
 }
 
 Result<app::TargetRequest> ParseTargetOptions(const TargetOptions& options) {
@@ -60,7 +78,8 @@ Result<app::TargetRequest> ParseTargetOptions(const TargetOptions& options) {
                             .all = options.all,
                             .except = options.except,
                             .where = *std::move(where),
-                            .state_wait = options.state_wait,
+                            .online = options.online,
+                            .state_wait = options.state_wait.value_or(kStateWait),
                             .expect = options.expect};
 }
 

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "app/targets.h"
@@ -20,13 +21,19 @@ struct TargetOptions {
   bool all = false;
   std::vector<std::string> except;
   std::vector<std::string> where;
-  std::chrono::milliseconds state_wait = std::chrono::seconds(35);
+  bool online = false;
+  std::optional<std::chrono::milliseconds> state_wait;
   std::optional<std::size_t> expect;
 };
 
-/// Which robots: all but `--state-wait` and `--expect`.
-void DeclareTargetChoice(OptionSet& set, TargetOptions& options);
+/// For those who command.
 void DeclareTargetOptions(OptionSet& set, TargetOptions& options);
+/// For those who look on, and mean all robots when no word says otherwise.
+void DeclareSelectionOptions(OptionSet& set, TargetOptions& options);
+/// Only the words; `otherwise` is what they are when nobody gives any.
+void DeclareTargetWords(OptionSet& set, TargetOptions& options, std::string_view otherwise = "");
+/// The same without the words.
+void DeclareSelectionFlags(OptionSet& set, TargetOptions& options);
 
 /// Errors: ErrorKind::kUsage.
 [[nodiscard]] Result<app::TargetRequest> ParseTargetOptions(const TargetOptions& options);

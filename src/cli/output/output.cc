@@ -27,16 +27,23 @@ using message::CommandStatus;
 using message::Report;
 using std::chrono::steady_clock;
 
-std::atomic<bool> g_has_passing = false;
-std::mutex g_terminal;    // whoever draws or replaces a passing line
-int g_why_unwritten = 0;  // what first kept standard output from being written
+std::atomic<int> g_passing = 0;  // lines that pass
+std::mutex g_terminal;           // whoever draws or replaces them
+int g_why_unwritten = 0;         // what first kept standard output from being written
 
 void Remember(bool is_written) {
   if (!is_written && g_why_unwritten == 0) g_why_unwritten = errno;
 }
 
+// What takes the cursor back to where they begin, with nothing behind it.
+std::string TakeBackPassing() {
+  const int lines = g_passing.exchange(0);
+  if (lines == 0) return "";
+  return lines == 1 ? "\r\x1b[K" : fmt::format("\x1b[{}A\r\x1b[J", lines - 1);
+}
+
 void ClearPassingLine() {
-  if (g_has_passing.exchange(false)) std::fputs("\r\x1b[K", stderr);
+  if (g_passing != 0) std::fputs(TakeBackPassing().c_str(), stderr);
 }
 
 bool WantsColour(int descriptor) {
@@ -158,10 +165,16 @@ bool Output::CanPass() const {
 void Output::Pass(std::string_view text) {
   // The last column stays empty: some terminals go to the next line at once.
   const std::size_t width = TerminalWidth(STDERR_FILENO) - 1;
+  const std::string line(base::CutTo(width, text));
+  Pass(std::span(&line, 1));
+}
+
+void Output::Pass(std::span<const std::string> lines) {
   const std::scoped_lock lock(g_terminal);
-  std::fputs(fmt::format("\r\x1b[K{}", base::CutTo(width, text)).c_str(), stderr);
+  std::fputs(("\r" + TakeBackPassing() + base::Join(lines, "\x1b[K\r\n") + "\x1b[K").c_str(),
+             stderr);
   std::fflush(stderr);
-  g_has_passing = true;
+  g_passing = static_cast<int>(lines.size());
 }
 
 void Output::ClearPassing() {
@@ -169,11 +182,14 @@ void Output::ClearPassing() {
   ClearPassingLine();
 }
 
-bool Output::HasPassing() { return g_has_passing; }
+bool Output::HasPassing() { return g_passing != 0; }
 
 std::string Output::Toned(Tone tone, std::string_view text) const {
   if (!colour_ || tone == Tone::kPlain) return std::string(text);
-  const std::string_view code = tone == Tone::kGood ? "32" : tone == Tone::kBad ? "1;31" : "2";
+  const std::string_view code = tone == Tone::kGood   ? "32"
+                                : tone == Tone::kWarn ? "33"
+                                : tone == Tone::kBad  ? "1;31"
+                                                      : "2";
   return fmt::format("\x1b[{}m{}\x1b[0m", code, text);
 }
 

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdio>
 #include <memory>
+#include <span>
 #include <string>
 #include <string_view>
 
@@ -19,7 +20,7 @@ namespace fleetpub::cli {
 enum class Format { kText, kJson };
 
 /// What a word means, as its colour tells on a terminal.
-enum class Tone { kPlain, kGood, kBad, kDim };
+enum class Tone { kPlain, kGood, kWarn, kBad, kDim };
 
 /// Unlike fmt::print() it does not throw when nothing can be written; of standard output
 /// Output::Flush() tells.
@@ -77,6 +78,8 @@ class Output final : public app::Log {
   /// A line on standard error that the next one replaces, such as a progress bar, no wider than the
   /// terminal. It is cleared before anything else is written.
   void Pass(std::string_view text);
+  /// The same of several lines, each no wider than the terminal.
+  void Pass(std::span<const std::string> lines);
   void ClearPassing();
   /// Whether one is shown. Safe in a signal handler.
   [[nodiscard]] static bool HasPassing();

@@ -11,7 +11,7 @@
 #include "base/width.h"
 #include "cli/output/fleet_table.h"
 #include "vda5050/catalogue/catalogue.h"
-#include "vda5050/reports/fleet_view.h"
+#include "vda5050/reports/live_state.h"
 #include "vda5050/reports/robot_errors.h"
 
 namespace fleetpub::cli {
@@ -132,6 +132,7 @@ std::string DescribeSilence(const RobotSheet& robot) {
     return "not known: its state cannot be read: " + Shown(robot.state_fault);
   }
   if (!robot.is_alive) return "not known: it is away, and left none behind";
+  if (robot.is_watched) return "not known yet: a robot repeats it at least every 30 s";
   return fmt::format(
       "not known: none came within {}; a robot repeats it at least every 30 s. try: --state-wait "
       "35s",
@@ -336,6 +337,7 @@ std::string DescribeAbilities(const RobotSheet& robot) {
 
 void AddFactsheet(const RobotSheet& robot, Sheet& sheet) {
   constexpr std::string_view kName = "factsheet";
+  if (robot.is_watched && !robot.factsheet) return;
   if (!robot.factsheet_fault.empty()) {
     return sheet.Add(kName, "not readable: " + Shown(robot.factsheet_fault), Tone::kBad);
   }
@@ -359,6 +361,7 @@ void AddFactsheet(const RobotSheet& robot, Sheet& sheet) {
 
 void AddCommands(const RobotSheet& robot, Sheet& sheet) {
   constexpr std::string_view kName = "commands";
+  if (robot.is_watched) return;
   if (!robot.commands_fault.empty()) {
     return sheet.Add(kName, "not known: " + base::Printable(robot.commands_fault), Tone::kBad);
   }

@@ -10,13 +10,14 @@
 #include <csignal>
 #include <cstdlib>
 #include <string_view>
+#include <utility>
 
 namespace fleetpub::cli {
 namespace {
 
 // Alternate screen, no cursor, no line wrapping (a character may be wider than we think); and back.
-constexpr std::string_view kEnter = "\x1b[?1049h\x1b[?25l\x1b[?7l";
-constexpr std::string_view kLeave = "\x1b[?7h\x1b[?25h\x1b[?1049l";
+constexpr std::string_view kEnterScreen = "\x1b[?1049h\x1b[?25l\x1b[?7l";
+constexpr std::string_view kLeaveScreen = "\x1b[?7h\x1b[?25h\x1b[?1049l";
 
 constexpr std::array kCrashes = {SIGABRT, SIGSEGV, SIGBUS, SIGFPE, SIGILL};
 
@@ -38,13 +39,13 @@ void Write(std::string_view text) {
 void Enter() {
   g_active = 1;  // first: a signal that comes now must find something to restore
   if (g_has_keys) tcsetattr(STDIN_FILENO, TCSADRAIN, &g_keys);
-  Write(kEnter);
+  Write(kEnterScreen);
 }
 
 void Leave() {
   if (g_active == 0) return;
   g_active = 0;
-  Write(kLeave);
+  Write(kLeaveScreen);
   // Not TCSADRAIN, which would wait for a person who has stopped the output with Ctrl-S.
   if (g_has_keys) tcsetattr(STDIN_FILENO, TCSANOW, &g_normal);
 }
@@ -86,6 +87,15 @@ void Handle(int signal, void (*handler)(int)) {
   sigaction(signal, &action, nullptr);
 }
 
+// kNoKey: none came in time.
+int ReadByte(int wait_ms) {
+  pollfd keyboard{STDIN_FILENO, POLLIN, 0};
+  unsigned char byte = 0;
+  const bool comes =
+      g_has_keys && poll(&keyboard, 1, wait_ms) > 0 && (keyboard.revents & POLLIN) != 0;
+  return comes && read(STDIN_FILENO, &byte, 1) == 1 ? byte : static_cast<int>(kNoKey);
+}
+
 }  // namespace
 
 void EndQuietlyOnSignals() {
@@ -118,7 +128,7 @@ Screen::~Screen() {
   for (const int signal : kCrashes) Handle(signal, SIG_DFL);
 }
 
-Screen::Size Screen::size() const {
+Screen::Size Screen::size() {
   winsize size{};
   const bool is_known = ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_row > 0;
   return is_known ? Size{size.ws_row, size.ws_col} : Size{24, 80};
@@ -140,11 +150,33 @@ void Screen::Draw(std::span<const std::string> lines) {
   Write(frame + "\x1b[J");
 }
 
-char Screen::Key() {
-  pollfd keyboard{STDIN_FILENO, POLLIN, 0};
-  char key = 0;
-  if (!g_has_keys || poll(&keyboard, 1, 0) <= 0 || (keyboard.revents & POLLIN) == 0) return 0;
-  return read(STDIN_FILENO, &key, 1) == 1 ? key : '\0';
+int ReadEscapeSequence(std::string_view sequence) {
+  // As terminals send them, in cursor and in application mode, and as tmux and screen do.
+  static constexpr std::pair<std::string_view, int> kSequences[] = {
+      {"[A", kUp},        {"OA", kUp},   {"[B", kDown}, {"OB", kDown},  {"[5~", kPageUp},
+      {"[6~", kPageDown}, {"[H", kHome}, {"OH", kHome}, {"[1~", kHome}, {"[7~", kHome},
+      {"[F", kEnd},       {"OF", kEnd},  {"[4~", kEnd}, {"[8~", kEnd}};
+  for (const auto& [text, key] : kSequences) {
+    if (text == sequence) return key;
+  }
+  return kOtherKey;
+}
+
+int Screen::ReadKey() {
+  // A slow line may cut a sequence in two.
+  constexpr int kRest = 25;  // ms
+  const int key = ReadByte(0);
+  if (key == '\r') return kEnter;
+  if (key == '\b') return kBackspace;
+  if (key != kEscape) return key;
+  std::string sequence;
+  for (int next = ReadByte(kRest); next != kNoKey; next = ReadByte(kRest)) {
+    sequence += static_cast<char>(next);
+    const bool is_last = sequence.size() > 1 && next >= '@' && next <= '~';
+    if (is_last || sequence.size() > 16) break;
+    if (sequence.size() == 1 && next != '[' && next != 'O') break;
+  }
+  return sequence.empty() ? kEscape : ReadEscapeSequence(sequence);
 }
 
 }  // namespace fleetpub::cli

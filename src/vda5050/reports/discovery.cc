@@ -227,16 +227,4 @@ Standing ToStanding(const Discovered& found) {
           .version = found.dialect ? std::optional(found.dialect->version) : std::nullopt};
 }
 
-std::vector<Discovered> OnePerRobot(std::vector<Discovered> found) {
-  std::map<std::string, Discovered> best;
-  for (Discovered& one : found) {
-    const auto [it, is_new] = best.try_emplace(one.robot.ToString(), one);
-    if (!is_new && ToStanding(it->second) < ToStanding(one)) it->second = std::move(one);
-  }
-  std::vector<Discovered> robots;
-  robots.reserve(best.size());
-  for (auto& [address, one] : best) robots.push_back(std::move(one));
-  return robots;
-}
-
 }  // namespace fleetpub::vda5050

@@ -111,7 +111,4 @@ struct Standing {
 
 [[nodiscard]] Standing ToStanding(const Discovered& found);
 
-/// One entry per robot, in order of address: the one of the greatest standing.
-[[nodiscard]] std::vector<Discovered> OnePerRobot(std::vector<Discovered> found);
-
 }  // namespace fleetpub::vda5050

@@ -33,6 +33,30 @@ RobotPlace& PlaceIn(RobotEntry& entry, const std::string& name) {
   return entry.others.emplace_back(RobotPlace{.place = name});
 }
 
+// Of two at which a robot speaks alike, it stays at the one where it did so first: nothing is mixed.
+bool IsBetter(const RobotPlace& other, const RobotPlace& best) {
+  if (!other.IsKnown()) return false;
+  const bool both_speak = other.standing.is_live && best.standing.is_live;
+  if (both_speak && other.standing.rank == best.standing.rank) return false;
+  return !best.IsKnown() || best.standing < other.standing;
+}
+
+bool TellsOfARobot(std::string_view topic_name) {
+  return topic_name == "connection" || topic_name == "state" || topic_name == "factsheet";
+}
+
+void ChooseBest(RobotEntry& entry) {
+  RobotPlace& best = entry;
+  for (RobotPlace& other : entry.others) {
+    if (IsBetter(other, best)) std::swap(best, other);
+  }
+}
+
+void NoteTime(RobotPlace& place, const MessageHeader& header) {
+  const auto time = ReadTime(header);
+  if (time && (!place.last_said || *place.last_said < *time)) place.last_said = time;
+}
+
 std::string_view FirstLevel(std::string_view path) {
   if (path.starts_with('/')) path.remove_prefix(1);
   return path.substr(0, path.find('/'));
@@ -56,6 +80,24 @@ std::string_view FindTopicName(const Condition& condition) {
 }
 
 bool RobotEntry::IsOnline() const { return connection && connection->connection_state == "ONLINE"; }
+
+std::string_view RobotEntry::InterfaceName() const {
+  const std::string& stated = base->topics.interface_name;
+  const std::string_view levels = place;
+  return stated.empty() ? levels.substr(0, levels.rfind('/')) : std::string_view(stated);
+}
+
+std::string_view RobotEntry::TopicLevel() const {
+  const std::string_view levels = place;
+  return levels.substr(std::min(levels.size(), levels.rfind('/') + 1));
+}
+
+std::string_view RobotEntry::AlsoAt() const {
+  const auto other = std::find_if(others.begin(), others.end(), [](const RobotPlace& one) {
+    return one.speaks || (one.connection && one.connection->connection_state == "ONLINE");
+  });
+  return other == others.end() ? std::string_view() : std::string_view(other->place);
+}
 
 bool RobotEntry::IsAlive() const {
   const bool hibernates = connection && connection->connection_state == "HIBERNATING";
@@ -97,7 +139,7 @@ void RobotDirectory::AddScheme(const TopicScheme& scheme) {
 }
 
 // The robot, if its topics have this shape.
-RobotEntry* RobotDirectory::Find(const RobotAddress& robot, const TopicScheme& scheme) {
+ListedRobot* RobotDirectory::Find(const RobotAddress& robot, const TopicScheme& scheme) {
   auto found = robots_.find(robot);
   if (found == robots_.end()) {
     auto admitted = admit_ ? admit_(robot) : std::nullopt;
@@ -106,7 +148,7 @@ RobotEntry* RobotDirectory::Find(const RobotAddress& robot, const TopicScheme& s
     found->second.base = std::move(admitted->first);
     found->second.automatic = admitted->second;
   }
-  return found->second.base->topics == scheme ? &found->second : nullptr;
+  return found->second.base->topics == scheme ? &*found : nullptr;
 }
 
 std::optional<TopicLevels> RobotDirectory::Read(const TopicScheme& scheme,
@@ -120,28 +162,32 @@ std::optional<TopicLevels> RobotDirectory::Read(const TopicScheme& scheme,
   return std::nullopt;
 }
 
-const RobotEntry* RobotDirectory::Deliver(std::string_view topic, std::string_view payload,
-                                          Origin origin) {
+std::size_t RobotDirectory::CountSeen() const {
+  return static_cast<std::size_t>(
+      std::count_if(robots_.begin(), robots_.end(),
+                    [](const ListedRobot& listed) { return listed.second.WasSeen(); }));
+}
+
+const ListedRobot* RobotDirectory::Deliver(std::string_view topic, std::string_view payload,
+                                           Origin origin) {
   for (const TopicScheme& scheme : schemes_) {
     const auto levels = Read(scheme, topic);
-    if (!levels) continue;
-    RobotEntry* entry = Find(levels->robot, scheme);
-    if (entry == nullptr) continue;
-    return Take(*entry, *levels, topic, payload, origin) ? entry : nullptr;
+    if (!levels || !TellsOfARobot(levels->topic_name)) continue;
+    ListedRobot* listed = Find(levels->robot, scheme);
+    if (listed == nullptr) continue;
+    return Take(listed->second, *levels, topic, payload, origin) ? listed : nullptr;
   }
   return nullptr;
 }
 
 bool RobotDirectory::Take(RobotEntry& entry, const TopicLevels& levels, std::string_view topic,
                           std::string_view payload, Origin origin) {
-  // Asked for again, a broker repeats what it has.
-  if (origin == Origin::kRetained && entry.connection && topic == entry.topic) return true;
-  if (payload.empty()) return false;
   const bool is_state = levels.topic_name == "state";
+  if (payload.empty()) return levels.topic_name == "connection" && TakeBack(entry, levels);
   RobotPlace& place = PlaceIn(entry, levels.Place());
   const auto message = ReadMessage(payload);
   if (is_state) {
-    TakeState(place, *entry.base, topic, message, origin);
+    if (!TakeState(place, *entry.base, topic, message, origin)) return false;
   } else if (!TakeOther(place, *entry.base, topic, message)) {
     return false;
   }
@@ -151,37 +197,58 @@ bool RobotDirectory::Take(RobotEntry& entry, const TopicLevels& levels, std::str
                       (is_live || !place.speaks);
   place.standing.is_live = (place.standing.is_live || is_live) && !leaves;
   if (leaves) place.speaks = false;
-  for (RobotPlace& other : entry.others) {
-    RobotPlace& best = entry;
-    const bool is_better = !best.IsKnown() || best.standing < other.standing;
-    if (other.IsKnown() && is_better) std::swap(best, other);
-  }
+  place.has_begun_anew = place.has_begun_anew || (is_live && levels.topic_name == "connection");
+  ChooseBest(entry);
+  return true;
+}
+
+// A retained connection message was deleted.
+bool RobotDirectory::TakeBack(RobotEntry& entry, const TopicLevels& levels) {
+  RobotPlace& place = PlaceIn(entry, levels.Place());
+  if (!place.connection) return false;
+  place.connection.reset();
+  place.standing.rank = 0;
+  ChooseBest(entry);
   return true;
 }
 
 // A retained one is the past: it tells that there is a robot and how to speak to it.
-void RobotDirectory::TakeState(RobotPlace& place, const Dialect& base, std::string_view topic,
+bool RobotDirectory::TakeState(RobotPlace& place, const Dialect& base, std::string_view topic,
                                const Result<base::JsonDocument>& message, Origin origin) {
   const bool is_live = origin == Origin::kLive;
+  std::optional<RobotState> state;
+  if (message && is_live && states_) {
+    state = ReadState(*message);
+    const bool is_late = place.state && !std::exchange(place.has_begun_anew, false) &&
+                         IsBefore(state->header, place.state->header);
+    if (is_late) return false;
+  }
   place.speaks = place.speaks || is_live;
   if (is_live) place.state_fault = message ? "" : message.error().message;
   if (!place.connection) {
-    auto found = DialectFrom(base, topic, message ? ReadConnection(*message) : ConnectionMessage());
+    ConnectionMessage read = message ? ReadConnection(*message) : ConnectionMessage();
+    CutHeaderTexts(read);
+    auto found = DialectFrom(base, topic, std::move(read));
     if (found) TakeDialect(place, *std::move(found));
   }
-  if (!message || !is_live) return;
+  if (message) NoteTime(place, ReadHeader(*message));
+  if (!message || !is_live) return true;
   place.state_heard = true;
   place.operating_mode = NormalisedMode(base::StringMember(*message, "operatingMode"));
   TestConditions(place, "state", *message);
+  if (state) states_->Keep(place.state, *std::move(state));
+  return true;
 }
 
 // Of what cannot be read the topic still tells something.
 bool RobotDirectory::TakeOther(RobotPlace& place, const Dialect& base, std::string_view topic,
                                const Result<base::JsonDocument>& message) {
   const std::string fault = message ? "" : message.error().message;
-  auto found = DialectFrom(base, topic,
-                           message ? ReadConnection(*message) : ConnectionMessage{.fault = fault});
+  ConnectionMessage read = message ? ReadConnection(*message) : ConnectionMessage{.fault = fault};
+  CutHeaderTexts(read);
+  auto found = DialectFrom(base, topic, std::move(read));
   if (!found) return false;
+  NoteTime(place, found->message.header);
   const bool is_factsheet = found->topic_name == "factsheet";
   if (is_factsheet) {
     place.factsheet = message ? Share(ReadFactsheet(*message)) : nullptr;
@@ -222,5 +289,32 @@ std::shared_ptr<const Factsheet> RobotDirectory::Share(Factsheet factsheet) {
     return a.actions == b.actions && a.limits == b.limits && a.specification == b.specification;
   });
 }
+
+int WeighTrouble(const RobotEntry& entry) {
+  constexpr int kUnreadable = 6;
+  constexpr int kBroken = 5;
+  int weight = 0;
+  const auto add = [&](bool applies, int so_much) {
+    if (applies) weight = std::max(weight, so_much);
+  };
+  const std::string_view said =
+      entry.connection ? std::string_view(entry.connection->connection_state) : "";
+  add(said == "CONNECTION_BROKEN" && !entry.IsAlive(), kBroken);
+  add(entry.connection && !entry.connection->fault.empty(), kUnreadable);
+  add(!entry.state_fault.empty(), kUnreadable);
+  if (!entry.state) return weight;
+  const LiveState& state = *entry.state;
+  add(IsEmergencyStopped(state), 8);
+  add(state.field_violation == true, 6);
+  add(state.paused == true, 1);
+  add(!state.operating_mode.empty() && state.operating_mode != "AUTOMATIC", 1);
+  for (const RobotError& error : state.errors) {
+    constexpr int kByLevel[] = {3, 2, 4, 5, 7};  // another, WARNING, URGENT, CRITICAL, FATAL
+    add(true, kByLevel[WeighLevel(error.level) + 1]);
+  }
+  return weight;
+}
+
+bool HasProblem(const RobotEntry& entry) { return WeighTrouble(entry) >= 3; }
 
 }  // namespace fleetpub::vda5050

@@ -437,6 +437,10 @@ const ActionState* FindActionState(const RobotState& state, std::string_view id,
   return found;
 }
 
+bool IsEmergencyStopped(const RobotState& state) {
+  return !state.emergency_stop.empty() && state.emergency_stop != "NONE";
+}
+
 bool IsTerminal(std::string_view status) { return status == "FINISHED" || status == "FAILED"; }
 
 const FactsheetAction* FindAction(const Factsheet& factsheet, std::string_view type) {

@@ -225,6 +225,9 @@ struct Factsheet {
 [[nodiscard]] const ActionState* FindActionState(const RobotState& state, std::string_view id,
                                                  std::string_view type = {});
 
+/// Whether it says that an emergency stop is active.
+[[nodiscard]] bool IsEmergencyStopped(const RobotState& state);
+
 /// FINISHED or FAILED. An unknown status is none.
 [[nodiscard]] bool IsTerminal(std::string_view status);
 

@@ -63,29 +63,46 @@ delivery::Findings CheckMessage(const Value& message, Version version, std::stri
 }
 
 Conformance::Conformance(ConformanceOptions options, schema::Registry& registry)
-    : options_(std::move(options)), registry_(registry) {}
+    : options_(std::move(options)), registry_(registry) {
+  if (options_.patterns.empty()) options_.patterns.emplace_back();
+}
 
 Result<std::vector<std::string>> Conformance::Filters() const {
-  if (options_.topic.empty()) {
-    return DiscoveryFilters(options_.scheme, options_.pattern.Filter(), kTopicNames);
-  }
-  if (std::find(kTopicNames.begin(), kTopicNames.end(), options_.topic) == kTopicNames.end()) {
+  const bool is_known =
+      std::find(kTopicNames.begin(), kTopicNames.end(), options_.topic) != kTopicNames.end();
+  if (!options_.topic.empty() && !is_known) {
     return Fail(ErrorKind::kUsage,
                 fmt::format("'{}' is not a topic of VDA 5050: state, connection, factsheet, "
                             "visualization, instantActions, order, zoneSet or responses",
                             base::Printable(options_.topic)));
   }
-  const std::array<std::string_view, 1> one = {options_.topic};
-  return DiscoveryFilters(options_.scheme, options_.pattern.Filter(), one);
+  const std::string_view one = options_.topic;
+  const std::span<const std::string_view> topics =
+      one.empty() ? std::span<const std::string_view>(kTopicNames) : std::span(&one, 1);
+  std::vector<std::string> filters;
+  for (const RobotPattern& pattern : options_.patterns) {
+    auto some = DiscoveryFilters(options_.scheme, pattern.Filter(), topics);
+    if (!some) return some;
+    for (std::string& filter : *some) {
+      const bool is_new = std::find(filters.begin(), filters.end(), filter) == filters.end();
+      if (is_new) filters.push_back(std::move(filter));
+    }
+  }
+  return filters;
 }
 
 std::optional<ValidationResult> Conformance::Validate(std::string_view topic,
                                                       std::string_view payload) const {
   const auto levels = ReadTopic(options_.scheme, topic);
-  if (!levels || !options_.pattern.Matches(levels->robot)) return std::nullopt;
+  const auto is_meant = [&](const RobotPattern& pattern) { return pattern.Matches(levels->robot); };
+  if (!levels || std::none_of(options_.patterns.begin(), options_.patterns.end(), is_meant)) {
+    return std::nullopt;
+  }
   if (std::find(kTopicNames.begin(), kTopicNames.end(), levels->topic_name) == kTopicNames.end()) {
     return std::nullopt;
   }
+  const bool is_asked = options_.topic.empty() || levels->topic_name == options_.topic;
+  if (!is_asked) return std::nullopt;
   const bool may_be_deleted =
       levels->topic_name == "connection" || levels->topic_name == "factsheet";
   if (payload.empty() && may_be_deleted) return std::nullopt;

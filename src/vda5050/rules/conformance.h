@@ -19,10 +19,10 @@ namespace fleetpub::vda5050 {
 
 struct ConformanceOptions {
   TopicScheme scheme;
-  RobotPattern pattern;
-  std::optional<Version> version;  ///< that everybody must speak; else as each header says
-  std::string topic;               ///< this one alone; empty: all
-  bool strict = false;             ///< the text's rules are errors too
+  std::vector<RobotPattern> patterns;  ///< none: everybody
+  std::optional<Version> version;      ///< that everybody must speak; else as each header says
+  std::string topic;                   ///< this one alone; empty: all
+  bool strict = false;                 ///< the text's rules are errors too
 };
 
 /// A message against the schema of its version and topic, and against the text: its rules (see

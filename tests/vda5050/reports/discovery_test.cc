@@ -237,7 +237,7 @@ TEST(DialectFrom, IsNothingForADeletedMessageOrAnotherTopic) {
   EXPECT_FALSE(DialectFrom({}, "home/kitchen/light", Message("2.1.0")));
 }
 
-// ── one per robot ──
+// ── standing ──
 
 Discovered Found(std::string_view topic, std::string_view version, std::string_view state = "",
                  std::string_view timestamp = "") {
@@ -249,17 +249,7 @@ Discovered Found(std::string_view topic, std::string_view version, std::string_v
   return std::move(*found);
 }
 
-TEST(OnePerRobot, IsInOrderOfAddress) {
-  const auto robots = OnePerRobot({Found("uagv/v2/KIT/2/connection", "2.1.0"),
-                                   Found("vda5050/v3/ACME/9/connection", "3.0.0"),
-                                   Found("uagv/v2/KIT/1/connection", "2.1.0")});
-  ASSERT_THAT(robots, SizeIs(3));
-  EXPECT_EQ(robots[0].robot.ToString(), "ACME/9");
-  EXPECT_EQ(robots[1].robot.ToString(), "KIT/1");
-  EXPECT_EQ(robots[2].robot.ToString(), "KIT/2");
-}
-
-TEST(OnePerRobot, TakesTheBestMessage) {
+TEST(Standing, IsGreaterOfTheBetterMessage) {
   const std::string_view older = "2026-01-02T03:04:05.678Z";
   const std::string_view newer = "2026-01-02T03:04:06.678Z";
   // Each better than the one before.
@@ -275,13 +265,7 @@ TEST(OnePerRobot, TakesTheBestMessage) {
       Found("uagv/v1/KIT/1/connection", "1.1.0", "ONLINE", newer),
   };
   for (std::size_t i = 1; i < ladder.size(); ++i) {
-    for (const auto& pair :
-         {std::vector{ladder[i - 1], ladder[i]}, std::vector{ladder[i], ladder[i - 1]}}) {
-      const auto robots = OnePerRobot(pair);
-      ASSERT_THAT(robots, SizeIs(1));
-      EXPECT_EQ(robots[0].topic, ladder[i].topic) << i;
-      EXPECT_EQ(robots[0].message.header.version, ladder[i].message.header.version) << i;
-    }
+    EXPECT_LT(ToStanding(ladder[i - 1]), ToStanding(ladder[i])) << i;
   }
 }
 

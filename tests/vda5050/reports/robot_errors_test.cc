@@ -150,7 +150,8 @@ TEST(FormatError, HasTypeDescriptionAndHint) {
 }
 
 TEST(FormatError, IsOneShortLineThatMovesNoCursor) {
-  const auto told = FormatError({.type = "E\x1b[2J", .description = std::string(10'000, 'x') + "\n"});
+  const auto told =
+      FormatError({.type = "E\x1b[2J", .description = std::string(10'000, 'x') + "\n"});
   EXPECT_LT(told.size(), 600U);
   EXPECT_EQ(told.find_first_of("\x1b\n"), std::string::npos);
 }

@@ -129,13 +129,13 @@ TEST_F(Conforming, PassesOverWhatIsNotMeant) {
   EXPECT_THAT(Findings("uagv/v2/KIT/0001/connection", ""), ElementsAre("not validated"));
   EXPECT_THAT(Findings("uagv/v2/KIT/0001/log", "x"), ElementsAre("not validated"));
   EXPECT_THAT(Findings("one/two", "x"), ElementsAre("not validated"));
-  EXPECT_THAT(Findings("uagv/v2/KIT/0001/state", "x", {.pattern = {"KIT", "0002"}}),
+  EXPECT_THAT(Findings("uagv/v2/KIT/0001/state", "x", {.patterns = {{"KIT", "0002"}}}),
               ElementsAre("not validated"));
 }
 
 TEST_F(Conforming, ListensToAllTopicsOrToOne) {
   EXPECT_THAT(Conformance({}, registry_).Filters().value(), SizeIs(kTopicNames.size()));
-  EXPECT_THAT(Conformance({.pattern = {"KIT", "*"}, .topic = "state"}, registry_).Filters().value(),
+  EXPECT_THAT(Conformance({.patterns = {{"KIT", "*"}}, .topic = "state"}, registry_).Filters().value(),
               ElementsAre("+/+/KIT/+/state"));
   EXPECT_FALSE(Conformance({.topic = "status"}, registry_).Filters());
 }
