@@ -16,6 +16,7 @@
 
 #include "base/text.h"
 #include "cli/commands/version.h"
+#include "cli/output/pager.h"
 #include "cli/parser/command_line.h"
 #include "cli/parser/help.h"
 #include "cli/parser/shell_completion.h"
@@ -72,18 +73,25 @@ bool IsMeantAsHost(const std::vector<std::string>& arguments) {
          !(help + 1)->starts_with('-');
 }
 
-ExitCode PrintHelp(const OptionSet& set, const SubcommandMatch& match,
+ExitCode PrintHelp(OptionSet::Asked asked, const CommandLine& call,
                    const std::vector<std::string>& arguments) {
   if (IsMeantAsHost(arguments)) {
     return EndBefore({ErrorKind::kUsage,
                       "-h asks for help and takes no word behind it: the broker's host is --host"},
                      arguments, {});
   }
-  return PrintText(match.name.empty() ? GeneralHelp(set) : CommandHelp(set, match));
+  const SubcommandMatch& match = call.match;
+  if (match.family != nullptr) return PrintText(FamilyHelp(*match.family));
+  if (asked == OptionSet::Asked::kBriefHelp) {
+    return PrintText(match.name.empty() ? EverydayHelp() : BriefHelp(call.set(), match));
+  }
+  const std::string text =
+      match.name.empty() ? GeneralHelp(call.set()) : CommandHelp(call.set(), match);
+  return ShowInPager(text) ? ExitCode::kDone : PrintText(text);
 }
 
 ExitCode NoCommand() {
-  Print(stderr, ShortHelp());
+  Print(stderr, EverydayHelp());
   return ExitCode::kUsage;
 }
 
@@ -95,8 +103,8 @@ ExitCode RunMain(const std::vector<std::string>& arguments, const BuildInfo& bui
     const auto asked = call->Read(OptionSet::Extent::kAll, arguments);
     if (!asked) return EndBefore(asked.error(), arguments, call->options);
     if (*asked == OptionSet::Asked::kVersion) return PrintText(VersionText(build) + "\n");
-    if (*asked == OptionSet::Asked::kHelp) {
-      return PrintHelp(call->set(), call->match, arguments);
+    if (*asked != OptionSet::Asked::kRun || call->match.family != nullptr) {
+      return PrintHelp(*asked, *call, arguments);
     }
     if (!call->run) return NoCommand();
   }

@@ -35,7 +35,7 @@ class Refusals : public EndToEnd {
 TEST_F(Refusals, NameWhatIsWrongAndSendNothing) {
   const Subscriber subscriber(broker_);
   const std::vector<Case> cases = {
-      {{}, 2, "Usage: fleetpub COMMAND"},
+      {{}, 2, "fleetpub COMMAND -h"},
       {{"puase", "KIT/0001"}, 2, "did you mean pause?"},
       {{"pause"}, 2, "name at least one robot"},
       {{"pause", "KIT"}, 2, "manufacturer/serialNumber"},

@@ -307,8 +307,7 @@ class SoarRefuses : public Soar {
 
 TEST_F(SoarRefuses, WordsThatAreNotUnderstood) {
   Expect({
-      {{"soar"}, 2, "needs a second word: soar mission-plan or"},
-      {{"soar", "mission"}, 2, "needs a second word"},
+      {{"soar", "mission"}, 2, "there are mission-plan, "},
       {{"soar", "mission-plan"}, 2, "--waypoint"},
       {Plan(""), 2, "name a destination"},
       {Plan("soar..ecosub.eco1"), 2, "a level is empty"},

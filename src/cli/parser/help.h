@@ -1,4 +1,4 @@
-// The help texts. Option lines come from the declarations themselves.
+// The help texts, no wider than 80 columns. Option lines come from the declarations themselves.
 #pragma once
 
 #include <string>
@@ -8,13 +8,25 @@
 
 namespace fleetpub::cli {
 
-/// `fleetpub`, alone: what it is and the first commands to try.
-[[nodiscard]] std::string ShortHelp();
+/// The group of an action's own parameters among the options.
+inline constexpr const char* kParameters = "Parameters";
+
+/// `fleetpub`, alone, and `fleetpub -h`: the commands of every day.
+[[nodiscard]] std::string EverydayHelp();
 
 /// `fleetpub --help`: every command, and the global options.
 [[nodiscard]] std::string GeneralHelp(const OptionSet& set);
 
+/// `fleetpub soar`: the commands that begin with this word.
+[[nodiscard]] std::string FamilyHelp(const CommandFamily& family);
+
+/// `fleetpub pause -h`: usage, examples, parameters, the options that matter most.
+[[nodiscard]] std::string BriefHelp(const OptionSet& set, const SubcommandMatch& match);
+
 /// `fleetpub pause --help`: usage, own options by group, examples.
 [[nodiscard]] std::string CommandHelp(const OptionSet& set, const SubcommandMatch& match);
+
+/// A line `  left    right`, the right side broken between words and kept in its column.
+[[nodiscard]] std::string TwoColumns(std::string_view left, std::string_view right);
 
 }  // namespace fleetpub::cli

@@ -54,7 +54,7 @@ Result<std::string> TextOrFile(std::string_view text) {
 Result<Parameter> ParseParameter(const ParameterSpec& spec, std::string_view text) {
   if (!base::IsUtf8(text)) return NotOfItsType(spec, text, "valid UTF-8");
   switch (spec.type) {
-    case ParameterType::kFloat64:
+    case ParameterType::kLength:
     case ParameterType::kAngle:
       return ParseNumber(spec, text);
     case ParameterType::kStringArray:

@@ -12,7 +12,7 @@ using ::testing::HasSubstr;
 using ::testing::Not;
 using ::testing::StartsWith;
 
-constexpr ParameterSpec kX{"x", ParameterType::kFloat64, true, ""};
+constexpr ParameterSpec kX{"x", ParameterType::kLength, true, ""};
 constexpr ParameterSpec kTheta{"theta", ParameterType::kAngle, true, ""};
 constexpr ParameterSpec kMapId{"mapId", ParameterType::kString, true, ""};
 constexpr ParameterSpec kTriggerType{"triggerType", ParameterType::kStringArray, true, ""};
