@@ -19,6 +19,7 @@
 #include "cli/output/pager.h"
 #include "cli/parser/command_line.h"
 #include "cli/parser/help.h"
+#include "cli/parser/help_json.h"
 #include "cli/parser/shell_completion.h"
 
 namespace fleetpub::cli {
@@ -81,6 +82,11 @@ ExitCode PrintHelp(OptionSet::Asked asked, const CommandLine& call,
                      arguments, {});
   }
   const SubcommandMatch& match = call.match;
+  if (asked == OptionSet::Asked::kHelp && FindFormat(arguments, {}) == Format::kJson) {
+    Output output({.format = Format::kJson});
+    output.Line(HelpJson(call));
+    return Finish(ExitCode::kDone, output);
+  }
   if (match.family != nullptr) return PrintText(FamilyHelp(*match.family));
   if (asked == OptionSet::Asked::kBriefHelp) {
     return PrintText(match.name.empty() ? EverydayHelp() : BriefHelp(call.set(), match));

@@ -1,7 +1,8 @@
 // What fleetpub says of itself: each screen as it is shown at 80 columns, and through a pager.
 #include <gmock/gmock.h>
 
-#include <fstream>
+#include <set>
+#include <stdexcept>
 
 #include "support/document.h"
 #include "support/operator.h"
@@ -14,6 +15,7 @@ namespace {
 using ::testing::AllOf;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
+using ::testing::IsSupersetOf;
 using ::testing::Not;
 using ::testing::StartsWith;
 
@@ -80,6 +82,38 @@ TEST_F(Help, ExplainsOneAction) {
   EXPECT_EQ(Lines(Fleetpub({"actions", "pause", "--vda", "2.1", "-o", "json"}).output).size(), 1U);
   EXPECT_EQ(Fleetpub({"actions", "retry", "--vda", "2.1"}).exit_code, 2);
   EXPECT_THAT(Fleetpub({"actions", "cancle"}).errors, HasSubstr("did you mean cancel?"));
+}
+
+TEST_F(Help, IsThereAsJsonForPrograms) {
+  const Finished all = Fleetpub({"help", "-o", "json"});
+  EXPECT_EQ(all.exit_code, 0);
+  const auto help = Json(all.output);
+  EXPECT_GT(help["commands"].Size(), 50U);
+  EXPECT_EQ(help["exitCodes"].Size(), 11U);
+  std::set<std::string> global;
+  for (const auto& option : help["options"].GetArray()) {
+    for (const auto& name : option["names"].GetArray()) global.insert(name.GetString());
+  }
+  EXPECT_THAT(global, IsSupersetOf({"-b", "--broker", "--help", "-o"}));
+
+  const auto one = Json(Fleetpub({"pause", "--help", "-o", "json"}).output);
+  ASSERT_EQ(one["commands"].Size(), 1U);
+  const auto& options = one["commands"][0]["options"];
+  const auto find = [&](const std::string& wanted) -> const base::JsonValue& {
+    for (const auto& option : options.GetArray()) {
+      for (const auto& name : option["names"].GetArray()) {
+        if (name.GetString() == wanted) return option;
+      }
+    }
+    throw std::runtime_error("no " + wanted);
+  };
+  EXPECT_STREQ(find("--wait-for")["type"].GetString(), "END");
+  EXPECT_EQ(find("--wait-for")["choices"].Size(), 2U);
+  EXPECT_FALSE(find("-w").HasMember("type"));
+  EXPECT_STREQ(find("--vda")["default"].GetString(), "auto");
+  EXPECT_STREQ(find("--vda")["variable"].GetString(), "FLEETPUB_VDA");
+  EXPECT_TRUE(find("--except")["repeatable"].GetBool());
+  EXPECT_EQ(Json(Fleetpub({"schema", "--help", "-o", "json"}).output)["commands"].Size(), 2U);
 }
 
 // ── words that people try ──

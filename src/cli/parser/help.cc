@@ -146,27 +146,6 @@ std::string Indented(std::span<const std::string> examples) {
   return text;
 }
 
-// What both helps of a command say.
-struct Explained {
-  std::string summary;
-  std::string usage;
-  std::vector<std::string> examples;
-};
-
-Explained Explain(const SubcommandMatch& match) {
-  const Subcommand* subcommand = match.subcommand;
-  const std::string summary =
-      subcommand == nullptr ? ActionSummary(match.name) : std::string(subcommand->summary);
-  const std::string_view arguments = subcommand == nullptr ? "TARGET..." : subcommand->arguments;
-  Explained explained;
-  AppendWrapped(explained.summary, 0, summary, "\n");
-  explained.usage =
-      fmt::format("fleetpub {}{}{} [OPTIONS]", match.name, arguments.empty() ? "" : " ", arguments);
-  explained.examples =
-      base::Split(subcommand == nullptr ? ActionExamples(match.name) : subcommand->examples, '\n');
-  return explained;
-}
-
 struct KeyOptions {
   std::string_view command;  ///< empty: every other that has more than so many
   std::array<std::string_view, 5> names;
@@ -218,7 +197,27 @@ std::string ExitCodeLines() {
   return text;
 }
 
+std::string Wrapped(std::string_view text) {
+  std::string wrapped;
+  AppendWrapped(wrapped, 0, text, "\n");
+  return wrapped;
+}
+
 }  // namespace
+
+Explained Explain(const SubcommandMatch& match) {
+  const Subcommand* subcommand = match.subcommand;
+  const std::string summary =
+      subcommand == nullptr ? ActionSummary(match.name) : std::string(subcommand->summary);
+  const std::string_view arguments = subcommand == nullptr ? "TARGET..." : subcommand->arguments;
+  Explained explained;
+  explained.summary = summary;
+  explained.usage =
+      fmt::format("fleetpub {}{}{} [OPTIONS]", match.name, arguments.empty() ? "" : " ", arguments);
+  explained.examples =
+      base::Split(subcommand == nullptr ? ActionExamples(match.name) : subcommand->examples, '\n');
+  return explained;
+}
 
 std::string EverydayHelp() {
   std::string commands;
@@ -281,7 +280,7 @@ std::string BriefHelp(const OptionSet& set, const SubcommandMatch& match) {
       "Usage: {}\n\n"
       "{}{}{}{}\n"
       "fleetpub {} --help lists all options.\n",
-      explained.summary, explained.usage, Indented(examples), parameters,
+      Wrapped(explained.summary), explained.usage, Indented(examples), parameters,
       options.empty() ? "" : "\nOptions:\n", options, match.name);
 }
 
@@ -293,7 +292,7 @@ std::string CommandHelp(const OptionSet& set, const SubcommandMatch& match) {
       "{}\n"
       "Examples:\n{}\n"
       "Broker, output and ledger options are listed by fleetpub --help.\n",
-      explained.summary, explained.usage,
+      Wrapped(explained.summary), explained.usage,
       OptionLines(set, [](const std::string& group) { return !IsGlobalGroup(group); }),
       Indented(explained.examples));
 }

@@ -3,6 +3,7 @@
 
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "cli/parser/arguments.h"
 
@@ -25,6 +26,14 @@ inline constexpr const char* kParameters = "Parameters";
 
 /// `fleetpub pause --help`: usage, own options by group, examples.
 [[nodiscard]] std::string CommandHelp(const OptionSet& set, const SubcommandMatch& match);
+
+/// What is said of a command.
+struct Explained {
+  std::string summary;
+  std::string usage;
+  std::vector<std::string> examples;  ///< without the program's name
+};
+[[nodiscard]] Explained Explain(const SubcommandMatch& match);
 
 /// A line `  left    right`, the right side broken between words and kept in its column.
 [[nodiscard]] std::string TwoColumns(std::string_view left, std::string_view right);
