@@ -40,6 +40,9 @@ struct Subcommand {
 [[nodiscard]] Run DeclareAwait(OptionSet& set);
 [[nodiscard]] Run DeclareBatch(OptionSet& set);
 [[nodiscard]] Run DeclareCompletion(OptionSet& set);
+[[nodiscard]] Run DeclareConfigCheck(OptionSet& set);
+[[nodiscard]] Run DeclareConfigPath(OptionSet& set);
+[[nodiscard]] Run DeclareConfigProfiles(OptionSet& set);
 [[nodiscard]] Run DeclareConfigInit(OptionSet& set);
 [[nodiscard]] Run DeclareConfigShow(OptionSet& set);
 [[nodiscard]] Run DeclareFleet(OptionSet& set);

@@ -104,6 +104,16 @@ constexpr auto kSubcommands = std::to_array<Subcommand>({
      "config show\n"
      "config show --profile north -o json",
      DeclareConfigShow},
+    {"config check", kChecking, "", "all that is wrong in the configuration, with its place",
+     "config check\n"
+     "config check --config site.toml -o json",
+     DeclareConfigCheck, ConfigUse::kNone},
+    {"config path", kChecking, "", "the files that are read, in their order", "config path",
+     DeclareConfigPath, ConfigUse::kNone},
+    {"config profiles", kChecking, "", "the sites that the configuration names",
+     "config profiles\n"
+     "config profiles -o json",
+     DeclareConfigProfiles},
     {"config init", kChecking, "", "write a commented configuration to begin with",
      "config init\n"
      "config init --stdout",
