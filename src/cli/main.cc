@@ -120,7 +120,8 @@ ExitCode RunMain(const std::vector<std::string>& arguments, const BuildInfo& bui
   const GlobalOptions& options = call->options;
   Output output({.format = options.format == "json" ? Format::kJson : Format::kText,
                  .quiet = options.quiet,
-                 .verbose = options.verbose || options.debug});
+                 .verbose = options.verbose || !options.debug.empty(),
+                 .color = options.color});
   return Finish(call->run(Context{options, output, call->config}), output);
 }
 

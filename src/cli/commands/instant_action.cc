@@ -83,6 +83,10 @@ Run DeclareInstantAction(OptionSet& set, std::string_view word) {
                 "With --wait: nothing to cancel is no failure (exit 0)")
         .Group("Waiting");
   }
+  if (options->type == "initializePosition" || options->type == "initPosition") {
+    set.AddFlag("--force", options->sending.force, "Send one position to several robots")
+        .Group("Sending");
+  }
   return [options](const Context& context) { return RunInstantAction(*options, context); };
 }
 

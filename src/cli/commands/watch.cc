@@ -156,7 +156,7 @@ class ScreenDisplay final : public app::FleetDisplay {
 std::unique_ptr<app::FleetDisplay> MakeDisplay(const Options& o, const mqtt::BrokerUrl& broker,
                                                const Context& context) {
   // A trace on standard error would run over the screen.
-  if (context.output.json() || context.options.debug || !Screen::IsPossible()) {
+  if (context.output.json() || !context.options.debug.empty() || !Screen::IsPossible()) {
     EndQuietlyOnSignals();
     return std::make_unique<LineDisplay>(context.output);
   }

@@ -68,7 +68,10 @@ std::size_t TerminalWidth(int descriptor) {
   return is_known ? size.ws_col : std::numeric_limits<std::size_t>::max();
 }
 
-Output::Output(Settings settings) : settings_(settings), colour_(WantsColour(STDOUT_FILENO)) {}
+Output::Output(Settings settings)
+    : settings_(settings),
+      colour_(settings.color == "always" ||
+              (settings.color == "auto" && WantsColour(STDOUT_FILENO))) {}
 
 void Output::Line(std::string_view text) {
   if (json()) return JsonLine(text);

@@ -8,6 +8,7 @@
 #include <array>
 #include <vector>
 
+#include "base/decimal.h"
 #include "base/text.h"
 #include "cli/parser/try_command.h"
 
@@ -68,8 +69,12 @@ Error UnknownArguments(const CLI::App& app, const std::string& command,
 }
 
 Error Refusal(const ValueKind& kind, std::string_view name, const std::vector<std::string>& texts) {
-  return {ErrorKind::kUsage, fmt::format("{} takes {}, not '{}'", name, kind.Takes(),
-                                         base::Printable(base::Join(texts, " ")))};
+  const std::string text = base::Join(texts, " ");
+  const auto right = base::WithDecimalPoint(text);
+  const bool may_be_right = right && kind.store({*right});  // the command ends here all the same
+  return {ErrorKind::kUsage,
+          fmt::format("{} takes {}, not '{}'{}", name, kind.Takes(), base::Printable(text),
+                      may_be_right ? fmt::format("; write {}", *right) : "")};
 }
 
 }  // namespace
@@ -127,6 +132,10 @@ Option OptionSet::AddOption(const std::string& names, ValueKind kind, std::strin
 
 Option OptionSet::AddFlag(const std::string& names, bool& value, const std::string& help) {
   return Declare(IsMentioned(names) ? app_->add_flag(names, value, help) : nullptr, Flag(value));
+}
+
+Option OptionSet::AddFlag(const std::string& names, std::string& word, const std::string& help) {
+  return Declare(IsMentioned(names) ? app_->add_flag(names, word, help) : nullptr, Text(word));
 }
 
 void OptionSet::AddSetting(std::string_view key, ValueKind kind) {

@@ -47,6 +47,8 @@ class OptionSet {
     return AddOption(names, Text(value), std::move(help));
   }
   Option AddFlag(const std::string& names, bool& value, const std::string& help);
+  /// A flag that may bring a word, as in `--debug=full`; alone it stores `true`.
+  Option AddFlag(const std::string& names, std::string& word, const std::string& help);
   /// What only the configuration sets.
   void AddSetting(std::string_view key, ValueKind kind);
 

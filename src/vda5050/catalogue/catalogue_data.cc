@@ -31,7 +31,7 @@ constexpr Scopes kNodeEdgeOrZone{.node = true, .edge = true, .zone = true};
 constexpr std::array<ParameterSpec, 5> kPosition = {{
     {"x", kLength, kRequired, "metres in the map's coordinate system", "1.5"},
     {"y", kLength, kRequired, "metres in the map's coordinate system", "-2"},
-    {"theta", kAngle, kRequired, "orientation in radians, -π to π", "1.57"},
+    {"theta", kAngle, kRequired, "orientation in radians, -π to π, or as 90deg", "1.57"},
     {"mapId", kString, kRequired, "the map that the coordinates belong to", "hall-1"},
     {"lastNodeId", kString, kRequired, "the node that the robot stands on or passed last", "n1"},
 }};
