@@ -150,7 +150,7 @@ TEST(Login, ThatFailsSaysWhatWasTriedButNoPassword) {
     return run.errors;
   };
   EXPECT_THAT(pause({"-u", "bob", "--password-file", file.string()}),
-              HasSubstr("tried: user bob and the password of " + file.string()));
+              HasSubstr("tried: user bob and the password of file " + file.string()));
   EXPECT_THAT(pause({"-u", "bob"}), HasSubstr("tried: user bob and no password"));
   EXPECT_THAT(pause({}), HasSubstr("tried: no user name and no password"));
   Command command = someone.Prepare({"ping", "-u", "ann"});

@@ -144,7 +144,7 @@ Result<FoundPassword> FindPassword(const Context& context) {
   }
   auto password = ReadPasswordFile(file, context.output);
   if (!password) return Fail(std::move(password.error()));
-  return FoundPassword{std::move(*password), fmt::format("the password of {}", file)};
+  return FoundPassword{std::move(*password), fmt::format("the password of file {}", file)};
 }
 
 }  // namespace fleetpub::cli
