@@ -122,7 +122,7 @@ TEST(AnyBrokerUrl, IsParsedFromItsText) {
 
 vda5050::Parameter MakeAnyValue(const vda5050::ParameterSpec& spec) {
   std::string text = *LevelName();
-  if (spec.type == vda5050::ParameterType::kFloat64) {
+  if (spec.type == vda5050::ParameterType::kLength) {
     text = std::to_string(*rc::gen::inRange(-1'000'000, 1'000'000)) + ".5e-3";
   } else if (spec.type == vda5050::ParameterType::kAngle) {
     text = std::to_string(*rc::gen::inRange(-3'141, 3'142)) + "e-3";

@@ -54,7 +54,7 @@ Result<vda5050::Dialect> ParseDialect(const VdaOptions& o) {
   }
   for (const std::string& text : {o.header_version, o.header_manufacturer, o.header_serial}) {
     if (!base::IsUtf8(text)) {
-      return Fail(ErrorKind::kInvalid, "--header-...: the text is not valid UTF-8");
+      return Fail(ErrorKind::kUsage, "--header-...: the text is not valid UTF-8");
     }
   }
   dialect.topics.interface_name = o.interface_name;

@@ -32,7 +32,7 @@ struct VdaOptions {
 [[nodiscard]] VdaOptions WithConfig(VdaOptions given, const config::Config& config,
                                     const vda5050::RobotAddress& robot);
 
-/// Errors: ErrorKind::kUsage; kInvalid (a header that is not UTF-8).
+/// Errors: ErrorKind::kUsage.
 [[nodiscard]] Result<vda5050::Dialect> ParseDialect(const VdaOptions& options);
 
 /// Robots of one make mostly share a dialect.

@@ -164,6 +164,22 @@ class WordReader {
   std::set<RobotAddress> known_;
 };
 
+// `KIT 0001`, two words that are no targets, is one robot's name.
+bool IsCutName(const std::vector<std::string>& words, std::size_t i, const config::Config& config) {
+  const auto is_half = [&](const std::string& word) {
+    return word != "-" && !word.starts_with('@') && !config.aliases.contains(word) &&
+           word.find_first_of("/*?") == std::string::npos;
+  };
+  return i + 1 < words.size() && is_half(words[i]) && is_half(words[i + 1]) &&
+         vda5050::ParseRobotAddress(words[i] + "/" + words[i + 1]);
+}
+
+Error CutName(const std::string& manufacturer, const std::string& serial_number) {
+  return {ErrorKind::kUsage,
+          fmt::format("'{0}' is not a target: did you mean {0}/{1}?", base::Printable(manufacturer),
+                      base::Printable(serial_number))};
+}
+
 // What no robot can satisfy is refused, what is doubtful said.
 Status CheckConditions(std::span<const vda5050::Condition> conditions, Log& log) {
   for (const vda5050::Condition& condition : conditions) {
@@ -205,8 +221,9 @@ Result<RobotAddress> ResolveRobot(const std::string& word, const config::Config&
 Result<TargetSpec> ParseTargetSpec(const std::vector<std::string>& words,
                                    const config::Config& config, Log& log) {
   WordReader reader(config, log);
-  for (const std::string& word : words) {
-    if (auto ok = reader.Take(word); !ok) return Fail(std::move(ok.error()));
+  for (std::size_t i = 0; i < words.size(); ++i) {
+    if (IsCutName(words, i, config)) return Fail(CutName(words[i], words[i + 1]));
+    if (auto ok = reader.Take(words[i]); !ok) return Fail(std::move(ok.error()));
   }
   return reader.Take();
 }
@@ -231,7 +248,9 @@ Result<Targets> ResolveTargets(TargetRequest request, const config::Config& conf
   targets.except = *std::move(except);
 
   WordReader reader(config, log);
-  for (const std::string& word : request.words) {
+  for (std::size_t i = 0; i < request.words.size(); ++i) {
+    const std::string& word = request.words[i];
+    if (IsCutName(request.words, i, config)) return Fail(CutName(word, request.words[i + 1]));
     if (auto ok = word == "-" ? reader.TakeStandardInput(request.patterns) : reader.Take(word);
         !ok) {
       return Fail(std::move(ok.error()));

@@ -6,6 +6,7 @@
 #include "cli/environment.h"
 #include "cli/output/sending_observer.h"
 #include "cli/parser/option_set.h"
+#include "vda5050/catalogue/catalogue.h"
 
 namespace fleetpub::cli {
 
@@ -31,6 +32,22 @@ Result<ExitCode> SendToRobots(const app::CommandRequest& request, const app::Sen
   return observer.Conclude();
 }
 
+namespace {
+
+// Two robots that are told the same position collide, or believe to have.
+Status CheckOneSpot(const InstantSendingOptions& options, std::string_view type,
+                    const app::Targets& targets) {
+  const bool is_position = vda5050::ActionCalled(type) == vda5050::ActionCalled("initPosition");
+  const bool may_be_many =
+      targets.AreFound() ? targets.expect.value_or(2) > 1 : targets.include.robots.size() > 1;
+  if (!is_position || !may_be_many || options.force || options.sending.dry_run) return {};
+  return Fail(ErrorKind::kUsage,
+              "nothing was sent: several robots cannot be at one position: name one robot, or say "
+              "initPosition --force");
+}
+
+}  // namespace
+
 Result<ExitCode> SendInstantAction(const InstantSendingOptions& options, std::string_view type,
                                    std::vector<vda5050::Parameter> parameters,
                                    const Context& context) {
@@ -43,6 +60,7 @@ Result<ExitCode> SendInstantAction(const InstantSendingOptions& options, std::st
   if (!target_request) return Fail(std::move(target_request.error()));
   auto targets = app::ResolveTargets(*std::move(target_request), context.config, context.output);
   if (!targets) return Fail(std::move(targets.error()));
+  if (auto ok = CheckOneSpot(options, type, *targets); !ok) return Fail(std::move(ok.error()));
   auto resolver = app::DialectResolver::Make(options.instant.vda, context.config);
   if (!resolver) return Fail(std::move(resolver.error()));
   const auto action = BuildInstantAction(options.instant, type, std::move(parameters),

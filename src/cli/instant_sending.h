@@ -26,6 +26,7 @@ struct InstantSendingOptions {
   SendingOptions sending;
   WaitingOptions waiting;
   bool if_any = false;  ///< of cancelOrder: nothing to cancel is no trouble
+  bool force = false;   ///< of initializePosition: several robots may be at one spot
 };
 
 void DeclareInstantSendingOptions(OptionSet& set, InstantSendingOptions& options);

@@ -16,8 +16,10 @@
 
 #include "base/text.h"
 #include "cli/commands/version.h"
+#include "cli/output/pager.h"
 #include "cli/parser/command_line.h"
 #include "cli/parser/help.h"
+#include "cli/parser/help_json.h"
 #include "cli/parser/shell_completion.h"
 
 namespace fleetpub::cli {
@@ -72,18 +74,30 @@ bool IsMeantAsHost(const std::vector<std::string>& arguments) {
          !(help + 1)->starts_with('-');
 }
 
-ExitCode PrintHelp(const OptionSet& set, const SubcommandMatch& match,
+ExitCode PrintHelp(OptionSet::Asked asked, const CommandLine& call,
                    const std::vector<std::string>& arguments) {
   if (IsMeantAsHost(arguments)) {
     return EndBefore({ErrorKind::kUsage,
                       "-h asks for help and takes no word behind it: the broker's host is --host"},
                      arguments, {});
   }
-  return PrintText(match.name.empty() ? GeneralHelp(set) : CommandHelp(set, match));
+  const SubcommandMatch& match = call.match;
+  if (asked == OptionSet::Asked::kHelp && FindFormat(arguments, {}) == Format::kJson) {
+    Output output({.format = Format::kJson});
+    output.Line(HelpJson(call));
+    return Finish(ExitCode::kDone, output);
+  }
+  if (match.family != nullptr) return PrintText(FamilyHelp(*match.family));
+  if (asked == OptionSet::Asked::kBriefHelp) {
+    return PrintText(match.name.empty() ? EverydayHelp() : BriefHelp(call.set(), match));
+  }
+  const std::string text =
+      match.name.empty() ? GeneralHelp(call.set()) : CommandHelp(call.set(), match);
+  return ShowInPager(text) ? ExitCode::kDone : PrintText(text);
 }
 
 ExitCode NoCommand() {
-  Print(stderr, ShortHelp());
+  Print(stderr, EverydayHelp());
   return ExitCode::kUsage;
 }
 
@@ -95,8 +109,8 @@ ExitCode RunMain(const std::vector<std::string>& arguments, const BuildInfo& bui
     const auto asked = call->Read(OptionSet::Extent::kAll, arguments);
     if (!asked) return EndBefore(asked.error(), arguments, call->options);
     if (*asked == OptionSet::Asked::kVersion) return PrintText(VersionText(build) + "\n");
-    if (*asked == OptionSet::Asked::kHelp) {
-      return PrintHelp(call->set(), call->match, arguments);
+    if (*asked != OptionSet::Asked::kRun || call->match.family != nullptr) {
+      return PrintHelp(*asked, *call, arguments);
     }
     if (!call->run) return NoCommand();
   }
@@ -106,7 +120,8 @@ ExitCode RunMain(const std::vector<std::string>& arguments, const BuildInfo& bui
   const GlobalOptions& options = call->options;
   Output output({.format = options.format == "json" ? Format::kJson : Format::kText,
                  .quiet = options.quiet,
-                 .verbose = options.verbose || options.debug});
+                 .verbose = options.verbose || !options.debug.empty(),
+                 .color = options.color});
   return Finish(call->run(Context{options, output, call->config}), output);
 }
 

@@ -47,7 +47,7 @@ Status ChooseProfile(const std::optional<std::string>& asked, Config& config) {
   return Fail(ErrorKind::kUsage, std::move(message));
 }
 
-Status CollectAliases(Config& config) {
+void CollectAliases(Config& config, Mistakes& mistakes) {
   for (const auto& [robot, table] : config.robots) {
     const auto alias = table.settings.find("alias");
     if (alias == table.settings.end()) continue;
@@ -55,11 +55,10 @@ Status CollectAliases(Config& config) {
     const auto [known, is_new] = config.aliases.emplace(name, robot);
     if (is_new) continue;
     const auto& other = config.robots.at(known->second).settings.find("alias")->second;
-    return Fail(ErrorAt(alias->second.place,
-                        fmt::format("alias '{}' already names {} ({})", base::Printable(name),
-                                    known->second.ToString(), other.place.ToString())));
+    mistakes.push_back(ErrorAt(
+        alias->second.place, fmt::format("alias '{}' already names {} ({})", base::Printable(name),
+                                         known->second.ToString(), other.place.ToString())));
   }
-  return {};
 }
 
 Result<RobotAddress> ResolveMember(const ConfigValue& member, const Config& config) {
@@ -81,18 +80,20 @@ Result<RobotAddress> ResolveMember(const ConfigValue& member, const Config& conf
   return robot;
 }
 
-Status ResolveGroups(Config& config) {
+void ResolveGroups(Config& config, Mistakes& mistakes) {
   for (const auto& [name, group] : config.groups) {
     std::vector<RobotAddress>& robots = config.group_robots[name];
     for (const ConfigValue& member : group.members) {
       auto robot = ResolveMember(member, config);
-      if (!robot) return Fail(std::move(robot.error()));
+      if (!robot) {
+        mistakes.push_back(std::move(robot.error()));
+        continue;
+      }
       if (std::find(robots.begin(), robots.end(), *robot) == robots.end()) {
         robots.push_back(*std::move(robot));
       }
     }
   }
-  return {};
 }
 
 const ConfigValue* FindIn(const ConfigSection& section, std::string_view key) {
@@ -130,10 +131,17 @@ const ConfigValue* Config::Find(const RobotAddress& robot, std::string_view key)
   return Find(key);
 }
 
+void Resolve(const std::optional<std::string>& asked, Config& config, Mistakes& mistakes) {
+  if (auto ok = ChooseProfile(asked, config); !ok) mistakes.push_back(std::move(ok.error()));
+  CollectAliases(config, mistakes);
+  ResolveGroups(config, mistakes);
+}
+
 Status Resolve(const std::optional<std::string>& asked, Config& config) {
-  if (auto ok = ChooseProfile(asked, config); !ok) return ok;
-  if (auto ok = CollectAliases(config); !ok) return ok;
-  return ResolveGroups(config);
+  Mistakes mistakes;
+  Resolve(asked, config, mistakes);
+  if (mistakes.empty()) return {};
+  return Fail(std::move(mistakes.front()));
 }
 
 }  // namespace fleetpub::config

@@ -69,6 +69,9 @@ struct Config {
                                         std::string_view key) const;
 };
 
+/// All that is wrong, each with its place.
+using Mistakes = std::vector<Error>;
+
 /// Lays one file's text over what was read before. Errors: ErrorKind::kUsage with the place.
 [[nodiscard]] Status ReadConfig(std::string_view text, const std::string& file, Config& config);
 
@@ -76,5 +79,9 @@ struct Config {
 /// and resolves aliases and groups. Errors: ErrorKind::kUsage: an unknown profile, an alias of two
 /// robots, a group's unknown member.
 [[nodiscard]] Status Resolve(const std::optional<std::string>& asked, Config& config);
+
+/// The same, going on behind a mistake.
+void ReadConfig(std::string_view text, const std::string& file, Config& config, Mistakes& mistakes);
+void Resolve(const std::optional<std::string>& asked, Config& config, Mistakes& mistakes);
 
 }  // namespace fleetpub::config

@@ -155,15 +155,32 @@ Result<Config> LoadConfigFiles(std::span<const fs::path> files, Missing missing,
   return config;
 }
 
-Result<Config> LoadConfig(const std::optional<std::string>& file,
-                          const std::optional<std::string>& profile) {
-  if (file) {
-    const std::array<fs::path, 1> one = {*file};
-    return LoadConfigFiles(one, Missing::kIsAnError, profile);
-  }
+std::vector<fs::path> ListConfigFiles(const std::optional<std::string>& file) {
+  if (file) return {*file};
   std::vector<fs::path> files = {kHostConfigFile};
   if (fs::path user = UserConfigFile(); !user.empty()) files.push_back(std::move(user));
-  return LoadConfigFiles(files, Missing::kIsAllowed, profile);
+  return files;
+}
+
+Mistakes CheckConfig(const std::optional<std::string>& file,
+                     const std::optional<std::string>& profile, Config& config) {
+  Mistakes mistakes;
+  for (const fs::path& each : ListConfigFiles(file)) {
+    auto text = ReadText(each.string(), file ? Missing::kIsAnError : Missing::kIsAllowed);
+    if (!text) {
+      mistakes.push_back(std::move(text.error()));
+    } else if (*text) {
+      ReadConfig(**text, each.string(), config, mistakes);
+    }
+  }
+  Resolve(profile, config, mistakes);
+  return mistakes;
+}
+
+Result<Config> LoadConfig(const std::optional<std::string>& file,
+                          const std::optional<std::string>& profile) {
+  return LoadConfigFiles(ListConfigFiles(file), file ? Missing::kIsAnError : Missing::kIsAllowed,
+                         profile);
 }
 
 }  // namespace fleetpub::config

@@ -30,6 +30,15 @@ enum class Missing { kIsAllowed, kIsAnError };
                                              Missing missing,
                                              const std::optional<std::string>& profile);
 
+/// The `file` (of --config), else the host's and the user's, in the order in which they are read.
+[[nodiscard]] std::vector<std::filesystem::path> ListConfigFiles(
+    const std::optional<std::string>& file);
+
+/// All that is wrong in those files, instead of what stops the reading first. `config` has what is
+/// right.
+[[nodiscard]] Mistakes CheckConfig(const std::optional<std::string>& file,
+                                   const std::optional<std::string>& profile, Config& config);
+
 /// The `file` (of --config), else the host's and the user's, which need not be there.
 [[nodiscard]] Result<Config> LoadConfig(const std::optional<std::string>& file,
                                         const std::optional<std::string>& profile);

@@ -81,32 +81,35 @@ bool IsSecret(std::string_view key) {
 
 class Reader {
  public:
-  Reader(const std::string& file, Config& config) : file_(file), config_(config) {}
+  Reader(const std::string& file, Config& config, Mistakes& mistakes)
+      : file_(file), config_(config), mistakes_(mistakes) {}
 
-  Status Read(const TomlValue& document) {
+  void Read(const TomlValue& document) {
     ConfigSection own;
     for (const TomlMember& member : document.members) {
-      Status ok;
       if (member.name == "profile") {
-        ok = EachTable(member, [&](const TomlMember& m) { return ReadProfile(m); });
+        EachTable(member, [&](const TomlMember& m) { ReadProfile(m); });
       } else if (member.name == "robot") {
-        ok = EachTable(member, [&](const TomlMember& m) { return ReadRobot(m); });
+        EachTable(member, [&](const TomlMember& m) { ReadRobot(m); });
       } else if (member.name == "group") {
-        ok = ReadGroups(member);
+        ReadGroups(member);
       } else if (member.name == "default_profile") {
-        ok = ReadDefaultProfile(member);
+        Note(ReadDefaultProfile(member));
       } else {
-        ok = ReadSetting(member, Settings(),
-                         {kAllowInsecure, "default_profile", "profile", "robot", "group"}, "", own);
+        Note(ReadSetting(member, Settings(),
+                         {kAllowInsecure, "default_profile", "profile", "robot", "group"}, "",
+                         own));
       }
-      if (!ok) return ok;
     }
-    if (auto ok = CheckInsecure(own); !ok) return ok;
+    Note(CheckInsecure(own));
     Lay(std::move(own), config_.settings);
-    return {};
   }
 
  private:
+  void Note(Status status) {
+    if (!status) mistakes_.push_back(std::move(status.error()));
+  }
+
   [[nodiscard]] ConfigPlace At(TomlPlace place) const { return {file_, place.line, place.column}; }
 
   // A later file's keys go before an earlier one's.
@@ -116,20 +119,21 @@ class Reader {
   }
 
   template <typename Function>
-  Status EachTable(const TomlMember& tables, const Function& read) {
+  void EachTable(const TomlMember& tables, const Function& read) {
     if (tables.value.type != Type::kTable) {
-      return Fail(ErrorAt(At(tables.place),
-                          fmt::format("{0} holds tables: write [{0}.NAME]", tables.name)));
+      mistakes_.push_back(ErrorAt(At(tables.place),
+                                  fmt::format("{0} holds tables: write [{0}.NAME]", tables.name)));
+      return;
     }
     for (const TomlMember& member : tables.value.members) {
-      if (member.value.type != Type::kTable) {
-        return Fail(
-            ErrorAt(At(member.place), fmt::format("{0}.{1} is a table: write [{0}.{1}]",
-                                                  tables.name, base::Printable(member.name))));
+      if (member.value.type == Type::kTable) {
+        read(member);
+        continue;
       }
-      if (auto ok = read(member); !ok) return ok;
+      mistakes_.push_back(
+          ErrorAt(At(member.place), fmt::format("{0}.{1} is a table: write [{0}.{1}]", tables.name,
+                                                base::Printable(member.name))));
     }
-    return {};
   }
 
   Status ReadSetting(const TomlMember& member, std::span<const Setting> known,
@@ -219,79 +223,97 @@ class Reader {
     return {};
   }
 
-  Status ReadProfile(const TomlMember& table) {
+  void ReadProfile(const TomlMember& table) {
     if (table.name.empty() || base::Printable(table.name) != table.name) {
-      return Fail(ErrorAt(At(table.place),
-                          "a profile's name is not empty and has no control "
-                          "character"));
+      mistakes_.push_back(
+          ErrorAt(At(table.place), "a profile's name is not empty and has no control character"));
+      return;
     }
     ConfigSection own;
     for (const TomlMember& member : table.value.members) {
-      auto ok = ReadSetting(member, Settings(), {kAllowInsecure}, table.name, own);
-      if (!ok) return ok;
+      Note(ReadSetting(member, Settings(), {kAllowInsecure}, table.name, own));
     }
-    if (auto ok = CheckInsecure(own); !ok) return ok;
+    Note(CheckInsecure(own));
     Lay(std::move(own), config_.profiles[table.name]);
-    return {};
   }
 
-  Status ReadRobot(const TomlMember& table) {
+  void ReadRobot(const TomlMember& table) {
     auto address = vda5050::ParseRobotAddress(table.name);
     if (!address) {
-      return Fail(ErrorAt(
+      mistakes_.push_back(ErrorAt(
           At(table.place),
           fmt::format("{}: write [robot.\"manufacturer/serialNumber\"]", address.error().message)));
+      return;
     }
     ConfigSection own;
     for (const TomlMember& member : table.value.members) {
-      if (auto ok = ReadSetting(member, RobotSettings(), {}, "", own); !ok) return ok;
+      Note(ReadSetting(member, RobotSettings(), {}, "", own));
     }
     ConfiguredRobot& robot = config_.robots[*address];
     robot.place = At(table.place);
     Lay(std::move(own), robot.settings);
-    return {};
   }
 
-  Status ReadGroups(const TomlMember& table) {
+  void ReadGroups(const TomlMember& table) {
     if (table.value.type != Type::kTable) {
-      return Fail(ErrorAt(At(table.place),
-                          "group is a table: write [group], and below it NAME = "
-                          "[\"KIT/0001\", \"alias\"]"));
+      mistakes_.push_back(ErrorAt(At(table.place),
+                                  "group is a table: write [group], and below it NAME = "
+                                  "[\"KIT/0001\", \"alias\"]"));
+      return;
     }
-    for (const TomlMember& member : table.value.members) {
-      if (auto ok = CheckTargetName(member.name); !ok) {
-        return Fail(ErrorAt(At(member.place), ok.error().message));
-      }
-      if (member.value.type != Type::kArray || !HasType(SettingType::kTexts, member.value)) {
-        return Fail(ErrorAt(At(member.place),
-                            fmt::format("group {} takes a list of robots, at least one: [\"KIT/"
-                                        "0001\", \"alias\"]",
-                                        member.name)));
-      }
-      ConfiguredGroup group{At(member.place), {}};
-      for (const TomlValue& item : member.value.items) {
-        group.members.push_back({{item.text}, At(item.place), {}});
-      }
-      config_.groups.insert_or_assign(member.name, std::move(group));
+    for (const TomlMember& member : table.value.members) Note(ReadGroup(member));
+  }
+
+  Status ReadGroup(const TomlMember& member) {
+    if (auto ok = CheckTargetName(member.name); !ok) {
+      return Fail(ErrorAt(At(member.place), ok.error().message));
     }
+    if (member.value.type != Type::kArray || !HasType(SettingType::kTexts, member.value)) {
+      return Fail(ErrorAt(At(member.place),
+                          fmt::format("group {} takes a list of robots, at least one: [\"KIT/"
+                                      "0001\", \"alias\"]",
+                                      member.name)));
+    }
+    ConfiguredGroup group{At(member.place), {}};
+    for (const TomlValue& item : member.value.items) {
+      group.members.push_back({{item.text}, At(item.place), {}});
+    }
+    config_.groups.insert_or_assign(member.name, std::move(group));
     return {};
   }
 
   const std::string& file_;
   Config& config_;
+  Mistakes& mistakes_;
 };
 
 }  // namespace
 
-Status ReadConfig(std::string_view text, const std::string& file, Config& config) {
+void ReadConfig(std::string_view text, const std::string& file, Config& config,
+                Mistakes& mistakes) {
   const auto document = ParseToml(text);
   if (!document) {
-    return Fail(ErrorKind::kUsage,
-                fmt::format("{}:{}", base::Printable(file), document.error().message),
-                document.error().detail);
+    mistakes.push_back({ErrorKind::kUsage,
+                        fmt::format("{}:{}", base::Printable(file), document.error().message),
+                        document.error().detail});
+    return;
   }
   config.files.push_back(file);
-  return Reader(file, config).Read(*document);
+  const std::size_t before = mistakes.size();
+  Reader(file, config, mistakes).Read(*document);
+  // As they stand in the file, not by name.
+  const auto line = [&](const Error& error) {
+    return std::atoi(error.message.c_str() + base::Printable(file).size() + 1);
+  };
+  std::stable_sort(mistakes.begin() + static_cast<std::ptrdiff_t>(before), mistakes.end(),
+                   [&](const Error& a, const Error& b) { return line(a) < line(b); });
+}
+
+Status ReadConfig(std::string_view text, const std::string& file, Config& config) {
+  Mistakes mistakes;
+  ReadConfig(text, file, config, mistakes);
+  if (mistakes.empty()) return {};
+  return Fail(std::move(mistakes.front()));
 }
 
 }  // namespace fleetpub::config

@@ -81,6 +81,7 @@ struct ConnectOptions {
   std::string client_id;  ///< empty: a random one
   std::string username;   ///< empty: none, or the one in the URL
   std::optional<std::string> password;
+  std::string login;  ///< what a refusal says of both, never a secret; may be empty
   std::chrono::seconds keep_alive{60};
   ProtocolVersion version = ProtocolVersion::k311;
   PublishProperties properties;
@@ -94,6 +95,7 @@ struct ConnectOptions {
   std::optional<Will> will;
   /// Receives a line for each protocol step, without secrets. May be empty.
   std::function<void(std::string_view)> trace;
+  bool trace_payloads = false;  ///< of messages, beside their topics
 };
 
 /// What the broker said to one QoS 1 or 2 message.

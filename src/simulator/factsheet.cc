@@ -46,7 +46,7 @@ std::string_view GetDataType(ParameterType type) {
   switch (type) {
     case ParameterType::kString:
       return "STRING";
-    case ParameterType::kFloat64:
+    case ParameterType::kLength:
     case ParameterType::kAngle:
       return "NUMBER";
     case ParameterType::kStringArray:

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <optional>
 
+#include "base/decimal.h"
 #include "base/json.h"
 #include "base/text.h"
 #include "base/time.h"
@@ -32,9 +33,12 @@ std::string Folded(std::string_view word) {
 tl::unexpected<Error> Wrong(const Field& field, std::string_view wanted, std::string_view found) {
   constexpr std::size_t kShown = 60;
   const std::string_view start = found.substr(0, kShown);
+  const auto right =
+      field.type == FieldType::kNumber ? base::WithDecimalPoint(start) : std::nullopt;
   return Fail(ErrorKind::kInvalid,
-              fmt::format("{} must be {}, not '{}{}'", field.name, wanted, base::Printable(start),
-                          start.size() < found.size() ? "..." : ""));
+              fmt::format("{} must be {}, not '{}{}'{}", field.name, wanted, base::Printable(start),
+                          start.size() < found.size() ? "..." : "",
+                          right ? fmt::format("; write {}", *right) : ""));
 }
 
 template <typename Number>

@@ -93,7 +93,10 @@ TEST_F(Completion, KnowsCommandsOptionsAndTheirValues) {
   EXPECT_THAT(Candidates({"pause", "--output=j"}), ElementsAre("--output=json"));
   EXPECT_THAT(Candidates({"pause", "-o", "j"}), ElementsAre("json"));
   EXPECT_THAT(Candidates({"pause", "--cafile", ""}), ElementsAre(":files"));
-  EXPECT_THAT(Candidates({"initPosition", "KIT/1", "--map"}), ElementsAre("--mapId", "--map-id"));
+  EXPECT_THAT(Candidates({"initPosition", "KIT/1", "--map"}), ElementsAre("--mapId"));
+  EXPECT_THAT(Candidates({"initPosition", "KIT/1", "--map-"}), ElementsAre("--map-id"));
+  EXPECT_THAT(Candidates({"initPosition", "KIT/1", "--map-id", "m", "--map"}), ElementsAre());
+  EXPECT_THAT(Candidates({"p"}), ElementsAre("pause", "ping", "publish"));
   EXPECT_THAT(Candidates({"action", "initPosition", "KIT/1", "-P", "last"}),
               ElementsAre("lastNodeId="));
   EXPECT_THAT(Candidates({"schema", "show", "soar"}), ElementsAre("soar/1.0/messages"));

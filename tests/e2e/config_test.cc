@@ -17,6 +17,7 @@ using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::Not;
 using ::testing::SizeIs;
+using ::testing::StartsWith;
 using ::testing::UnorderedElementsAre;
 
 class Configuration : public ::testing::Test {
@@ -461,6 +462,73 @@ TEST_F(Configuration, ThePasswordIsNotInWhatOtherUsersSeeOfTheProcess) {
     text << std::ifstream(process + name).rdbuf();
     EXPECT_THAT(text.str(), Not(HasSubstr("hunter2"))) << name;
   }
+}
+
+// ── config check, path, profiles ──
+
+TEST_F(Configuration, CheckTellsAllMistakesAtOnceInTheirOrder) {
+  const std::string file = Write(
+                               "qos = 7\n"
+                               "[robot.\"KIT/0001\"]\nalias = \"a b\"\nvda = \"9\"\n"
+                               "[profile.north]\nbrocker = \"mqtt://x\"\ninsecure = true\n"
+                               "[group]\nhall = [\"nobody\", \"KIT/+\"]\n")
+                               .string();
+  const Finished run = Fleetpub({"config", "check"});
+  EXPECT_EQ(run.exit_code, 2);
+  std::vector<std::string> places;
+  for (const std::string& line : Lines(run.output)) {
+    ASSERT_THAT(line, StartsWith(file + ":"));
+    places.push_back(line.substr(file.size() + 1, 1));
+  }
+  EXPECT_THAT(places, ElementsAre("1", "3", "4", "6", "7", "9", "9"));
+  const Finished json = Fleetpub({"config", "check", "-o", "json"});
+  EXPECT_EQ(json.exit_code, 2);
+  EXPECT_EQ(Lines(json.output).size(), 7U);
+  EXPECT_THAT(Json(Lines(json.output)[0])["message"].GetString(), HasSubstr("qos"));
+}
+
+TEST_F(Configuration, CheckIsContentWithWhatIsRight) {
+  EXPECT_EQ(Fleetpub({"config", "check"}).exit_code, 0);
+  const std::string file = Write("qos = 1\n").string();
+  const Finished run = Fleetpub({"config", "check"});
+  EXPECT_EQ(run.exit_code, 0);
+  EXPECT_THAT(run.output, HasSubstr(file));
+  EXPECT_EQ(Fleetpub({"config", "check", "--config", "/no/such/file"}).exit_code, 2);
+  EXPECT_EQ(Fleetpub({"config", "check", "--profile", "nowhere"}).exit_code, 2);
+  Write("qos = \n");
+  EXPECT_EQ(Fleetpub({"config", "check"}).exit_code, 2);
+}
+
+TEST_F(Configuration, PathNamesTheFilesThatAreRead) {
+  const Finished before = Fleetpub({"config", "path"});
+  EXPECT_EQ(before.exit_code, 0);
+  EXPECT_THAT(Lines(before.output).back(), HasSubstr("(not there)"));
+  const std::string file = Write("this is wrong").string();
+  const Finished run = Fleetpub({"config", "path", "-o", "json"});
+  EXPECT_EQ(run.exit_code, 0);
+  const auto lines = Lines(run.output);
+  ASSERT_EQ(lines.size(), 2U);
+  EXPECT_STREQ(Json(lines[0])["file"].GetString(), "/etc/fleetpub/config.toml");
+  EXPECT_EQ(Json(lines[1])["file"].GetString(), file);
+  EXPECT_TRUE(Json(lines[1])["exists"].GetBool());
+  EXPECT_EQ(Fleetpub({"config", "path", "--config", "mine.toml"}).output,
+            "mine.toml  (not there)\n");
+}
+
+TEST_F(Configuration, ProfilesAreListedWithTheirBrokers) {
+  EXPECT_EQ(Fleetpub({"config", "profiles", "-o", "json"}).output, "");
+  Write(
+      "broker = \"mqtt://general\"\ndefault_profile = \"north\"\n"
+      "[profile.north]\nbroker = [\"mqtt://n1\", \"mqtt://n2\"]\n[profile.south]\nqos = 1\n");
+  const auto lines = Lines(Fleetpub({"config", "profiles", "-o", "json"}).output);
+  ASSERT_EQ(lines.size(), 2U);
+  EXPECT_STREQ(Json(lines[0])["profile"].GetString(), "north");
+  EXPECT_EQ(Json(lines[0])["brokers"].Size(), 2U);
+  EXPECT_TRUE(Json(lines[0])["default"].GetBool());
+  EXPECT_STREQ(Json(lines[1])["brokers"][0].GetString(), "mqtt://general");
+  EXPECT_FALSE(Json(lines[1])["default"].GetBool());
+  EXPECT_THAT(Fleetpub({"config", "profiles"}).output,
+              HasSubstr("north  mqtt://n1, mqtt://n2  (default)"));
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include "support/broken_broker.h"
 #include "support/free_port.h"
 #include "support/operator.h"
+#include "support/terminal.h"
 
 namespace fleetpub::testing {
 namespace {
@@ -32,15 +33,42 @@ class Refusals : public EndToEnd {
   }
 };
 
+TEST_F(Refusals, SendOnePositionToSeveralOnlyByForce) {
+  const Subscriber subscriber(broker_);
+  const auto position = [&](std::vector<std::string> words) {
+    words.insert(words.end(), {"--x", "1m", "--y", "0", "--theta", "90deg", "--mapId", "hall-1",
+                               "--lastNodeId", "n1", "--vda", "3", "--no-check"});
+    return Fleetpub(words);
+  };
+  for (const std::vector<std::string>& words :
+       std::vector<std::vector<std::string>>{{"initPosition", "KIT/0001", "KIT/0002"},
+                                             {"initializePosition", "KIT/*", "--yes"},
+                                             {"initPosition", "--all", "--yes", "--expect", "2"}}) {
+    const Finished run = position(words);
+    EXPECT_EQ(run.exit_code, 2);
+    EXPECT_THAT(run.errors, HasSubstr("--force"));
+  }
+  EXPECT_THAT(subscriber.SoFar(), IsEmpty());
+  EXPECT_EQ(position({"initPosition", "KIT/0001"}).exit_code, 0);
+  EXPECT_EQ(position({"initPosition", "KIT/0001", "KIT/0002", "--force"}).exit_code, 0);
+  EXPECT_EQ(subscriber.Await(3).size(), 3U);
+}
+
 TEST_F(Refusals, NameWhatIsWrongAndSendNothing) {
   const Subscriber subscriber(broker_);
   const std::vector<Case> cases = {
-      {{}, 2, "Usage: fleetpub COMMAND"},
+      {{}, 2, "fleetpub COMMAND -h"},
       {{"puase", "KIT/0001"}, 2, "did you mean pause?"},
       {{"pause"}, 2, "name at least one robot"},
       {{"pause", "KIT"}, 2, "manufacturer/serialNumber"},
       {{"pause", "KIT/+"}, 2, "wildcards"},
       {{"pause", "KIT/"}, 2, "it is empty"},
+      {{"pause", "KIT", "0001"}, 2, "did you mean KIT/0001?"},
+      {{"fleet", "KIT", "0001"}, 2, "did you mean KIT/0001?"},
+      {{"pause", "KIT/0001", "--rate", "0,5"}, 2, "write 0.5"},
+      {{"pause", "KIT/0001", "-W", "1,5s", "--wait"}, 2, "write 1.5s"},
+      {{"pause", "KIT/0001", "--debug=all"}, 2, "=full"},
+      {{"pause", "KIT/0001", "--color", "red"}, 2, "auto, always or never"},
       {{"pause", "KIT/$x"}, 2, "reserved"},
       {{"pause", "KIT/a\nb"}, 2, "control character"},
       {{"pause", "KIT/0001", "--vda", "4"}, 2, "1.1.0, 2.0.0, 2.1.0 or 3.0.0"},
@@ -61,15 +89,15 @@ TEST_F(Refusals, NameWhatIsWrongAndSendNothing) {
       {{"pick", "KIT/0001"}, 3, "never an instant action"},
       {{"action", "drop", "KIT/0001"}, 3, "never an instant action"},
       {{"downloadMap", "KIT/0001", "--vda", "2.0"}, 3, "it is one in 2.1.0, 3.0.0"},
-      {{"initPosition", "KIT/0001", "--x", "nan"}, 3, "x must be a finite number"},
-      {{"initPosition", "KIT/0001", "--x", "1e999"}, 3, "x must be a finite number"},
-      {{"initPosition", "KIT/0001", "--theta", "3.2"}, 3, "between -π and π"},
+      {{"initPosition", "KIT/0001", "--x", "nan"}, 2, "x must be a finite number"},
+      {{"initPosition", "KIT/0001", "--x", "1e999"}, 2, "x must be a finite number"},
+      {{"initPosition", "KIT/0001", "--theta", "3.2"}, 2, "between -π and π"},
       {{"initPosition", "KIT/0001", "--x", "1"}, 3, "needs the parameters y, theta, mapId"},
       {{"pause", "KIT/0001", "--vda", "3", "--blocking-type", "HARD"}, 3, "must be NONE"},
-      {{"pause", "KIT/0001", "--id", ""}, 3, "actionId must not be empty"},
-      {{"action", "beep", "KIT/0001", "-P", "a:={"}, 3, "takes JSON"},
+      {{"pause", "KIT/0001", "--id", ""}, 2, "must not be empty"},
+      {{"action", "beep", "KIT/0001", "-P", "a:={"}, 2, "takes JSON"},
       {{"action", "beep", "KIT/0001", "-P", "a:=null"}, 3, "must be"},
-      {{"action", "beep", "KIT/0001", "-P", "a=\xFF"}, 3, "UTF-8"},
+      {{"action", "beep", "KIT/0001", "-P", "a=\xFF"}, 2, "UTF-8"},
       {{"action", "beep", "KIT/0001", "-P", "a=@/nowhere"}, 8, "/nowhere"},
   };
   for (const auto& [arguments, exit_code, sentence] : cases) {
@@ -106,6 +134,64 @@ TEST_F(Refusals, ARefusedConnectionIsExit4) {
   EXPECT_EQ(json.exit_code, 4);
   ASSERT_EQ(Lines(json.output).size(), 2U);
   EXPECT_STREQ(Json(Lines(json.output)[1])["status"].GetString(), "ERROR");
+}
+
+TEST(Login, ThatFailsSaysWhatWasTriedButNoPassword) {
+  const Mosquitto broker({"allow_anonymous false", "password_file {}/users"},
+                         {{"users", PasswordFile("ann", "s3cret word")}});
+  Operator someone;
+  someone.UseBroker(broker.Url());
+  const auto file = someone.home().Write("pw", "wr0ng\n");
+  const auto pause = [&](std::vector<std::string> more) {
+    more.insert(more.begin(), {"pause", "KIT/0001"});
+    const Finished run = someone.Fleetpub(more);
+    EXPECT_EQ(run.exit_code, 4);
+    EXPECT_THAT(run.errors, Not(HasSubstr("wr0ng")));
+    return run.errors;
+  };
+  EXPECT_THAT(pause({"-u", "bob", "--password-file", file.string()}),
+              HasSubstr("tried: user bob and the password of file " + file.string()));
+  EXPECT_THAT(pause({"-u", "bob"}), HasSubstr("tried: user bob and no password"));
+  EXPECT_THAT(pause({}), HasSubstr("tried: no user name and no password"));
+  Command command = someone.Prepare({"ping", "-u", "ann"});
+  command.environment.emplace_back("FLEETPUB_PASSWORD", "wr0ng");
+  EXPECT_THAT(testing::Run(std::move(command)).errors,
+              HasSubstr("tried: user ann and the password of FLEETPUB_PASSWORD"));
+}
+
+TEST(Login, AsksOnATerminalWhenOnlyTheUserIsNamed) {
+  const Mosquitto broker({"allow_anonymous false", "password_file {}/users"},
+                         {{"users", PasswordFile("ann", "s3cret word")}});
+  Operator someone;
+  someone.UseBroker(broker.Url());
+  Terminal terminal(ShellLine(someone.Prepare({"ping", "-u", "ann"})) + "; sleep 100", 100, 20);
+  ASSERT_TRUE(terminal.Await("Password:"));
+  terminal.Type("s3cret word");
+  terminal.Press("Enter");
+  EXPECT_TRUE(terminal.Await("reachable"));
+  EXPECT_THAT(terminal.Shown(), Not(HasSubstr("s3cret")));
+  Terminal none(
+      ShellLine(someone.Prepare({"ping", "-u", "ann", "--password-file", ""})) + "; sleep 100", 100,
+      20);
+  EXPECT_TRUE(none.Await("no password"));
+}
+
+TEST_F(Refusals, ShowTopicsAndMessagesWhenDebugged) {
+  const Finished topics = Send({"pause", "KIT/0001", "--debug"});
+  EXPECT_THAT(topics.errors, AllOf(HasSubstr("sent vda5050/v3/KIT/0001/instantActions, "),
+                                   Not(HasSubstr("actionType"))));
+  const Finished full = Send({"pause", "KIT/0001", "--debug=full"});
+  EXPECT_THAT(full.errors, HasSubstr(R"("actionType":"startPause")"));
+  const auto robot = Robot({"KIT/0001"});
+  EXPECT_THAT(Fleetpub({"fleet", "--debug"}).errors,
+              HasSubstr("received vda5050/v3/KIT/0001/connection, "));
+}
+
+TEST_F(Refusals, AreColouredOnlyWhereThatIsWanted) {
+  const std::string escape = "\x1b[";
+  EXPECT_THAT(Send({"pause", "KIT/0001"}).output, Not(HasSubstr(escape)));
+  EXPECT_THAT(Send({"pause", "KIT/0001", "--color", "always"}).output, HasSubstr(escape));
+  EXPECT_THAT(Send({"pause", "KIT/0001", "--color=never"}).output, Not(HasSubstr(escape)));
 }
 
 TEST(Login, IsRefusedWithExit4AndGrantedWithAPasswordFile) {

@@ -11,7 +11,7 @@ FUZZ(text) {
   if (text.find('@') != std::string_view::npos) return;  // would read that file
   if (const auto parameter = vda5050::ParseAssignment(text))
     fuzz::Require(base::ParseJson(parameter->json).has_value());
-  for (const auto type : {vda5050::ParameterType::kString, vda5050::ParameterType::kFloat64,
+  for (const auto type : {vda5050::ParameterType::kString, vda5050::ParameterType::kLength,
                           vda5050::ParameterType::kAngle, vda5050::ParameterType::kStringArray}) {
     const auto parameter = vda5050::ParseParameter({"x", type, true, ""}, text);
     if (parameter) fuzz::Require(base::ParseJson(parameter->json).has_value());

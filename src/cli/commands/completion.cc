@@ -39,7 +39,7 @@ _fleetpub() {
     COMPREPLY+=("$answer")
   done < <("${words[0]/#\~/$HOME}" __complete "${words[@]:1}" 2>/dev/null)
 }
-complete -F _fleetpub fleetpub
+complete -o nosort -F _fleetpub fleetpub 2>/dev/null || complete -F _fleetpub fleetpub
 )sh";
 
 constexpr std::string_view kZsh = R"sh(#compdef fleetpub

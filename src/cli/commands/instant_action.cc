@@ -7,6 +7,7 @@
 
 #include "base/text.h"
 #include "cli/instant_sending.h"
+#include "cli/parser/help.h"
 #include "cli/parser/option_set.h"
 #include "cli/parser/subcommand.h"
 #include "vda5050/catalogue/catalogue.h"
@@ -26,8 +27,8 @@ struct Options {
 
 const char* TypeName(vda5050::ParameterType type) {
   switch (type) {
-    case vda5050::ParameterType::kFloat64:
-      return "NUMBER";
+    case vda5050::ParameterType::kLength:
+      return "METRES";
     case vda5050::ParameterType::kAngle:
       return "RADIANS";
     case vda5050::ParameterType::kStringArray:
@@ -46,7 +47,7 @@ void DeclareParameter(OptionSet& set, const ParameterSpec& spec, Options& option
       set.AddOption(names, options.texts[spec.name],
                     fmt::format("{}{}", spec.meaning, spec.required ? "" : " (optional)"))
           .Type(TypeName(spec.type))
-          .Group("Parameters");
+          .Group(kParameters);
 }
 
 Result<ExitCode> RunInstantAction(const Options& options, const Context& context) {
@@ -81,6 +82,10 @@ Run DeclareInstantAction(OptionSet& set, std::string_view word) {
     set.AddFlag("--if-any", options->sending.if_any,
                 "With --wait: nothing to cancel is no failure (exit 0)")
         .Group("Waiting");
+  }
+  if (options->type == "initializePosition" || options->type == "initPosition") {
+    set.AddFlag("--force", options->sending.force, "Send one position to several robots")
+        .Group("Sending");
   }
   return [options](const Context& context) { return RunInstantAction(*options, context); };
 }

@@ -138,7 +138,7 @@ Result<ExitCode> RunRespond(const RespondOptions& options, const Context& contex
                 "GRANTED; fleetpub requests lists the requests");
   }
   if (!base::IsUtf8(options.request)) {
-    return Fail(ErrorKind::kInvalid, "the requestId is not valid UTF-8");
+    return Fail(ErrorKind::kUsage, "the requestId is not valid UTF-8");
   }
   const vda5050::RequestResponse response{.request_id = options.request,
                                           .grant_type = options.grant,

@@ -25,7 +25,7 @@ Result<soar::PlanFile> PlanFromOptions(const std::vector<std::string>& texts) {
   for (std::size_t i = 0; i < texts.size(); ++i) {
     auto item = soar::ParseItem(soar::WaypointFields(), texts[i]);
     if (!item) {
-      return Fail(item.error().kind, fmt::format("waypoint {}: {}", i + 1, item.error().message));
+      return Fail(ErrorKind::kUsage, fmt::format("waypoint {}: {}", i + 1, item.error().message));
     }
     plan.waypoints.push_back(*std::move(item));
   }
@@ -52,7 +52,7 @@ Result<ExitCode> RunMissionPlan(const Options& options, const Context& context) 
   if (!options.each.empty()) {
     const auto defaults =
         soar::ParseItem(soar::WaypointFields(), options.each, soar::Completeness::kPart);
-    if (!defaults) return Fail(defaults.error().kind, "--each: " + defaults.error().message);
+    if (!defaults) return Fail(ErrorKind::kUsage, "--each: " + defaults.error().message);
     soar::AddDefaults(*defaults, plan->waypoints);
   }
   auto members = options.fields.Members();

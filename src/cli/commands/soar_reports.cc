@@ -28,7 +28,7 @@ Status AddPoints(const std::vector<std::string>& texts, std::vector<soar::Member
   for (std::size_t i = 0; i < texts.size(); ++i) {
     auto point = soar::ParseItem(soar::PointFields(), texts[i]);
     if (!point) {
-      return Fail(point.error().kind, fmt::format("point {}: {}", i + 1, point.error().message));
+      return Fail(ErrorKind::kUsage, fmt::format("point {}: {}", i + 1, point.error().message));
     }
     points.push_back(*std::move(point));
   }

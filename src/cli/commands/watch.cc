@@ -175,7 +175,7 @@ std::unique_ptr<app::FleetDisplay> MakeDisplay(const Options& o, const mqtt::Bro
                                                const Fleet& fleet, app::AskHook ask,
                                                const Context& context) {
   // A trace on standard error would run over the screen.
-  if (context.output.json() || context.options.debug || !Screen::IsPossible()) {
+  if (context.output.json() || !context.options.debug.empty() || !Screen::IsPossible()) {
     EndQuietlyOnSignals();
     return std::make_unique<LineDisplay>(context.output);
   }

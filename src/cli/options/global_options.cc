@@ -21,11 +21,15 @@
 namespace fleetpub::cli {
 namespace {
 
+constexpr auto kDebug = std::to_array<std::string_view>({"topics", "full"});
+
 constexpr const char* kBrokerGroup = "Broker";
 constexpr const char* kTls = "TLS";
 constexpr const char* kOutput = "Output";
 constexpr const char* kFiles = "Files";
 constexpr const char* kConfig = "Configuration";
+
+constexpr auto kColors = std::to_array<std::string_view>({"auto", "always", "never"});
 
 // The key of a setting is its option's long name: `-i,--client-id` → client_id.
 std::string_view FindKey(std::string_view names) {
@@ -130,7 +134,13 @@ void DeclareOutput(OptionSet& set, GlobalOptions& o) {
   set.AddFlag("--quiet", o.quiet, "No result lines and no warnings; errors stay").Group(kOutput);
   set.AddFlag("-v,--verbose", o.verbose, "Tell what is done, and the details of errors")
       .Group(kOutput);
-  set.AddFlag("--debug", o.debug, "Show the MQTT conversation, never a secret").Group(kOutput);
+  set.AddFlag("--debug", OneOf(o.debug, kDebug), std::string(kDebug.front()),
+              "Show the MQTT conversation, never a password; --debug=full with the messages")
+      .Group(kOutput);
+  set.AddOption("--color", OneOf(o.color, kColors),
+                "{}; auto: on a terminal without NO_COLOR [auto]")
+      .Type("WHEN")
+      .Group(kOutput);
 }
 
 void DeclareFiles(OptionSet& set, GlobalOptions& o) {
@@ -179,6 +189,8 @@ void PreferFlags(const OptionSet& set, GlobalOptions& o) {
   }
   o.is_broker_by_flag = by_url;
   o.is_host_by_flag = by_host;
+  o.is_login_open = set.IsByFlag("--username") && !set.Find("--password-file").IsGiven() &&
+                    !set.Find("--cert").IsGiven();
 }
 
 // Everybody on the machine can read the arguments of a process.
@@ -347,17 +359,24 @@ Result<mqtt::ConnectOptions> MakeConnectOptions(const Context& context) {
   connect.brokers = std::move(*brokers);
   connect.client_id = o.client_id;
   connect.username = o.username;
-  connect.password = std::move(*password);
+  connect.password = std::move(password->text);
+  connect.login = fmt::format(
+      "{} and {}", o.username.empty() ? "no user name" : "user " + base::Printable(o.username),
+      base::Printable(password->source));
   connect.keep_alive = std::chrono::seconds(o.keep_alive);
   connect.version = o.mqtt_version;
   connect.properties = std::move(*properties);
   connect.connect_timeout = o.connect_timeout;
   connect.tls = std::move(*tls);
   connect.proxy = o.proxy;
+  if (o.username.empty() && !connect.brokers.front().username.empty()) {
+    connect.login.clear();  // each URL has its own
+  }
   if (connect.password && connect.username.empty() && connect.brokers.front().username.empty()) {
     return Fail(ErrorKind::kUsage, "a password needs a user name: add --username");
   }
-  if (o.debug) {
+  if (!o.debug.empty()) {
+    connect.trace_payloads = o.debug == "full";
     connect.trace = [&output = context.output](std::string_view line) { output.Trace(line); };
   }
   return connect;

@@ -47,7 +47,8 @@ struct GlobalOptions {
   std::string format = "text";
   bool quiet = false;
   bool verbose = false;
-  bool debug = false;
+  std::string debug;           ///< `topics`, `full`; empty: no
+  std::string color = "auto";  ///< `auto`, `always`, `never`
 
   std::string ledger;
   bool no_history = false;
@@ -58,6 +59,7 @@ struct GlobalOptions {
   std::optional<std::string> profile;        ///< empty text: none
   bool is_broker_by_flag = false;            ///< --broker, not only the environment
   bool is_host_by_flag = false;              ///< --host or --port
+  bool is_login_open = false;                ///< a user by flag, and nothing said of a password
   std::vector<std::string_view> configured;  ///< the keys that the configuration has set
 };
 

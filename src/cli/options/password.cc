@@ -121,23 +121,30 @@ Result<std::optional<std::string>> FindLedgerPassword(Output& output) {
   return std::move(*password);
 }
 
-Result<std::optional<std::string>> FindPassword(const Context& context) {
+Result<FoundPassword> FindPassword(const Context& context) {
   const GlobalOptions& options = context.options;
   std::optional<std::string> from_environment = FromEnvironment();
-  if (options.ask_password) {
+  const auto ask = []() -> Result<FoundPassword> {
     auto password = Prompt();
     if (!password) return Fail(std::move(password.error()));
-    return std::move(*password);
-  }
+    return FoundPassword{std::move(*password), "a password typed in"};
+  };
+  if (options.ask_password) return ask();
   std::string file = options.password_file;
   if (file.empty()) {
-    if (from_environment) return from_environment;
+    if (from_environment) {
+      return FoundPassword{std::move(from_environment), "the password of FLEETPUB_PASSWORD"};
+    }
     file = SystemdCredential(kCredential).value_or("");
   }
-  if (file.empty()) return std::optional<std::string>();
+  if (file.empty()) {
+    const bool is_somebody_there = isatty(STDIN_FILENO) == 1 && isatty(STDERR_FILENO) == 1;
+    if (options.is_login_open && is_somebody_there) return ask();
+    return FoundPassword{std::nullopt, "no password"};
+  }
   auto password = ReadPasswordFile(file, context.output);
   if (!password) return Fail(std::move(password.error()));
-  return std::move(*password);
+  return FoundPassword{std::move(*password), fmt::format("the password of file {}", file)};
 }
 
 }  // namespace fleetpub::cli

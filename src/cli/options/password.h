@@ -10,9 +10,15 @@
 
 namespace fleetpub::cli {
 
+struct FoundPassword {
+  std::optional<std::string> text;
+  std::string source;  ///< `the password of FLEETPUB_PASSWORD`, `no password`: never itself
+};
+
 /// The first of: the prompt of --ask-password, --password-file, FLEETPUB_PASSWORD (removed from the
-/// environment once read), the systemd credential `fleetpub.password`. Nothing when there is none.
-[[nodiscard]] Result<std::optional<std::string>> FindPassword(const Context& context);
+/// environment once read), the systemd credential `fleetpub.password`; without any, the prompt when
+/// is_login_open and there is a terminal.
+[[nodiscard]] Result<FoundPassword> FindPassword(const Context& context);
 
 /// Takes a variable out of the environment and out of memory, where /proc shows it to the same
 /// user.

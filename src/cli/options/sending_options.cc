@@ -20,7 +20,7 @@ void DeclareOffline(OptionSet& set, SendingOptions& options) {
 
 void DeclareManyOptions(OptionSet& set, SendingOptions& options) {
   DeclareOffline(set, options);
-  set.AddFlag("--yes", options.yes, "Send to many robots without asking").Group("Sending");
+  set.AddFlag("-y,--yes", options.yes, "Send to many robots without asking").Group("Sending");
   DeclareRate(set, options);
 }
 

@@ -200,7 +200,7 @@ Result<std::vector<soar::Member>> FieldOptions::Members() const {
       content = *std::move(file);
     }
     auto member = soar::ParseField(*field, content);
-    if (!member) return Fail(std::move(member.error()));
+    if (!member) return Usage(std::move(member.error().message));
     members.push_back(*std::move(member));
   }
   return members;

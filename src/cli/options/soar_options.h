@@ -72,8 +72,8 @@ class FieldOptions {
  public:
   void Declare(OptionSet& set, std::span<const soar::Field> fields);
 
-  /// The members that were given. Errors: a required one is missing (kUsage), a value is wrong
-  /// (kInvalid), a file cannot be read (kLedger).
+  /// The members that were given. Errors: a required one is missing or a value is wrong
+  /// (kUsage), a file cannot be read (kLedger).
   [[nodiscard]] Result<std::vector<soar::Member>> Members() const;
 
  private:

@@ -37,7 +37,7 @@ Status AddAssignments(const std::vector<std::string>& assignments,
 
 Status CheckUtf8(std::string_view option, std::string_view text) {
   if (base::IsUtf8(text)) return {};
-  return Fail(ErrorKind::kInvalid, fmt::format("{}: the text is not valid UTF-8", option));
+  return Fail(ErrorKind::kUsage, fmt::format("{}: the text is not valid UTF-8", option));
 }
 
 }  // namespace
@@ -91,6 +91,9 @@ Result<vda5050::InstantAction> BuildInstantAction(const InstantOptions& o, std::
   if (auto ok = AddAssignments(o.assignments, parameters); !ok) return Fail(ok.error());
   if (auto ok = CheckUtf8("--id", o.id.value_or("")); !ok) return Fail(ok.error());
   if (auto ok = CheckUtf8("--descriptor", o.descriptor); !ok) return Fail(ok.error());
+  if (o.id && o.id->empty()) {
+    return Fail(ErrorKind::kUsage, "--id: an actionId must not be empty");
+  }
   if (o.id && targets > 1) {
     return Fail(ErrorKind::kUsage, "--id names one action: give one target with it");
   }

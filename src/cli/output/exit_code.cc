@@ -12,7 +12,23 @@ constexpr std::array kWorstFirst = {kInterrupted, kTerminated, kUnexpected,  kLe
                                     kBroker,      kRejected,   kUnconfirmed, kPreflight,
                                     kInvalid,     kUsage,      kDone};
 
+constexpr auto kMeanings = std::to_array<ExitCodeMeaning>({
+    {kDone, "done"},
+    {kUnexpected, "unexpected: please report it"},
+    {kUsage, "wrong arguments or configuration; nothing was sent"},
+    {kInvalid, "invalid message; nothing was sent"},
+    {kBroker, "broker out of reach, login or access refused, connection lost"},
+    {kRejected, "the robot refused or failed"},
+    {kUnconfirmed, "the robot did not confirm in time"},
+    {kPreflight, "refused by the check before sending"},
+    {kLedger, "trouble with the ledger or a file"},
+    {kInterrupted, "interrupted (Ctrl-C)"},
+    {kTerminated, "terminated (SIGTERM)"},
+});
+
 }  // namespace
+
+std::span<const ExitCodeMeaning> ExitCodeMeanings() { return kMeanings; }
 
 ExitCode GetExitCode(ErrorKind kind) {
   switch (kind) {

@@ -1,6 +1,9 @@
 // Exit codes, in one place. They are a contract with scripts: docs/manual.md, "Exit codes".
 #pragma once
 
+#include <span>
+#include <string_view>
+
 #include "base/result.h"
 #include "message/report.h"
 
@@ -19,6 +22,13 @@ enum class ExitCode : int {
   kInterrupted = 130,
   kTerminated = 143,
 };
+
+struct ExitCodeMeaning {
+  ExitCode code;
+  std::string_view meaning;
+};
+/// Each, by number, in a few words.
+[[nodiscard]] std::span<const ExitCodeMeaning> ExitCodeMeanings();
 
 [[nodiscard]] ExitCode GetExitCode(ErrorKind kind);
 [[nodiscard]] ExitCode GetExitCode(const message::Report& report);

@@ -93,7 +93,10 @@ std::string WrappedFor(int descriptor, std::string_view text) {
   return width < 2 * kIndent ? std::string(text) : base::Wrapped(width, kIndent, text);
 }
 
-Output::Output(Settings settings) : settings_(settings), colour_(WantsColour(STDOUT_FILENO)) {}
+Output::Output(Settings settings)
+    : settings_(settings),
+      colour_(settings.color == "always" ||
+              (settings.color == "auto" && WantsColour(STDOUT_FILENO))) {}
 
 Output::~Output() = default;
 

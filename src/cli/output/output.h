@@ -35,8 +35,9 @@ class Output final : public app::Log {
  public:
   struct Settings {
     Format format = Format::kText;
-    bool quiet = false;    ///< no result lines in text format, no warnings
-    bool verbose = false;  ///< the details of errors, and what is done
+    bool quiet = false;               ///< no result lines in text format, no warnings
+    bool verbose = false;             ///< the details of errors, and what is done
+    std::string_view color = "auto";  ///< `auto`, `always`, `never`
   };
 
   explicit Output(Settings settings);
@@ -84,7 +85,8 @@ class Output final : public app::Log {
   /// Whether one is shown. Safe in a signal handler.
   [[nodiscard]] static bool HasPassing();
 
-  /// The text in colour when standard output is a terminal and NO_COLOR is not set.
+  /// The text in colour: always, never, or when standard output is a terminal and NO_COLOR is not
+  /// set.
   [[nodiscard]] std::string Toned(Tone tone, std::string_view text) const;
 
   /// Remembers that a command has left: from now on trouble with files changes no exit code.

@@ -2,10 +2,12 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
+#include <array>
+#include <optional>
 
 #include "base/text.h"
 #include "cli/parser/option_set.h"
+#include "cli/parser/try_command.h"
 #include "vda5050/catalogue/catalogue.h"
 
 namespace fleetpub::cli {
@@ -41,17 +43,41 @@ std::vector<std::size_t> WordPositions(const OptionSet& set,
 
 namespace {
 
-const Subcommand* Named(std::string_view name) {
-  for (const Subcommand& subcommand : Subcommands()) {
-    if (base::EqualsIgnoringCase(subcommand.name, FullName(name))) return &subcommand;
-  }
-  return nullptr;
-}
+// What other programs call it.
+struct Synonym {
+  std::string_view word;
+  std::string_view command;
+  std::string_view instead = {};  ///< while there is no such command
+};
+constexpr auto kSynonyms = std::to_array<Synonym>({
+    {"stop", "pause"},
+    {"halt", "pause"},
+    {"continue", "resume"},
+    {"unpause", "resume"},
+    {"abort", "cancel"},
+    {"ls", "fleet"},
+    {"list", "fleet"},
+    {"robots", "fleet"},
+    {"top", "watch"},
+    {"log", "history"},
+    {"logs", "history"},
+    {"goto", "order", "publish order KIT/0001 -f order.json"},
+    {"send", "order", "publish order KIT/0001 -f order.json"},
+    {"lint", "validate"},
+    {"check", "validate"},
+    {"connect", "ping"},
+});
 
-bool IsFirstWord(std::string_view word) {
-  return std::any_of(Subcommands().begin(), Subcommands().end(), [&](const Subcommand& s) {
-    return base::EqualsIgnoringCase(s.name.substr(0, s.name.find(' ')), word);
-  });
+// `behind`: the arguments that follow the word.
+std::optional<Error> AnswerSynonym(std::string_view word, std::span<const std::string> behind) {
+  for (const auto& [synonym, command, instead] : kSynonyms) {
+    if (!base::EqualsIgnoringCase(synonym, word)) continue;
+    const bool exists = FindSubcommandNamed(command) != nullptr || vda5050::ActionCalled(command);
+    return Error{ErrorKind::kUsage,
+                 fmt::format("there is no command '{}'; {}", word,
+                             exists ? TryCommand(command, behind) : TryCommand(instead))};
+  }
+  return std::nullopt;
 }
 
 Error Unknown(std::string_view word) {
@@ -69,15 +95,21 @@ Error Unknown(std::string_view word) {
           fmt::format("there is no command '{}'{}", base::Printable(word), hint)};
 }
 
-Error NeedsSecondWord(std::string_view word) {
-  std::vector<std::string> names;
+Error UnknownMember(const CommandFamily& family, std::string_view word) {
+  std::vector<std::string_view> members;
   for (const Subcommand& subcommand : Subcommands()) {
-    if (base::ToLower(subcommand.name).starts_with(base::ToLower(word) + " ")) {
-      names.emplace_back(subcommand.name);
+    if (subcommand.name.starts_with(std::string(family.name) + " ")) {
+      members.push_back(subcommand.name.substr(family.name.size() + 1));
     }
   }
+  const auto nearest = base::Nearest(word, members);
+  const std::string hint =
+      nearest
+          ? fmt::format(": did you mean {} {}?", family.name, *nearest)
+          : fmt::format("; there are {}",
+                        base::Join(std::vector<std::string>(members.begin(), members.end()), ", "));
   return {ErrorKind::kUsage,
-          fmt::format("'{}' needs a second word: {}", word, base::Join(names, " or "))};
+          fmt::format("there is no command '{} {}'{}", family.name, base::Printable(word), hint)};
 }
 
 }  // namespace
@@ -102,12 +134,12 @@ Result<SubcommandMatch> FindSubcommand(const OptionSet& set, std::vector<std::st
   }
   if (positions.size() > 1) {
     const std::string two = first + " " + arguments[positions[1]];
-    if ((match.subcommand = Named(two)) != nullptr) {
+    if ((match.subcommand = FindSubcommandNamed(two)) != nullptr) {
       match.name = match.subcommand->name;
       return take(2);
     }
   }
-  if ((match.subcommand = Named(first)) != nullptr) {
+  if ((match.subcommand = FindSubcommandNamed(first)) != nullptr) {
     match.name = match.subcommand->name;
     return take(1);
   }
@@ -115,7 +147,13 @@ Result<SubcommandMatch> FindSubcommand(const OptionSet& set, std::vector<std::st
     match.name = first;
     return take(1);
   }
-  return Fail(IsFirstWord(first) ? NeedsSecondWord(first) : Unknown(first));
+  if ((match.family = FindCommandFamily(first)) != nullptr) {
+    if (positions.size() == 1) return take(1);
+    return Fail(UnknownMember(*match.family, arguments[positions[1]]));
+  }
+  const SubcommandMatch behind = take(1);
+  if (auto answer = AnswerSynonym(first, behind.arguments)) return Fail(*std::move(answer));
+  return Fail(Unknown(first));
 }
 
 }  // namespace fleetpub::cli

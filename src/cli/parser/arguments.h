@@ -18,6 +18,7 @@ namespace fleetpub::cli {
 struct SubcommandMatch {
   std::string name;                        ///< `pause`, `schema show`; empty: none was named
   const Subcommand* subcommand = nullptr;  ///< null for a predefined action
+  const CommandFamily* family = nullptr;   ///< `schema` alone; the name is empty then
   std::vector<std::string> arguments;      ///< everything else, in order
 };
 
@@ -30,7 +31,7 @@ struct SubcommandMatch {
 [[nodiscard]] bool TakesNext(const OptionSet& set, const std::string& argument);
 
 /// `set` has the global options declared, which tells which of them take a value. A word that is no
-/// subcommand is refused with the nearest one: ErrorKind::kUsage.
+/// subcommand is refused with what it probably means: ErrorKind::kUsage.
 [[nodiscard]] Result<SubcommandMatch> FindSubcommand(const OptionSet& set,
                                                      std::vector<std::string> arguments);
 

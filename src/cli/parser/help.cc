@@ -3,7 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <functional>
+#include <span>
+#include <vector>
 
 #include "base/text.h"
 #include "cli/options/global_options.h"
@@ -36,7 +39,8 @@ void AppendWrapped(std::string& text, std::size_t column, std::string_view words
   }
 }
 
-// `  left    right`, the right side broken between words and kept in its column.
+}  // namespace
+
 std::string TwoColumns(std::string_view left, std::string_view right) {
   const std::string line_break = "\n" + std::string(kColumn, ' ');
   std::string text = fmt::format("  {:<{}}", left, kColumn - 2);
@@ -45,18 +49,33 @@ std::string TwoColumns(std::string_view left, std::string_view right) {
   return text + "\n";
 }
 
-std::string FormatNames(const Option& option) {
+namespace {
+
+enum class Extent { kBrief, kWhole };
+
+// Briefly the first long name only.
+std::string FormatNames(const Option& option, Extent extent) {
   std::vector<std::string> names;
   for (const std::string& name : option.short_names()) names.push_back("-" + name);
-  for (const std::string& name : option.long_names()) names.push_back("--" + name);
+  for (const std::string& name : option.long_names()) {
+    names.push_back("--" + name);
+    if (extent == Extent::kBrief) break;
+  }
   std::string text = base::Join(names, ",");
   if (option.TakesValue()) text += " " + option.type();
   return text;
 }
 
+// Briefly what comes before the first semicolon.
+std::string OptionLine(const Option& option, Extent extent) {
+  const std::string_view text = option.description();
+  return TwoColumns(FormatNames(option, extent),
+                    extent == Extent::kBrief ? text.substr(0, text.find(';')) : text);
+}
+
 // The option lines of the groups for which `wanted` holds, each group under its name.
-std::string OptionLines(const OptionSet& set,
-                        const std::function<bool(const std::string&)>& wanted) {
+std::string OptionLines(const OptionSet& set, const std::function<bool(const std::string&)>& wanted,
+                        Extent extent = Extent::kWhole) {
   std::vector<std::string> groups;
   for (const Option& option : set.options()) {
     const std::string& group = option.group();
@@ -68,7 +87,7 @@ std::string OptionLines(const OptionSet& set,
     std::string lines;
     for (const Option& option : set.options()) {
       if (option.group() != group || option.IsPositional()) continue;
-      lines += TwoColumns(FormatNames(option), option.description());
+      lines += OptionLine(option, extent);
     }
     if (!lines.empty()) text += fmt::format("\n{}:\n{}", group, lines);
   }
@@ -111,19 +130,55 @@ std::string ActionExamples(std::string_view name) {
   const std::string_view type = vda5050::ActionCalled(name).value_or(name);
   std::string parameters;
   for (const auto& parameter : vda5050::ParametersInAnyVersion(type)) {
-    if (!parameter.required) continue;
-    const bool number = parameter.type != vda5050::ParameterType::kString;
-    parameters += fmt::format(" --{} {}", parameter.name, number ? "1.5" : "TEXT");
+    if (parameter.required)
+      parameters += fmt::format(" --{} {}", parameter.name, parameter.example);
   }
   return fmt::format("{0} KIT/0001{1} --wait\n{0} KIT/0001{1} --dry-run", name, parameters);
 }
 
-std::string Indented(std::string_view examples) {
+std::string Indented(std::span<const std::string> examples) {
   std::string text;
-  for (const std::string& line : base::Split(examples, '\n')) {
+  for (const std::string& line : examples) {
     text += "  ";
     AppendWrapped(text, 2, "fleetpub " + line, " \\\n      ");
     text += '\n';
+  }
+  return text;
+}
+
+struct KeyOptions {
+  std::string_view command;  ///< empty: every other that has more than so many
+  std::array<std::string_view, 5> names;
+};
+constexpr auto kKeyOptions = std::to_array<KeyOptions>({
+    {"publish", {"--file", "--wait", "--dry-run", "--all", "--where"}},
+    {"respond", {"--lease-expiry", "--wait", "--dry-run", "--vda", "--broker"}},
+    {"batch", {"--wait", "--rate", "--stop-on-error", "--dry-run", "--broker"}},
+    {"validate", {"--vda", "--topic", "--lines", "--live", "--schema"}},
+    {"history", {"--target", "--since", "--status", "--user", "--limit"}},
+    {"simulate", {"--count", "--vda", "--delay", "--fail", "--broker"}},
+    {"soar mission-plan", {"--plan-id", "--platform-id", "--waypoint", "--plan", "--wait"}},
+    {"", {"--wait", "--dry-run", "--all", "--where", "--broker"}},
+});
+
+// The options that matter most: of a few all, of many those of the table.
+std::string KeyOptionLines(const OptionSet& set, std::string_view command) {
+  std::vector<Option> own;
+  for (const Option& option : set.options()) {
+    if (!IsGlobalGroup(option.group()) && !option.IsPositional()) own.push_back(option);
+  }
+  std::erase_if(own, [](const Option& option) { return option.group() == kParameters; });
+  const auto table = std::find_if(kKeyOptions.begin(), kKeyOptions.end(), [&](const auto& entry) {
+    return entry.command.empty() || entry.command == command;
+  });
+  std::string text;
+  if (own.size() <= table->names.size()) {
+    for (const Option& option : own) text += OptionLine(option, Extent::kBrief);
+    return text;
+  }
+  for (const std::string_view name : table->names) {
+    const Option option = set.Find(std::string(name));
+    if (option.exists()) text += OptionLine(option, Extent::kBrief);
   }
   return text;
 }
@@ -134,18 +189,50 @@ constexpr std::string_view kWhatItIs =
     "recorded, published, confirmed.\n"
     "It is no safety function and no emergency stop.\n";
 
+std::string ExitCodeLines() {
+  std::string text;
+  for (const ExitCodeMeaning& code : ExitCodeMeanings()) {
+    text += fmt::format("  {:<4} {}\n", static_cast<int>(code.code), code.meaning);
+  }
+  return text;
+}
+
+std::string Wrapped(std::string_view text) {
+  std::string wrapped;
+  AppendWrapped(wrapped, 0, text, "\n");
+  return wrapped;
+}
+
 }  // namespace
 
-std::string ShortHelp() {
+Explained Explain(const SubcommandMatch& match) {
+  const Subcommand* subcommand = match.subcommand;
+  const std::string summary =
+      subcommand == nullptr ? ActionSummary(match.name) : std::string(subcommand->summary);
+  const std::string_view arguments = subcommand == nullptr ? "TARGET..." : subcommand->arguments;
+  Explained explained;
+  explained.summary = summary;
+  explained.usage =
+      fmt::format("fleetpub {}{}{} [OPTIONS]", match.name, arguments.empty() ? "" : " ", arguments);
+  explained.examples =
+      base::Split(subcommand == nullptr ? ActionExamples(match.name) : subcommand->examples, '\n');
+  return explained;
+}
+
+std::string EverydayHelp() {
+  std::string commands;
+  std::string_view title;
+  for (const EverydayCommand& command : EverydayCommands()) {
+    if (command.title != title) commands += fmt::format("\n{}:\n", command.title);
+    title = command.title;
+    commands += TwoColumns(fmt::format("{} {}", command.name, command.arguments), command.summary);
+  }
   return fmt::format(
+      "Commands for robots (VDA 5050, SoAR) over MQTT. No emergency stop.\n\n"
+      "  fleetpub pause KIT/0001 --wait -b mqtt://localhost:1883\n"
       "{}\n"
-      "Usage: fleetpub COMMAND [TARGET...] [OPTIONS]\n\n"
-      "  fleetpub ping -b mqtt://localhost:1883   can the broker be reached?\n"
-      "  fleetpub pause KIT/0001 --dry-run        the message that would be sent\n"
-      "  fleetpub pause KIT/0001 --wait           send it, wait for the robot's word\n"
-      "  fleetpub history                         what was sent\n\n"
-      "fleetpub --help lists all commands, fleetpub COMMAND --help explains one.\n",
-      kWhatItIs);
+      "fleetpub COMMAND -h explains one, fleetpub --help lists all of them.\n",
+      commands);
 }
 
 std::string GeneralHelp(const OptionSet& set) {
@@ -161,32 +248,53 @@ std::string GeneralHelp(const OptionSet& set) {
       "  fleetpub initPosition KIT/0001 --x 1.5 --y -2 --theta 0.5 --mapId hall-1\n"
       "      --lastNodeId n1\n"
       "  fleetpub cancelOrder KIT/0001 --dry-run -o json\n\n"
-      "Exit codes: 0 done, 2 usage, 3 invalid message, 4 broker, 5 the robot refused or\n"
-      "failed, 6 not confirmed, 7 refused by the check, 8 ledger or file, 1 unexpected,\n"
-      "130 interrupted. fleetpub COMMAND --help explains a command.\n",
+      "Exit codes:\n{}\n"
+      "fleetpub COMMAND --help explains a command, -h in short.\n",
       kWhatItIs, ActionLines(), CommandLines(HelpGroup::kRobots), CommandLines(HelpGroup::kSoar),
       CommandLines(HelpGroup::kLooking), CommandLines(HelpGroup::kChecking),
-      OptionLines(set, [](const std::string& group) { return IsGlobalGroup(group); }));
+      OptionLines(set, [](const std::string& group) { return IsGlobalGroup(group); }),
+      ExitCodeLines());
+}
+
+std::string FamilyHelp(const CommandFamily& family) {
+  std::string members;
+  for (const Subcommand& subcommand : Subcommands()) {
+    if (!subcommand.name.starts_with(std::string(family.name) + " ")) continue;
+    members +=
+        TwoColumns(fmt::format("{} {}", subcommand.name, subcommand.arguments), subcommand.summary);
+  }
+  return fmt::format("{}\n\n{}\nfleetpub {} COMMAND -h explains one.\n", family.summary, members,
+                     family.name);
+}
+
+std::string BriefHelp(const OptionSet& set, const SubcommandMatch& match) {
+  const Explained explained = Explain(match);
+  const std::string options = KeyOptionLines(set, match.name);
+  const std::string parameters = OptionLines(
+      set, [](const std::string& group) { return group == kParameters; }, Extent::kBrief);
+  const std::size_t most = parameters.empty() ? 3 : 1;
+  const auto examples =
+      std::span(explained.examples).first(std::min(explained.examples.size(), most));
+  return fmt::format(
+      "{}\n\n"
+      "Usage: {}\n\n"
+      "{}{}{}{}\n"
+      "fleetpub {} --help lists all options.\n",
+      Wrapped(explained.summary), explained.usage, Indented(examples), parameters,
+      options.empty() ? "" : "\nOptions:\n", options, match.name);
 }
 
 std::string CommandHelp(const OptionSet& set, const SubcommandMatch& match) {
-  const Subcommand* subcommand = match.subcommand;
-  const std::string summary =
-      subcommand == nullptr ? ActionSummary(match.name) : std::string(subcommand->summary);
-  const std::string_view arguments = subcommand == nullptr ? "TARGET..." : subcommand->arguments;
-  const std::string examples =
-      subcommand == nullptr ? ActionExamples(match.name) : std::string(subcommand->examples);
-  std::string wrapped_summary;
-  AppendWrapped(wrapped_summary, 0, summary, "\n");
+  const Explained explained = Explain(match);
   return fmt::format(
       "{}\n\n"
-      "Usage: fleetpub {}{}{} [OPTIONS]\n"
+      "Usage: {}\n"
       "{}\n"
       "Examples:\n{}\n"
       "Broker, output and ledger options are listed by fleetpub --help.\n",
-      wrapped_summary, match.name, arguments.empty() ? "" : " ", arguments,
+      Wrapped(explained.summary), explained.usage,
       OptionLines(set, [](const std::string& group) { return !IsGlobalGroup(group); }),
-      Indented(examples));
+      Indented(explained.examples));
 }
 
 }  // namespace fleetpub::cli

@@ -44,6 +44,7 @@ class Option {
 
   // Asking.
 
+  [[nodiscard]] bool exists() const { return record_ != nullptr; }
   [[nodiscard]] bool IsGiven() const;
   [[nodiscard]] bool IsPositional() const;
   [[nodiscard]] bool TakesValue() const;

@@ -5,9 +5,12 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <array>
 #include <vector>
 
+#include "base/decimal.h"
 #include "base/text.h"
+#include "cli/parser/try_command.h"
 
 namespace fleetpub::cli {
 namespace {
@@ -30,12 +33,33 @@ std::vector<std::string_view> LongNames(const CLI::App& app) {
   return names;
 }
 
+// What other programs call it; a password may follow, and is not repeated.
+std::optional<std::string> AnswerOption(std::string_view name, const std::string& command,
+                                        std::vector<std::string> arguments) {
+  constexpr std::array<std::string_view, 5> kPasswords = {"password", "passwd", "pass", "pw",
+                                                          "pwd"};
+  if (std::find(kPasswords.begin(), kPasswords.end(), name) != kPasswords.end()) {
+    return fmt::format(
+        "{}: --{}: a password does not stand in the arguments, which every user of this machine "
+        "can read: use --ask-password, --password-file FILE or FLEETPUB_PASSWORD",
+        command, name);
+  }
+  if (name != "json") return std::nullopt;
+  std::erase(arguments, "--json");
+  arguments.insert(arguments.begin(), {"-o", "json"});
+  return fmt::format("{}: there is no option --json; {}", command, TryCommand(command, arguments));
+}
+
 // `--tiemout` → the sentence with the nearest option.
-Error UnknownArguments(const CLI::App& app, const std::string& command) {
+Error UnknownArguments(const CLI::App& app, const std::string& command,
+                       const std::vector<std::string>& arguments) {
   const std::string first = app.remaining(true).front();
   std::string hint = fmt::format("fleetpub {} --help lists its options", command);
   if (first.starts_with("--")) {
     const std::string name = first.substr(2, first.find('=') - 2);
+    if (auto answer = AnswerOption(name, command, arguments)) {
+      return {ErrorKind::kUsage, *std::move(answer)};
+    }
     if (const auto nearest = base::Nearest(name, LongNames(app))) {
       hint = fmt::format("did you mean --{}?", *nearest);
     }
@@ -45,8 +69,12 @@ Error UnknownArguments(const CLI::App& app, const std::string& command) {
 }
 
 Error Refusal(const ValueKind& kind, std::string_view name, const std::vector<std::string>& texts) {
-  return {ErrorKind::kUsage, fmt::format("{} takes {}, not '{}'", name, kind.Takes(),
-                                         base::Printable(base::Join(texts, " ")))};
+  const std::string text = base::Join(texts, " ");
+  const auto right = base::WithDecimalPoint(text);
+  const bool may_be_right = right && kind.store({*right});  // the command ends here all the same
+  return {ErrorKind::kUsage,
+          fmt::format("{} takes {}, not '{}'{}", name, kind.Takes(), base::Printable(text),
+                      may_be_right ? fmt::format("; write {}", *right) : "")};
 }
 
 }  // namespace
@@ -55,7 +83,9 @@ OptionSet::OptionSet(Extent extent, std::span<const std::string> arguments)
     : app_(std::make_unique<CLI::App>()), all_(extent == Extent::kAll) {
   app_->set_help_flag();
   if (all_) {
-    Declare(app_->set_help_flag("-h,--help", "Print this help"), {}).Group("Output");
+    Declare(app_->set_help_flag("-h", "Print what matters most"), {}).Group("Output");
+    Declare(app_->set_help_all_flag("--help", "Print all there is; with -o json for programs"), {})
+        .Group("Output");
     Declare(app_->set_version_flag("--version", std::string(), "Print the version"), {})
         .Group("Output");
   }
@@ -134,8 +164,10 @@ Result<OptionSet::Asked> OptionSet::Parse(const std::string& command,
     app_->parse(std::vector<std::string>(arguments.rbegin(), arguments.rend()));
   } catch (const CLI::CallForVersion&) {
     return Asked::kVersion;
-  } catch (const CLI::Success&) {
+  } catch (const CLI::CallForAllHelp&) {
     return Asked::kHelp;
+  } catch (const CLI::Success&) {
+    return Asked::kBriefHelp;
   } catch (const CLI::ArgumentMismatch& error) {
     const std::string_view what = error.what();
     const bool too_many = what.find("At Most") != std::string_view::npos;
@@ -148,7 +180,7 @@ Result<OptionSet::Asked> OptionSet::Parse(const std::string& command,
   }
   auto left = app_->remaining(true);
   std::erase(left, "--");  // behind it, words may begin with a dash
-  if (!left.empty()) return Fail(UnknownArguments(*app_, command));
+  if (!left.empty()) return Fail(UnknownArguments(*app_, command, arguments));
   if (refused_) return Fail(*refused_);
   return Asked::kRun;
 }

@@ -29,7 +29,7 @@ namespace fleetpub::cli {
 class OptionSet {
  public:
   enum class Extent { kMentioned, kAll };
-  enum class Asked { kRun, kHelp, kVersion };
+  enum class Asked { kRun, kBriefHelp, kHelp, kVersion };
 
   /// `arguments` are all of the process's. --help and --version are known to Extent::kAll only.
   OptionSet(Extent extent, std::span<const std::string> arguments);

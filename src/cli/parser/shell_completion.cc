@@ -51,6 +51,13 @@ void ActionTypes(const Typed& /*typed*/, Candidates& found) {
   }
 }
 
+// Also those that only orders hold.
+void ActionNames(const Typed& /*typed*/, Candidates& found) {
+  for (const std::string_view word : vda5050::AllActionWords()) {
+    found.words.push_back({std::string(word), ""});
+  }
+}
+
 void SchemaNames(const Typed& typed, Candidates& found) {
   const schema::Registry registry(typed.call.options.schema_directory);
   for (const auto& [name, origin] : registry.List()) found.words.push_back({name, origin});
@@ -130,6 +137,7 @@ constexpr auto kPositions = std::to_array<Slot>({
     {"await", "topic", Fixed<vda5050::kReportTopics>},
     {"schema show", "name", SchemaNames},
     {"action", "type", ActionTypes},
+    {"actions", "name", ActionNames},
     {"", "targets", TargetNames},
     {"", "target", Robots},
     {"", "destination", Destinations},
@@ -177,17 +185,23 @@ void AddCommand(std::string_view name, std::string_view meaning, Candidates& fou
   if (!known) found.words.push_back({std::string(name), std::string(meaning)});
 }
 
-// The first words of all commands.
+// The first words of all commands, those of every day first.
 void Commands(const Typed& typed, Candidates& found) {
-  ActionTypes(typed, found);
+  for (const EverydayCommand& command : EverydayCommands()) {
+    AddCommand(command.name, command.summary, found);
+  }
+  Candidates types;
+  ActionTypes(typed, types);
+  for (const Candidate& type : types.words) AddCommand(type.text, type.meaning, found);
   for (const std::string_view type : vda5050::AllActionNames()) {
     if (!vda5050::IsEverInstant(type)) continue;
     for (const std::string_view name : vda5050::ListShortNames(type)) AddCommand(name, type, found);
   }
   for (const Subcommand& subcommand : Subcommands()) {
     const std::size_t blank = subcommand.name.find(' ');
-    const bool whole = blank == std::string_view::npos;
-    AddCommand(subcommand.name.substr(0, blank), whole ? subcommand.summary : "", found);
+    const std::string_view first = subcommand.name.substr(0, blank);
+    const CommandFamily* const family = FindCommandFamily(first);
+    AddCommand(first, family != nullptr ? family->summary : subcommand.summary, found);
   }
 }
 
@@ -200,14 +214,19 @@ void SecondWords(std::string_view first, Candidates& found) {
   }
 }
 
+// Of several names of one option the first that continues what is typed.
 void OptionNames(const Typed& typed, Candidates& found) {
   for (const Option& option : typed.call.set().options()) {
-    for (const std::string& name : option.long_names()) {
-      const std::string word = "--" + name;
-      const bool given =
-          std::find(typed.before.begin(), typed.before.end(), word) != typed.before.end();
-      if (!given || option.IsRepeatable()) found.words.push_back({word, option.description()});
-    }
+    std::vector<std::string> words;
+    for (const std::string& name : option.long_names()) words.push_back("--" + name);
+    const bool is_given = std::any_of(words.begin(), words.end(), [&](const std::string& word) {
+      return std::find(typed.before.begin(), typed.before.end(), word) != typed.before.end();
+    });
+    const auto word = std::find_if(words.begin(), words.end(), [&](const std::string& candidate) {
+      return candidate.starts_with(typed.current);
+    });
+    if (word == words.end() || (is_given && !option.IsRepeatable())) continue;
+    found.words.push_back({*word, option.description()});
   }
 }
 

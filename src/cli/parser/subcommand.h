@@ -40,6 +40,9 @@ struct Subcommand {
 [[nodiscard]] Run DeclareAwait(OptionSet& set);
 [[nodiscard]] Run DeclareBatch(OptionSet& set);
 [[nodiscard]] Run DeclareCompletion(OptionSet& set);
+[[nodiscard]] Run DeclareConfigCheck(OptionSet& set);
+[[nodiscard]] Run DeclareConfigPath(OptionSet& set);
+[[nodiscard]] Run DeclareConfigProfiles(OptionSet& set);
 [[nodiscard]] Run DeclareConfigInit(OptionSet& set);
 [[nodiscard]] Run DeclareConfigShow(OptionSet& set);
 [[nodiscard]] Run DeclareFleet(OptionSet& set);
@@ -72,5 +75,25 @@ struct Subcommand {
 
 /// Everything but the predefined actions, in the order of the help.
 [[nodiscard]] std::span<const Subcommand> Subcommands();
+
+/// In any letter case; null: there is none.
+[[nodiscard]] const Subcommand* FindSubcommandNamed(std::string_view name);
+
+/// The first word of several commands, which is none of its own: `schema`.
+struct CommandFamily {
+  std::string_view name;
+  std::string_view summary;
+};
+/// In any letter case; null: it is none.
+[[nodiscard]] const CommandFamily* FindCommandFamily(std::string_view word);
+
+/// What most people need most of the time.
+struct EverydayCommand {
+  std::string_view title;  ///< of the group: `Look`
+  std::string_view name;   ///< `fleet`, `pause`, `config`
+  std::string_view arguments;
+  std::string_view summary;
+};
+[[nodiscard]] std::vector<EverydayCommand> EverydayCommands();
 
 }  // namespace fleetpub::cli

@@ -1,8 +1,10 @@
 // The table of subcommands. Predefined actions are not in it: they come from the catalogue.
+#include <algorithm>
 #include <array>
 
 #include "base/text.h"
 #include "cli/parser/subcommand.h"
+#include "vda5050/catalogue/catalogue.h"
 
 namespace fleetpub::cli {
 namespace {
@@ -65,16 +67,17 @@ constexpr auto kSubcommands = std::to_array<Subcommand>({
      "show 'KIT/*' --where 'battery<20'\n"
      "show KIT/0001 --no-ask -o json",
      DeclareShow},
-    {"watch", kLooking, "[TARGET...]", "the same, live", "watch\nwatch 'KIT/*' --for 1m -o json",
-     DeclareWatch},
+    {"watch", kLooking, "[TARGET...]", "the robots and how they are, live",
+     "watch\nwatch 'KIT/*' --for 1m -o json", DeclareWatch},
     {"await", kLooking, "TARGET TOPIC CONDITION...", "wait until robots' messages say so",
      "await KIT/0001 state paused=true\n"
      "await KIT/0001 state 'battery>=80' charging=false -W 2h\n"
      "await KIT/0001 connection connectionState=ONLINE\n"
      "await 'KIT/*' state paused=true",
      DeclareAwait},
-    {"actions", kLooking, "", "the catalogue of predefined actions, with their parameters",
+    {"actions", kLooking, "[NAME]", "the predefined actions, or all about one of them",
      "actions\n"
+     "actions initPosition\n"
      "actions --vda 2.1 -o json",
      DeclareActions},
     {"history", kLooking, "", "what was sent: when, by whom, to which robot",
@@ -108,6 +111,16 @@ constexpr auto kSubcommands = std::to_array<Subcommand>({
      "config show\n"
      "config show --profile north -o json",
      DeclareConfigShow},
+    {"config check", kChecking, "", "all that is wrong in the configuration, with its place",
+     "config check\n"
+     "config check --config site.toml -o json",
+     DeclareConfigCheck, ConfigUse::kNone},
+    {"config path", kChecking, "", "the files that are read, in their order", "config path",
+     DeclareConfigPath, ConfigUse::kNone},
+    {"config profiles", kChecking, "", "the sites that the configuration names",
+     "config profiles\n"
+     "config profiles -o json",
+     DeclareConfigProfiles},
     {"config init", kChecking, "", "write a commented configuration to begin with",
      "config init\n"
      "config init --stdout",
@@ -130,6 +143,42 @@ constexpr auto kSubcommands = std::to_array<Subcommand>({
      DeclarePing},
 });
 
+constexpr auto kFamilies = std::to_array<CommandFamily>({
+    {"config", "settings in force, where they come from, and a file to begin with"},
+    {"ledger", "where header ids and history are kept"},
+    {"schema", "the schemas that messages are held against"},
+    {"soar", "messages of the SoAR backbone"},
+});
+
+struct Everyday {
+  std::string_view title;
+  std::string_view name;
+};
+// A name that is no command yet is passed over.
+constexpr auto kEveryday = std::to_array<Everyday>({
+    {"Look", "fleet"},
+    {"Look", "show"},
+    {"Look", "watch"},
+    {"Look", "history"},
+    {"Command", "pause"},
+    {"Command", "resume"},
+    {"Command", "cancel"},
+    {"Command", "charge"},
+    {"Command", "initPosition"},
+    {"Command", "order"},
+    {"Set up", "ping"},
+    {"Set up", "config"},
+    {"Set up", "simulate"},
+});
+
+template <class Table>
+auto FindNamed(const Table& table, std::string_view name) {
+  const auto found = std::find_if(table.begin(), table.end(), [&](const auto& entry) {
+    return base::EqualsIgnoringCase(entry.name, name);
+  });
+  return found == table.end() ? nullptr : &*found;
+}
+
 }  // namespace
 
 std::string_view FullName(std::string_view word) {
@@ -137,5 +186,26 @@ std::string_view FullName(std::string_view word) {
 }
 
 std::span<const Subcommand> Subcommands() { return kSubcommands; }
+
+const Subcommand* FindSubcommandNamed(std::string_view name) {
+  return FindNamed(kSubcommands, FullName(name));
+}
+
+const CommandFamily* FindCommandFamily(std::string_view word) { return FindNamed(kFamilies, word); }
+
+std::vector<EverydayCommand> EverydayCommands() {
+  std::vector<EverydayCommand> commands;
+  for (const auto& [title, name] : kEveryday) {
+    if (const auto* subcommand = FindSubcommandNamed(name)) {
+      commands.push_back({title, name, subcommand->arguments, subcommand->summary});
+    } else if (const auto* family = FindCommandFamily(name)) {
+      commands.push_back({title, name, "...", family->summary});
+    } else if (const auto type = vda5050::ActionCalled(name)) {
+      const auto* action = vda5050::FindAction(vda5050::kVersions.back(), *type);
+      commands.push_back({title, name, "TARGET...", action->summary});
+    }
+  }
+  return commands;
+}
 
 }  // namespace fleetpub::cli

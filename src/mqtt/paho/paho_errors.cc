@@ -283,8 +283,11 @@ Error ConnectError(const BrokerUrl& broker, const ConnectOptions& options,
     const std::string_view refusal = Find(kRefusals, facts.code);
     const std::string code =
         facts.code >= 0x80 ? ReasonText(facts.code, {}) : fmt::format("return code {}", facts.code);
-    return Broker(fmt::format("{} refused the connection: {}{}", broker.ToString(),
-                              refusal.empty() ? code : refusal, Added(facts.reason)),
+    const bool is_about_login = refusal.find("--password-file") != std::string_view::npos;
+    const std::string tried =
+        is_about_login && !options.login.empty() ? fmt::format(" (tried: {})", options.login) : "";
+    return Broker(fmt::format("{} refused the connection: {}{}{}", broker.ToString(),
+                              refusal.empty() ? code : refusal, Added(facts.reason), tried),
                   fmt::format("CONNACK {}", code));
   }
   std::string detail = fmt::format("Paho: {}", facts.code);

@@ -31,6 +31,8 @@ class PahoTransport final : public RobotTransport {
   PahoTransport(std::unique_ptr<TraceObserver> trace, PahoConnection connection,
                 const ConnectOptions& options)
       : trace_(std::move(trace)),
+        tell_(options.trace),
+        tells_payloads_(options.trace_payloads),
         session_(std::move(connection), options.keep_alive, options.properties),
         window_(std::clamp(options.window, 1, session_.receive_maximum())) {}
 
@@ -129,10 +131,10 @@ class PahoTransport final : public RobotTransport {
 
   [[nodiscard]] Result<std::optional<Message>> Receive(Deadline deadline) override {
     while (true) {
-      if (auto message = session_.TakeReceived()) return message;
+      if (auto message = TakeReceived()) return message;
       if (session_.lost()) return Fail(*session_.lost());
       const bool gained = session_.Step();
-      if (auto message = session_.TakeReceived()) return message;
+      if (auto message = TakeReceived()) return message;
       if (session_.lost()) continue;
       if (steady_clock::now() >= deadline) return std::nullopt;
       if (!gained && session_.Sleep(deadline, wake_)) return std::nullopt;
@@ -150,6 +152,18 @@ class PahoTransport final : public RobotTransport {
   }
 
  private:
+  void Tell(std::string_view what, const Message& message) const {
+    if (!tell_) return;
+    tell_(fmt::format("{} {}, {} bytes{}{}", what, message.topic, message.payload.size(),
+                      tells_payloads_ ? ": " : "", tells_payloads_ ? message.payload : ""));
+  }
+
+  std::optional<Message> TakeReceived() {
+    auto message = session_.TakeReceived();
+    if (message) Tell("received", *message);
+    return message;
+  }
+
   [[nodiscard]] Result<int> Publish(const Message& message, Retain retain, Deadline deadline) {
     if (auto status = Admits(message.topic, message.payload.size(), message.qos); !status)
       return Fail(std::move(status.error()));
@@ -157,7 +171,9 @@ class PahoTransport final : public RobotTransport {
       return Fail(std::move(status.error()));
     if (auto status = session_.AwaitWritable(deadline); !status)
       return Fail(std::move(status.error()));
-    return session_.Publish(message, retain, deadline);
+    auto published = session_.Publish(message, retain, deadline);
+    if (published) Tell("sent", message);
+    return published;
   }
 
   // At QoS 0 too: with a full window Paho sleeps 100 ms over any message.
@@ -179,6 +195,8 @@ class PahoTransport final : public RobotTransport {
   }
 
   std::unique_ptr<TraceObserver> trace_;
+  std::function<void(std::string_view)> tell_;
+  bool tells_payloads_;
   PahoSession session_;
   int window_;
   std::size_t subscriptions_ = 0;

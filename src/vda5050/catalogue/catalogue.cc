@@ -39,7 +39,7 @@ std::string_view GetName(ParameterType type) {
   switch (type) {
     case ParameterType::kString:
       return "string";
-    case ParameterType::kFloat64:
+    case ParameterType::kLength:
     case ParameterType::kAngle:
       return "float64";
     case ParameterType::kStringArray:

@@ -16,8 +16,8 @@ inline constexpr double kMaxAngle = 3.14159265359;
 
 enum class ParameterType {
   kString,
-  kFloat64,
-  kAngle,  ///< a float64 in radians within ±π
+  kLength,  ///< a float64 in metres
+  kAngle,   ///< a float64 in radians within ±π
   kStringArray,
 };
 
@@ -28,7 +28,8 @@ struct ParameterSpec {
   std::string_view name;
   ParameterType type;
   bool required;
-  std::string_view meaning;  ///< for the help, in a few words
+  std::string_view meaning;       ///< for the help, in a few words
+  std::string_view example = {};  ///< a value as people type it; empty: of what is optional
 };
 
 /// Where an action may stand.

@@ -29,46 +29,50 @@ constexpr Scopes kNodeOrZone{.node = true, .zone = true};
 constexpr Scopes kNodeEdgeOrZone{.node = true, .edge = true, .zone = true};
 
 constexpr std::array<ParameterSpec, 5> kPosition = {{
-    {"x", kFloat64, kRequired, "metres in the map's coordinate system"},
-    {"y", kFloat64, kRequired, "metres in the map's coordinate system"},
-    {"theta", kAngle, kRequired, "orientation in radians, -π to π"},
-    {"mapId", kString, kRequired, "the map that the coordinates belong to"},
-    {"lastNodeId", kString, kRequired, "the node that the robot stands on or passed last"},
+    {"x", kLength, kRequired, "metres in the map's coordinate system", "1.5"},
+    {"y", kLength, kRequired, "metres in the map's coordinate system", "-2"},
+    {"theta", kAngle, kRequired, "orientation in radians, -π to π, or as 90deg", "1.57"},
+    {"mapId", kString, kRequired, "the map that the coordinates belong to", "hall-1"},
+    {"lastNodeId", kString, kRequired, "the node that the robot stands on or passed last", "n1"},
 }};
 constexpr std::array<ParameterSpec, 1> kReason = {{
-    {"reason", kString, kRequired, "why the log is wanted"},
+    {"reason", kString, kRequired, "why the log is wanted", "slow"},
 }};
 constexpr std::array<ParameterSpec, 2> kMap = {{
-    {"mapId", kString, kRequired, "the map"},
-    {"mapVersion", kString, kRequired, "its version"},
+    {"mapId", kString, kRequired, "the map", "hall-1"},
+    {"mapVersion", kString, kRequired, "its version", "3"},
 }};
 constexpr std::array<ParameterSpec, 4> kMapDownload = {{
-    {"mapId", kString, kRequired, "the map"},
-    {"mapVersion", kString, kRequired, "its version"},
-    {"mapDownloadLink", kString, kRequired, "where the robot fetches it"},
+    {"mapId", kString, kRequired, "the map", "hall-1"},
+    {"mapVersion", kString, kRequired, "its version", "3"},
+    {"mapDownloadLink", kString, kRequired, "where the robot fetches it",
+     "https://maps.example/hall-1"},
     {"mapHash", kString, kOptional, "its checksum"},
 }};
 constexpr std::array<ParameterSpec, 1> kZoneSet = {{
-    {"zoneSetId", kString, kRequired, "the zone set"},
+    {"zoneSetId", kString, kRequired, "the zone set", "zones-1"},
 }};
 constexpr std::array<ParameterSpec, 3> kZoneSetDownload = {{
-    {"zoneSetId", kString, kRequired, "the zone set"},
-    {"zoneSetDownloadLink", kString, kRequired, "where the robot fetches it"},
+    {"zoneSetId", kString, kRequired, "the zone set", "zones-1"},
+    {"zoneSetDownloadLink", kString, kRequired, "where the robot fetches it",
+     "https://maps.example/zones-1"},
     {"zoneSetHash", kString, kOptional, "its checksum"},
 }};
 constexpr std::array<ParameterSpec, 1> kWakeUp = {{
     {"wakeUpTime", kString, kOptional, "when the robot wakes by itself"},
 }};
 constexpr std::array<ParameterSpec, 1> kTargetAction = {{
-    {"actionId", kString, kRequired, "the action in state RETRIABLE"},
+    {"actionId", kString, kRequired, "the action in state RETRIABLE", "a7"},
 }};
 constexpr std::array<ParameterSpec, 1> kOrder = {{
     {"orderId", kString, kOptional, "cancel only this order"},
 }};
 constexpr std::array<ParameterSpec, 4> kCertificate = {{
-    {"service", kString, kRequired, "what it is for: MQTT"},
-    {"keyDownloadLink", kString, kRequired, "where the robot fetches its key"},
-    {"certificateDownloadLink", kString, kRequired, "where the robot fetches its certificate"},
+    {"service", kString, kRequired, "what it is for: MQTT", "MQTT"},
+    {"keyDownloadLink", kString, kRequired, "where the robot fetches its key",
+     "https://pki.example/agv1.key"},
+    {"certificateDownloadLink", kString, kRequired, "where the robot fetches its certificate",
+     "https://pki.example/agv1.pem"},
     {"certificateAuthorityDownloadLink", kString, kOptional, "where it fetches the authority's"},
 }};
 constexpr std::array<ParameterSpec, 8> kLoadUpTo21 = {{
@@ -77,8 +81,8 @@ constexpr std::array<ParameterSpec, 8> kLoadUpTo21 = {{
     {"stationName", kString, kOptional, "name of the station"},
     {"loadType", kString, kRequired, "kind of load"},
     {"loadId", kString, kOptional, "the load"},
-    {"height", kFloat64, kOptional, "of the load's bottom above the floor, metres"},
-    {"depth", kFloat64, kOptional, "of the forks, metres"},
+    {"height", kLength, kOptional, "of the load's bottom above the floor, metres"},
+    {"depth", kLength, kOptional, "of the forks, metres"},
     {"side", kString, kOptional, "of the robot"},
 }};
 constexpr std::array<ParameterSpec, 7> kDropUpTo21 = {{
@@ -87,8 +91,8 @@ constexpr std::array<ParameterSpec, 7> kDropUpTo21 = {{
     {"stationName", kString, kOptional, "name of the station"},
     {"loadType", kString, kOptional, "kind of load"},
     {"loadId", kString, kOptional, "the load"},
-    {"height", kFloat64, kOptional, "of the load's bottom above the floor, metres"},
-    {"depth", kFloat64, kOptional, "of the forks, metres"},
+    {"height", kLength, kOptional, "of the load's bottom above the floor, metres"},
+    {"depth", kLength, kOptional, "of the forks, metres"},
 }};
 constexpr std::array<ParameterSpec, 8> kPickFrom30 = {{
     {"lhd", kString, kOptional, "the load handling device"},
@@ -96,8 +100,8 @@ constexpr std::array<ParameterSpec, 8> kPickFrom30 = {{
     {"stationName", kString, kOptional, "name of the station"},
     {"loadType", kString, kOptional, "kind of load"},
     {"loadId", kString, kOptional, "the load"},
-    {"height", kFloat64, kOptional, "of the load's bottom above the floor, metres"},
-    {"depth", kFloat64, kOptional, "of the forks, metres"},
+    {"height", kLength, kOptional, "of the load's bottom above the floor, metres"},
+    {"depth", kLength, kOptional, "of the forks, metres"},
     {"side", kString, kOptional, "of the robot"},
 }};
 constexpr std::array<ParameterSpec, 1> kObject = {{

@@ -20,7 +20,7 @@ std::string FaultOfValue(const ParameterSpec& spec, const Value& value) {
   switch (spec.type) {
     case ParameterType::kString:
       return value.IsString() ? "" : "must be a string";
-    case ParameterType::kFloat64:
+    case ParameterType::kLength:
       if (value.IsString()) return "must be a number, not a string: robots refuse quoted numbers";
       return value.IsNumber() ? "" : "must be a number";
     case ParameterType::kAngle:

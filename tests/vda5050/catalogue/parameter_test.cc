@@ -12,7 +12,7 @@ using ::testing::HasSubstr;
 using ::testing::Not;
 using ::testing::StartsWith;
 
-constexpr ParameterSpec kX{"x", ParameterType::kFloat64, true, ""};
+constexpr ParameterSpec kX{"x", ParameterType::kLength, true, ""};
 constexpr ParameterSpec kTheta{"theta", ParameterType::kAngle, true, ""};
 constexpr ParameterSpec kMapId{"mapId", ParameterType::kString, true, ""};
 constexpr ParameterSpec kTriggerType{"triggerType", ParameterType::kStringArray, true, ""};
@@ -21,7 +21,7 @@ constexpr ParameterSpec kTriggerType{"triggerType", ParameterType::kStringArray,
 std::string Typed(const ParameterSpec& spec, std::string_view text) {
   const auto parameter = ParseParameter(spec, text);
   if (!parameter) {
-    EXPECT_EQ(parameter.error().kind, ErrorKind::kInvalid);
+    EXPECT_EQ(parameter.error().kind, ErrorKind::kUsage);
     return "refused: " + parameter.error().message;
   }
   EXPECT_EQ(parameter->key, spec.name);
@@ -51,11 +51,38 @@ TEST(ParseParameter, MakesJsonOfWhatPeopleWrite) {
 
 TEST(ParseParameter, RefusesWhatIsNoFiniteNumber) {
   for (const std::string_view text :
-       {"", "nan", "NaN", "inf", "-inf", "infinity", "1e999", "0x10", "1,5", "1 ", " 1", "1m",
-        "++1", "+-1", "-+1", "-", "+", "."}) {
+       {"", "nan", "NaN", "inf", "-inf", "infinity", "1e999", "0x10", "1 ", " 1", "1km", "1deg",
+        "m", "++1", "+-1", "-+1", "-", "+", "."}) {
     EXPECT_EQ(Typed(kX, text),
               "refused: x must be a finite number, and '" + std::string(text) + "' is not");
   }
+}
+
+TEST(ParseParameter, TakesUnitsOfItsKind) {
+  constexpr std::pair<std::string_view, std::string_view> kLengths[] = {
+      {"1.5m", "1.5"}, {"2 m", "2"}, {"-150cm", "-1.5"}, {"+2500mm", "2.5"}, {".5m", "0.5"}};
+  for (const auto& [text, json] : kLengths) EXPECT_EQ(Typed(kX, text), json) << text;
+  constexpr std::pair<std::string_view, double> kAngles[] = {
+      {"1.57rad", 1.57}, {"90deg", 1.5707963}, {"-180 deg", -3.1415926}, {"45°", 0.7853981}};
+  for (const auto& [text, radians] : kAngles) {
+    EXPECT_NEAR(base::ParseJson(Typed(kTheta, text))->GetDouble(), radians, 1e-6) << text;
+  }
+  EXPECT_THAT(Typed(kX, "90deg"), StartsWith("refused"));
+  EXPECT_THAT(Typed(kTheta, "1.5m"), StartsWith("refused"));
+}
+
+TEST(ParseParameter, SaysWhatASlipShouldHaveBeen) {
+  constexpr std::pair<std::string_view, std::string_view> kSlips[] = {
+      {"1,5", "write 1.5"},        {"-0,25", "write -0.25"},    {"90", "write 90deg, or 1.57"},
+      {"180", "or 3.1415 in"},     {"270", "write -90deg"},     {"270deg", "write -90deg"},
+      {"4.71", "that is -1.5731"}, {"1,57rad", "write 1.57rad"}};
+  for (const auto& [text, hint] : kSlips) EXPECT_THAT(Typed(kTheta, text), HasSubstr(hint)) << text;
+  for (const std::string_view text : {"1,5,2", "1,234.5", ",5", "720", "5,"}) {
+    EXPECT_THAT(Typed(kTheta, text), ::testing::EndsWith("' is not")) << text;
+  }
+  // What is suggested is taken.
+  EXPECT_TRUE(ParseParameter(kTheta, "180deg"));
+  EXPECT_TRUE(ParseParameter(kTheta, "3.1415"));
 }
 
 TEST(ParseParameter, TakesPiAsThePublishedSchemasWriteIt) {
@@ -72,10 +99,9 @@ TEST(ParseParameter, HoldsAnAngleBetweenMinusPiAndPi) {
     EXPECT_EQ(Typed(kTheta, text), text);
   }
   for (const std::string_view text : {"3.1415926536", "-3.15", "90", "1e300"}) {
-    EXPECT_EQ(Typed(kTheta, text),
-              "refused: theta must be an angle in radians between -π and π, "
-              "and '" +
-                  std::string(text) + "' is not");
+    EXPECT_THAT(Typed(kTheta, text),
+                StartsWith("refused: theta must be an angle in radians between -π and π, and '" +
+                           std::string(text) + "' is not"));
   }
   EXPECT_EQ(Typed(kX, "90"), "90") << "other numbers are no angles";
 }
@@ -159,14 +185,14 @@ TEST(ParseAssignment, RefusesWhatIsNoJson) {
        {"a:=", "a:={\"b\":1,\"b\":2}", "a:=NaN", "a:=1e999", "a:=\"\\udc00\"", "a:=[1,]"}) {
     const auto parameter = ParseAssignment(text);
     ASSERT_FALSE(parameter) << text;
-    EXPECT_EQ(parameter.error().kind, ErrorKind::kInvalid);
+    EXPECT_EQ(parameter.error().kind, ErrorKind::kUsage);
   }
 }
 
 TEST(ParseAssignment, RefusesTextThatIsNotUtf8) {
   const auto parameter = ParseAssignment("a\x1b=\xFF");
   ASSERT_FALSE(parameter);
-  EXPECT_EQ(parameter.error().kind, ErrorKind::kInvalid);
+  EXPECT_EQ(parameter.error().kind, ErrorKind::kUsage);
   EXPECT_EQ(parameter.error().message, "-P a\\x1b: the text is not valid UTF-8");
 }
 
