@@ -137,14 +137,14 @@ constexpr auto kSubcommands = std::to_array<Subcommand>({
      "ledger migrate\n"
      "ledger migrate --ledger postgresql://owner@db.example/fleet",
      DeclareLedgerMigrate},
-    {"ping", kChecking, "", "can the broker be reached with these settings, and what does it grant",
+    {"ping", kChecking, "", "can the broker be reached, and what does it grant",
      "ping\n"
      "ping -b mqtt://broker.example:1883 -u operator --password-file pw",
      DeclarePing},
 });
 
 constexpr auto kFamilies = std::to_array<CommandFamily>({
-    {"config", "settings in force, where they come from, and a file to begin with"},
+    {"config", "settings in force, where from, and a first file"},
     {"ledger", "where header ids and history are kept"},
     {"schema", "the schemas that messages are held against"},
     {"soar", "messages of the SoAR backbone"},

@@ -126,8 +126,6 @@ TEST_F(Browsing, ListsItsKeys) {
   EXPECT_THAT(Shown()[0], HasSubstr("Keys"));
   Press({'q'});
   EXPECT_THAT(Shown()[0], HasSubstr("6 robots"));
-  FleetBrowser mute(output_, false);
-  EXPECT_EQ(mute.Press('s'), Wish::kNothing);
 }
 
 TEST_F(Browsing, FitsAnyWindow) {

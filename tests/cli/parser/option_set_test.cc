@@ -138,7 +138,7 @@ TEST(OptionSet, EveryChoiceIsTaken) {
         Declared fresh(OptionSet::Extent::kAll, {});
         const cli::Run run = subcommand.declare(fresh.set);  // which holds what is stored
         const std::string name = "--" + option.long_names().front();
-        EXPECT_TRUE(fresh.set.Parse("", {name, std::string(choice)}))
+        EXPECT_TRUE(fresh.set.Parse("", {name + "=" + std::string(choice)}))
             << subcommand.name << " " << name << " " << choice;
       }
     }
