@@ -214,11 +214,51 @@ TEST_F(ReadOnlyCommands, RemembersWhatWasSent) {
   EXPECT_THAT(newest.errors, HasSubstr("older ones are not shown"));
   EXPECT_THAT(Fleetpub({"history", "--limit", "2"}).errors, IsEmpty());
   EXPECT_EQ(Fleetpub({"history", "--status", "lost"}).exit_code, 2);
-  EXPECT_EQ(Fleetpub({"history", "--target", "KIT/*"}).exit_code, 2);
   EXPECT_THAT(Fleetpub({"history", "--ledger", "no-such.db"}).errors,
               HasSubstr("there is no ledger at no-such.db"));
   EXPECT_THAT(Fleetpub({"history", "prune", "--older-than", "0s"}).output, HasSubstr("2 rows"));
   EXPECT_THAT(Send({"pause", "KIT/0001"}).output, HasSubstr("headerId 1"));
+}
+
+TEST_F(ReadOnlyCommands, FindsInTheHistoryWhoeverIsNamed) {
+  operator_.home().Write(".config/fleetpub/config.toml",
+                         "[robot.\"KIT/0001\"]\nalias = \"agv1\"\n"
+                         "[group]\nhall-1 = [\"agv1\", \"ABC/7\"]\n");
+  for (const char* robot : {"KIT/0001", "KIT/0002", "ABC/7"}) {
+    EXPECT_EQ(Send({"pause", robot}).exit_code, 0);
+  }
+  const auto count = [&](std::vector<std::string> words) {
+    words.insert(words.begin(), "history");
+    const Finished run = Fleetpub(std::move(words));
+    EXPECT_EQ(run.exit_code, 0) << run.errors;
+    return Lines(run.output).size() - 1;  // the names of the columns
+  };
+  EXPECT_EQ(count({"KIT/0001"}), 1U);
+  EXPECT_EQ(count({"KIT/*"}), 2U);
+  EXPECT_EQ(count({"@hall-1"}), 2U);
+  EXPECT_EQ(count({"agv1", "--target", "*/7"}), 2U);
+  EXPECT_EQ(count({"KIT/*", "--limit", "1"}), 1U);
+  EXPECT_EQ(count({"--since", "today", "--until", "23:59:59"}), 0U) << "23:59:59 was yesterday's";
+  EXPECT_THAT(Fleetpub({"history", "*/*", "--limit", "2"}).errors,
+              HasSubstr("older ones are not shown"));
+  EXPECT_EQ(Fleetpub({"history", "@no-such"}).exit_code, 2);
+  const Finished number = Fleetpub({"history", "2"});
+  EXPECT_EQ(number.exit_code, 2);
+  EXPECT_THAT(number.errors, HasSubstr("fleetpub history show 2"));
+}
+
+TEST_F(ReadOnlyCommands, TellsInTheHistoryWhyAndWhen) {
+  EXPECT_EQ(Send({"pause", "KIT/0001"}).exit_code, 0);
+  EXPECT_EQ(Fleetpub({"pause", "KIT/0002", "--vda", "3.0", "--no-check", "--wait", "-W", "50ms"})
+                .exit_code,
+            6);
+  const auto rows = Lines(Fleetpub({"history"}).output);
+  ASSERT_THAT(rows, SizeIs(3));
+  EXPECT_THAT(rows[0], AllOf(HasSubstr("LOCAL TIME"), HasSubstr("REASON")));
+  const std::string why =
+      Json(Lines(Fleetpub({"history", "-o", "json"}).output)[1])["message"].GetString();
+  EXPECT_THAT(rows[2], ::testing::EndsWith("  TIMEOUT  " + why));
+  EXPECT_THAT(Fleetpub({"history", "show", "2"}).output, HasSubstr(" s ago"));
 }
 
 TEST_F(ReadOnlyCommands, PingsTheBroker) {

@@ -68,6 +68,12 @@ std::size_t TerminalWidth(int descriptor) {
   return is_known ? size.ws_col : std::numeric_limits<std::size_t>::max();
 }
 
+std::size_t TerminalHeight(int descriptor) {
+  winsize size{};
+  const bool is_known = ioctl(descriptor, TIOCGWINSZ, &size) == 0 && size.ws_row > 0;
+  return is_known ? size.ws_row : 24;
+}
+
 Output::Output(Settings settings) : settings_(settings), colour_(WantsColour(STDOUT_FILENO)) {}
 
 void Output::Line(std::string_view text) {
