@@ -474,7 +474,10 @@ TEST_F(Soar, SimulatesNothingThatMakesNoSense) {
       {{"simulate", "--protocol", "soar", "ah1", "--stop-at", "x"}, 2, "--stop-at takes"},
       {{"simulate", "--protocol", "mqtt", "ah1"}, 2, "--protocol takes"},
       {{"simulate", "KIT/1", "--stop-at", "executed"}, 2, "--stop-at belongs to"},
-      {{"simulate", "--protocol", "soar", "ah1", "-b", "mqtt://127.0.0.1:1"}, 4, "127.0.0.1:1"},
+      {{"simulate", "--protocol", "soar", "ah1", "-b", "mqtt://127.0.0.1:1", "--connect-timeout",
+        "200ms"},
+       4,
+       "127.0.0.1:1"},
   };
   for (const auto& [arguments, exit_code, sentence] : cases) {
     const Finished run = Fleetpub(arguments);
