@@ -121,7 +121,7 @@ TEST_F(ReadOnlyCommands, PutsSchemasOfAFolderBeforeItsOwn) {
     command.input = "{}";
     return testing::Run(command);
   };
-  EXPECT_EQ(validate("order").output, "standard input: mine is required but missing\n");
+  EXPECT_EQ(validate("order").output, "standard input:1:1: mine is required but missing\n");
   EXPECT_THAT(validate("visualization").output, HasSubstr("referenceStateHeaderId"));
   EXPECT_THAT(validate("state").errors,
               HasSubstr("published/3.0/state.schema: not valid JSON at line 3, column 1"));
@@ -165,6 +165,61 @@ TEST_F(ReadOnlyCommands, ValidatesLinesWithTheirNumbers) {
   ASSERT_THAT(lines, SizeIs(3));
   EXPECT_EQ(Json(lines[1])["line"].GetInt(), 3);
   EXPECT_FALSE(Json(lines[1])["valid"].GetBool());
+}
+
+TEST_F(ReadOnlyCommands, ValidatesFilesAndFolders) {
+  const auto& home = operator_.home();
+  const std::string good = Send({"pause", "KIT/0001", "-n"}).output;
+  home.Write("orders/a/good.json", good);
+  home.Write("orders/bad.json", "{\n  \"version\": \"3.0.0\",\n  \"nodes\": 1\n}\n");
+  home.Write("orders/broken.json", "{\n  \"version\":,\n}");
+  home.Write("orders/many.jsonl", good + good);
+  home.Write("orders/.git/x.json", "no message");
+  home.Write("orders/readme.txt", "no message");
+  const std::string folder = home / "orders";
+  const Finished run = Fleetpub({"validate", folder});
+  EXPECT_EQ(run.exit_code, 3);
+  EXPECT_THAT(run.output,
+              AllOf(HasSubstr("a/good.json: valid\n"), HasSubstr("bad.json:3:3: /nodes: "),
+                    HasSubstr("broken.json:2:13: not valid JSON"), HasSubstr("many.jsonl:2: valid"),
+                    HasSubstr("\n4 files: 3 valid, 2 invalid\n")));
+  EXPECT_THAT(run.output, Not(HasSubstr(".git")));
+  const auto lines = Lines(Fleetpub({"validate", folder + "/bad.json", "-o", "json"}).output);
+  ASSERT_THAT(lines, SizeIs(1));
+  const auto bad = Json(lines[0]);
+  EXPECT_EQ(bad["file"].GetString(), folder + "/bad.json");
+  EXPECT_EQ(bad["errors"][0]["line"].GetInt(), 1) << "what is missing, is missing in all of it";
+  const Finished some =
+      Fleetpub({"validate", folder + "/a/good.json", folder + "/none.json", "-o", "json"});
+  EXPECT_EQ(some.exit_code, 8);
+  EXPECT_EQ(Json(Lines(some.output).back())["summary"]["valid"].GetInt(), 1);
+}
+
+TEST_F(ReadOnlyCommands, TakesNoEmptyInputForValid) {
+  operator_.home().Write("folder/readme.txt", "no message");
+  const auto empty = operator_.home().Write("empty.jsonl", "\n\n").string();
+  for (const std::vector<std::string>& words :
+       {std::vector<std::string>{"validate"},
+        {"validate", "--lines"},
+        {"validate", empty},
+        {"validate", (operator_.home() / "folder").string()}}) {
+    EXPECT_EQ(Fleetpub(words).exit_code, 3) << words.back();
+  }
+  EXPECT_EQ(Fleetpub({"validate", (operator_.home() / "none").string()}).exit_code, 8);
+}
+
+TEST_F(ReadOnlyCommands, ValidatesAMessageWhoseHeaderIsStillToCome) {
+  const auto body = operator_.home().Write(
+      "body.json", R"({"actions":[{"actionType":"startPause","actionId":"1",)"
+                   R"("blockingType":"NONE"}]})");
+  const std::string file = body.string();
+  EXPECT_EQ(Fleetpub({"validate", file, "--vda", "3"}).exit_code, 3);
+  EXPECT_EQ(Fleetpub({"validate", file, "--vda", "3", "--body"}).exit_code, 0);
+  EXPECT_EQ(Fleetpub({"validate", file, "--body"}).exit_code, 3) << "of which version?";
+  const auto wrong = operator_.home().Write("wrong.json", R"({"headerId":"x","actions":[]})");
+  EXPECT_THAT(Fleetpub({"validate", wrong.string(), "--vda", "3", "--body"}).output,
+              HasSubstr("/headerId"));
+  EXPECT_EQ(Fleetpub({"validate", file, "--body", "--protocol", "soar"}).exit_code, 2);
 }
 
 TEST_F(ReadOnlyCommands, SurvivesHostileMessagesAndSchemas) {

@@ -60,19 +60,20 @@ constexpr auto kSubcommands = std::to_array<Subcommand>({
      DeclareFleet},
     {"watch", kLooking, "[TARGET...]", "the same, live", "watch\nwatch 'KIT/*' --for 1m -o json",
      DeclareWatch},
-    {"await", kLooking, "TARGET TOPIC CONDITION...", "wait until robots' messages say so",
-     "await KIT/0001 state paused=true\n"
-     "await KIT/0001 state 'battery>=80' charging=false -W 2h\n"
+    {"await", kLooking, "TARGET [TOPIC] CONDITION...", "wait until robots' messages say so",
+     "await KIT/0001 paused=true\n"
+     "await KIT/0001 'battery>=80' charging=false -W 2h\n"
      "await KIT/0001 connection connectionState=ONLINE\n"
-     "await 'KIT/*' state paused=true",
+     "await 'KIT/*' paused=true",
      DeclareAwait},
     {"actions", kLooking, "", "the catalogue of predefined actions, with their parameters",
      "actions\n"
      "actions --vda 2.1 -o json",
      DeclareActions},
-    {"history", kLooking, "", "what was sent: when, by whom, to which robot",
+    {"history", kLooking, "[TARGET...]", "what was sent: when, by whom, to which robot",
      "history\n"
-     "history --target KIT/0001 --since 24h\n"
+     "history KIT/0001 --since yesterday\n"
+     "history 'KIT/*' --since 22:00 --status FAILED\n"
      "history show 42\n"
      "history prune --older-than 90d",
      DeclareHistory},
@@ -80,9 +81,10 @@ constexpr auto kSubcommands = std::to_array<Subcommand>({
      DeclareHistoryShow},
     {"history prune", kLooking, "", "remove old rows; header ids stay",
      "history prune --older-than 90d", DeclareHistoryPrune},
-    {"validate", kChecking, "[FILE]", "check messages against a built-in schema or a given one",
+    {"validate", kChecking, "[FILE...]", "check messages against a built-in schema or a given one",
      "validate message.json\n"
      "validate --vda 2.1 --topic instantActions message.json\n"
+     "validate orders/ --body --vda 2.1\n"
      "validate --lines -o json < messages.jsonl\n"
      "validate --schema my.schema.json message.json\n"
      "validate --protocol soar --message-type mission_plan plan.json",
@@ -118,6 +120,7 @@ constexpr auto kSubcommands = std::to_array<Subcommand>({
      DeclareLedgerMigrate},
     {"ping", kChecking, "", "can the broker be reached with these settings, and what does it grant",
      "ping\n"
+     "ping --wait 20s\n"
      "ping -b mqtt://broker.example:1883 -u operator --password-file pw",
      DeclarePing},
 });
