@@ -43,6 +43,7 @@ std::string FormatSite(const Context& context) {
 
 Result<std::unique_ptr<mqtt::Transport>> ConnectPatiently(const mqtt::ConnectOptions& options,
                                                           milliseconds patience, Output& output) {
+  if (patience.count() == 0) return mqtt::ConnectPaho(options);
   const auto waits = [&](const Error& error) {
     output.Info(
         fmt::format("{}; trying again for {}", error.message, base::FormatElapsed(patience)));

@@ -251,6 +251,40 @@ TEST_F(ReadOnlyCommands, ShowsAndListsSchemas) {
   EXPECT_THAT(wrong.errors, HasSubstr("did you mean vda5050/3.0.0/instantActions?"));
 }
 
+TEST_F(ReadOnlyCommands, PrintsResultsForPipelines) {
+  const auto run = [&](std::vector<std::string> more) {
+    std::vector<std::string> words = {"pause", "KIT/0001", "KIT/0002", "-o"};
+    words.insert(words.end(), more.begin(), more.end());
+    return Send(std::move(words));
+  };
+  EXPECT_EQ(run({"csv", "--fields", "target,status,actions.0.type"}).output,
+            "target,status,actions.0.type\nKIT/0001,SENT,startPause\nKIT/0002,SENT,startPause\n");
+  const auto tsv = Lines(run({"tsv"}).output);
+  ASSERT_THAT(tsv, SizeIs(3));
+  EXPECT_THAT(tsv[0], HasSubstr("target\tprotocol\tversion\ttopic\tactions"));
+  EXPECT_EQ(run({"template={target} {status}"}).output, "KIT/0001 SENT\nKIT/0002 SENT\n");
+  const auto json = Lines(run({"json", "--fields", "headerId"}).output);
+  ASSERT_THAT(json, SizeIs(2));
+  EXPECT_EQ(Json(json[0]).MemberCount(), 1U);
+  for (const auto& wrong : std::vector<std::vector<std::string>>{{"csv", "--fields", "targt"},
+                                                                 {"text", "--fields", "target"},
+                                                                 {"template={x"},
+                                                                 {"xml"}}) {
+    EXPECT_EQ(run(wrong).exit_code, 2) << wrong[0];
+  }
+  EXPECT_THAT(Lines(Fleetpub({"history", "-o", "csv", "--fields", "id"}).output), SizeIs(9))
+      << "nothing was sent for what was refused";
+  EXPECT_EQ(Fleetpub({"history", "show", "99", "-o", "csv"}).output, "") << "errors are no rows";
+}
+
+TEST_F(ReadOnlyCommands, DescribesItsOwnOutputAndConfiguration) {
+  EXPECT_STREQ(Json(Fleetpub({"schema", "show", "output/result"}).output)["title"].GetString(),
+               "result");
+  EXPECT_STREQ(Json(Fleetpub({"schema", "show", "config"}).output)["title"].GetString(),
+               "config.toml");
+  EXPECT_THAT(Fleetpub({"schema", "list"}).output, HasSubstr("fleetpub/output/result"));
+}
+
 TEST_F(ReadOnlyCommands, RemembersWhatWasSent) {
   EXPECT_EQ(Send({"pause", "KIT/0001"}).exit_code, 0);
   EXPECT_EQ(Send({"resume", "KIT/0002", "-q", "1"}).exit_code, 0);

@@ -74,7 +74,8 @@ std::size_t TerminalHeight(int descriptor) {
   return is_known ? size.ws_row : 24;
 }
 
-Output::Output(Settings settings) : settings_(settings), colour_(WantsColour(STDOUT_FILENO)) {}
+Output::Output(Settings settings)
+    : settings_(std::move(settings)), colour_(WantsColour(STDOUT_FILENO)) {}
 
 void Output::Line(std::string_view text) {
   if (json()) return JsonLine(text);
@@ -83,6 +84,10 @@ void Output::Line(std::string_view text) {
 }
 
 void Output::JsonLine(std::string_view json) {
+  if (const auto lines = settings_.records.Render(json)) {
+    has_lines_ = has_lines_ || !lines->empty();
+    return Print(stdout, *lines);
+  }
   has_lines_ = true;
   Print(stdout, base::ShownJson(json));
   Print(stdout, "\n");

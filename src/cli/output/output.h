@@ -10,11 +10,10 @@
 #include "app/observer.h"
 #include "base/result.h"
 #include "cli/output/exit_code.h"
+#include "cli/output/records.h"
 #include "message/report.h"
 
 namespace fleetpub::cli {
-
-enum class Format { kText, kJson };
 
 /// What a word means, as its colour tells on a terminal.
 enum class Tone { kPlain, kGood, kBad, kDim };
@@ -33,20 +32,21 @@ class Output final : public app::Log {
  public:
   struct Settings {
     Format format = Format::kText;
+    Records records = {};
     bool quiet = false;    ///< no result lines in text format, no warnings
     bool verbose = false;  ///< the details of errors, and what is done
   };
 
   explicit Output(Settings settings);
 
-  [[nodiscard]] Format format() const { return settings_.format; }
-  [[nodiscard]] bool json() const { return settings_.format == Format::kJson; }
+  /// Whether results are objects, in whichever format they are shown.
+  [[nodiscard]] bool json() const { return settings_.format != Format::kText; }
   [[nodiscard]] bool verbose() const { return settings_.verbose; }
   [[nodiscard]] bool quiet() const { return settings_.quiet; }
 
   /// A line of results on standard output.
   void Line(std::string_view text);
-  /// The same, of JSON in either format: with nothing in it that a person would not see.
+  /// The same, of JSON in any format: with nothing in it that a person would not see.
   void JsonLine(std::string_view json);
   /// The same when it is only for people: suppressed by `--quiet`.
   void PeopleLine(std::string_view text);

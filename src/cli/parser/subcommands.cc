@@ -90,7 +90,9 @@ constexpr auto kSubcommands = std::to_array<Subcommand>({
      "validate --protocol soar --message-type mission_plan plan.json",
      DeclareValidate},
     {"schema list", kChecking, "", "the schemas that there are", "schema list", DeclareSchemaList},
-    {"schema show", kChecking, "NAME", "print a schema", "schema show vda5050/3.0.0/instantActions",
+    {"schema show", kChecking, "NAME", "print a schema",
+     "schema show vda5050/3.0.0/instantActions\n"
+     "schema show output/result",
      DeclareSchemaShow},
     {"simulate", kChecking, "TARGET...", "virtual robots that answer, with faults on demand",
      "simulate KIT/0001\n"
