@@ -8,8 +8,8 @@
 
 namespace fleetpub::cli {
 
-/// Connects, and while the broker is not there tries again for so long, which is told. Errors: those
-/// of mqtt::ConnectPaho.
+/// Connects, and while the broker is not there tries again for so long, which is told. Errors:
+/// those of mqtt::ConnectPaho.
 [[nodiscard]] Result<std::unique_ptr<mqtt::Transport>> ConnectPatiently(
     const mqtt::ConnectOptions& options, std::chrono::milliseconds patience, Output& output);
 

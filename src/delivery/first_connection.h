@@ -17,8 +17,8 @@ struct FirstConnection {
   std::function<void(const Error&)> waits;
 };
 
-/// Opens it, at the pace of a ReconnectSchedule, until it stands, does not heal, or the end has come.
-/// Tries once at least. Errors: those of the last attempt.
+/// Opens it, at the pace of a ReconnectSchedule, until it stands, does not heal, or the end has
+/// come. Tries once at least. Errors: those of the last attempt.
 [[nodiscard]] Result<std::unique_ptr<mqtt::Transport>> Connect(const FirstConnection& connection,
                                                                mqtt::Deadline end);
 

@@ -422,7 +422,7 @@ TEST_F(Soar, ValidatesByTypeAndAsStrictlyAsAsked) {
   const Finished alone = validate({"--message-type", "mission_plan"});
   EXPECT_EQ(alone.exit_code, 0);
   EXPECT_THAT(alone.errors,
-              HasSubstr("warning: " + (home / "plan.json").string() + ":2:48: /plan"));
+              HasSubstr("warning: " + (home / "plan.json").string() + ":2:47: /plan"));
   EXPECT_EQ(validate({"--message-type", "mission_plan", "--strict"}).exit_code, 3);
   EXPECT_THAT(validate({"--message-type", "observation"}).output,
               HasSubstr("/message_type: is mission_plan, not observation"));

@@ -14,6 +14,7 @@
 #include <limits>
 
 #include "base/json.h"
+#include "base/local_time.h"
 #include "base/text.h"
 #include "base/time.h"
 #include "base/width.h"
@@ -114,7 +115,7 @@ void Output::Trace(std::string_view line) {
 }
 
 void Output::PrintError(const Error& error) {
-  Print(stderr, fmt::format("fleetpub: error: {}\n", error.message));
+  Print(stderr, fmt::format("fleetpub: error: {}\n", base::WithLocalTimes(error.message)));
   if (settings_.verbose && !error.detail.empty()) {
     Print(stderr, fmt::format("fleetpub: detail: {}\n", base::Printable(error.detail)));
   }
@@ -173,7 +174,7 @@ std::string ReportText(const Report& report, std::size_t target_width, const Out
   if (report.header_id) line += fmt::format("  headerId {}", *report.header_id);
   if (report.elapsed.count() > 0) line += "  " + base::FormatElapsed(report.elapsed);
   if (report.version_assumed) line += fmt::format("  {} (assumed)", report.version);
-  if (!report.message.empty()) line += "  " + report.message;
+  if (!report.message.empty()) line += "  " + base::WithLocalTimes(report.message);
   return line;
 }
 

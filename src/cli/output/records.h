@@ -25,8 +25,8 @@ class Records {
   /// Every object as it is.
   Records() = default;
 
-  /// `fields` are names with commas between them (`target,actions.0.type`); empty: all. `columns` are
-  /// the members that the command's objects may have; empty: nobody knows. Errors:
+  /// `fields` are names with commas between them (`target,actions.0.type`); empty: all. `columns`
+  /// are the members that the command's objects may have; empty: nobody knows. Errors:
   /// ErrorKind::kUsage: a field that no object has, a template with a brace too many.
   [[nodiscard]] static Result<Records> Make(std::string_view output, std::string_view fields,
                                             std::vector<std::string> columns);

@@ -1,11 +1,14 @@
 #include "cli/output/output_kinds.h"
 
 #include <gmock/gmock.h>
+#include <gtest/gtest-spi.h>
 
 #include "base/json.h"
 #include "cli/parser/subcommand.h"
 #include "message/command_status.h"
 #include "schema/schema.h"
+#include "support/described_output.h"
+#include "support/operator.h"
 
 namespace fleetpub::cli {
 namespace {
@@ -42,6 +45,19 @@ TEST(OutputSchemas, KnowEachStatus) {
     EXPECT_THAT(statuses, Contains(std::string(facts.name)));
   }
   EXPECT_EQ(statuses.size(), std::size(message::kCommandStatuses));
+}
+
+TEST(OutputSchemas, AreWhatTestsHoldEachObjectAgainst) {
+  const auto check = [](std::vector<std::string> arguments, std::string_view output) {
+    arguments.insert(arguments.begin(), testing::Binary());
+    testing::ExpectDescribed(arguments, output);
+  };
+  check({"ping", "-o", "json"}, "{\"reachable\":false,\"message\":\"no\"}\n");
+  check({"ping", "-o", "json"}, "{\"error\":{\"exitCode\":4,\"message\":\"no\"}}\n");
+  EXPECT_NONFATAL_FAILURE(check({"ping", "-o", "json"}, "{\"reachable\":1}\n"), "/reachable");
+  EXPECT_NONFATAL_FAILURE(check({"ping", "-o", "json"}, "{\"error\":{}}\n"), "output/error");
+  EXPECT_NONFATAL_FAILURE(check({"batch"}, "{\"line\":1}\n"), "output/result");
+  check({"ping"}, "{\"reachable\":1}\n");
 }
 
 }  // namespace
