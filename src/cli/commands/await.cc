@@ -29,17 +29,21 @@ bool IsCondition(std::string_view text) {
 }
 
 // A topic may be left out: then its place holds the first condition.
-Result<app::AwaitRequest> ParseAwaitOptions(const Options& o) {
+std::vector<std::string> ConditionTexts(const Options& o) {
   std::vector<std::string> texts = o.conditions;
-  const bool has_topic = !IsCondition(o.topic);
-  if (!has_topic) texts.insert(texts.begin(), o.topic);
+  if (IsCondition(o.topic)) texts.insert(texts.begin(), o.topic);
+  return texts;
+}
+
+Result<app::AwaitRequest> ParseAwaitOptions(const Options& o) {
+  const std::vector<std::string> texts = ConditionTexts(o);
   if (o.target.empty() || o.topic.empty() || texts.empty()) {
     return Fail(ErrorKind::kUsage,
                 "await needs a robot and what its message must say. try: "
                 "fleetpub await KIT/0001 paused=true");
   }
   app::AwaitRequest request{.target = o.target,
-                            .topic = has_topic ? o.topic : "state",
+                            .topic = IsCondition(o.topic) ? "state" : o.topic,
                             .conditions = {},
                             .timeout = o.timeout,
                             .vda = o.vda};
@@ -56,10 +60,8 @@ Result<ExitCode> RunAwait(const Options& o, const Context& context) {
   if (!request) return Fail(request.error());
   const InterruptGuard interrupt;
   Output& output = context.output;
-  std::vector<std::string> said = o.conditions;
-  if (IsCondition(o.topic)) said.insert(said.begin(), o.topic);
   const std::string what =
-      base::Printable(fmt::format("{}: {}", request->topic, base::Join(said, ", ")));
+      base::Printable(fmt::format("{}: {}", request->topic, base::Join(ConditionTexts(o), ", ")));
   const auto show = [&](const vda5050::RobotAddress& robot, const std::string& line,
                         std::chrono::nanoseconds elapsed) {
     if (o.print || output.json()) {
