@@ -8,6 +8,7 @@
 #include <cmath>
 #include <ctime>
 
+#include "base/scanner.h"
 #include "base/text.h"
 
 namespace fleetpub::base {
@@ -18,46 +19,6 @@ using std::chrono::microseconds;
 using std::chrono::milliseconds;
 using std::chrono::nanoseconds;
 using std::chrono::sys_days;
-
-// Reads fixed-width numbers and punctuation from the front of a text.
-class Scanner {
- public:
-  explicit Scanner(std::string_view text) : rest_(text) {}
-
-  bool Digits(int count, int& value) {
-    if (rest_.size() < static_cast<std::size_t>(count)) return false;
-    value = 0;
-    for (int i = 0; i < count; ++i) {
-      const char c = rest_[static_cast<std::size_t>(i)];
-      if (c < '0' || c > '9') return false;
-      value = value * 10 + (c - '0');
-    }
-    rest_.remove_prefix(static_cast<std::size_t>(count));
-    return true;
-  }
-  bool OneOf(std::string_view set) {
-    if (rest_.empty() || set.find(rest_.front()) == std::string_view::npos) return false;
-    rest_.remove_prefix(1);
-    return true;
-  }
-  // The digits after a decimal point as microseconds.
-  bool Fraction(microseconds& value) {
-    int scale = 100'000;
-    value = microseconds(0);
-    if (rest_.empty() || rest_.front() < '0' || rest_.front() > '9') return false;
-    while (!rest_.empty() && rest_.front() >= '0' && rest_.front() <= '9') {
-      value += microseconds(scale * (rest_.front() - '0'));
-      scale /= 10;
-      rest_.remove_prefix(1);
-    }
-    return true;
-  }
-  [[nodiscard]] bool AtEnd() const { return rest_.empty(); }
-  [[nodiscard]] char Front() const { return rest_.empty() ? '\0' : rest_.front(); }
-
- private:
-  std::string_view rest_;
-};
 
 bool ScanOffset(Scanner& scanner, std::chrono::minutes& offset) {
   if (scanner.OneOf("Zz")) return true;

@@ -1,9 +1,13 @@
 #include "cli/environment.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <chrono>
 #include <utility>
 
+#include "base/time.h"
+#include "delivery/first_connection.h"
 #include "mqtt/paho/paho_transport.h"
 
 namespace fleetpub::cli {
@@ -11,13 +15,22 @@ namespace {
 
 using std::chrono::milliseconds;
 
-// Connects as these options say; at most the connect timeout and the deadline.
-delivery::ConnectHook MakeConnectHook(mqtt::ConnectOptions options) {
-  return [options = std::move(options)](mqtt::Deadline deadline) {
-    mqtt::ConnectOptions timely = options;
-    const auto left = std::chrono::ceil<milliseconds>(deadline - std::chrono::steady_clock::now());
-    timely.connect_timeout = std::clamp(left, milliseconds(1), options.connect_timeout);
-    return mqtt::ConnectPaho(timely);
+// One attempt; at most the connect timeout and the deadline.
+auto ConnectBy(const mqtt::ConnectOptions& options, mqtt::Deadline deadline,
+               bool* may_heal = nullptr) {
+  mqtt::ConnectOptions timely = options;
+  const auto left = std::chrono::ceil<milliseconds>(deadline - std::chrono::steady_clock::now());
+  timely.connect_timeout = std::clamp(left, milliseconds(1), options.connect_timeout);
+  return mqtt::ConnectPaho(timely, may_heal);
+}
+
+// Connects as these options say.
+delivery::ConnectHook MakeConnectHook(mqtt::ConnectOptions options, milliseconds patience,
+                                      Output& output) {
+  return [options = std::move(options), patience, &output](mqtt::Deadline deadline) mutable {
+    const auto first = std::exchange(patience, milliseconds(0));
+    return first.count() > 0 ? ConnectPatiently(options, first, output)
+                             : ConnectBy(options, deadline);
   };
 }
 
@@ -28,18 +41,33 @@ std::string FormatSite(const Context& context) {
   return brokers ? app::FormatSite(brokers->front(), context.config.profile) : "";
 }
 
-app::Environment MakeEnvironment(const Context& context) {
+Result<std::unique_ptr<mqtt::Transport>> ConnectPatiently(const mqtt::ConnectOptions& options,
+                                                          milliseconds patience, Output& output) {
+  if (patience.count() == 0) return mqtt::ConnectPaho(options);
+  const auto waits = [&](const Error& error) {
+    output.Info(
+        fmt::format("{}; trying again for {}", error.message, base::FormatElapsed(patience)));
+  };
+  return delivery::Connect(
+      {.open = [&](mqtt::Deadline deadline,
+                   bool& may_heal) { return ConnectBy(options, deadline, &may_heal); },
+       .waits = waits},
+      std::chrono::steady_clock::now() + patience);
+}
+
+app::Environment MakeEnvironment(const Context& context, milliseconds patience) {
   const GlobalOptions& o = context.options;
   return {.config = context.config,
           .schema_directory = o.schema_directory,
           .names_broker = !o.brokers.empty() || !o.host.empty() || o.port.has_value(),
           .site = FormatSite(context),
-          .connection = [context]() -> Result<app::Connection> {
+          .connection = [context, patience]() -> Result<app::Connection> {
             auto options = MakeConnectOptions(context);
             if (!options) return Fail(std::move(options.error()));
             const auto timeout = options->connect_timeout;
             const auto version = options->version;
-            return app::Connection{timeout, version, MakeConnectHook(*std::move(options))};
+            return app::Connection{timeout, version,
+                                   MakeConnectHook(*std::move(options), patience, context.output)};
           },
           .ledger = [context](ledger::OpenMode mode) { return OpenLedger(context, mode); }};
 }

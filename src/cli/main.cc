@@ -16,6 +16,7 @@
 
 #include "base/text.h"
 #include "cli/commands/version.h"
+#include "cli/output/output_kinds.h"
 #include "cli/output/pager.h"
 #include "cli/parser/command_line.h"
 #include "cli/parser/help.h"
@@ -26,7 +27,7 @@ namespace fleetpub::cli {
 namespace {
 
 // What a script asked for, even if its command line cannot be read.
-Format FindFormat(const std::vector<std::string>& arguments, const GlobalOptions& options) {
+Format FormatOfErrors(const std::vector<std::string>& arguments, const GlobalOptions& options) {
   const auto asks = [&](std::size_t i) {
     const std::string& word = arguments[i];
     const bool is_option = word == "-o" || word == "--output";
@@ -42,7 +43,7 @@ Format FindFormat(const std::vector<std::string>& arguments, const GlobalOptions
 // Ends a command that could not begin.
 ExitCode EndBefore(const Error& error, const std::vector<std::string>& arguments,
                    const GlobalOptions& options) {
-  Output output({.format = FindFormat(arguments, options), .verbose = options.verbose});
+  Output output({.format = FormatOfErrors(arguments, options), .verbose = options.verbose});
   output.PrintFinalError(error, GetExitCode(error.kind));
   return GetExitCode(error.kind);
 }
@@ -101,6 +102,16 @@ ExitCode NoCommand() {
   return ExitCode::kUsage;
 }
 
+// What the command's objects are to be shown as.
+Result<Records> MakeRecords(const CommandLine& call) {
+  const GlobalOptions& options = call.options;
+  const bool is_plain = options.format == "text" || options.format == "json";
+  if (is_plain && options.fields.empty()) return Records();
+  const std::string schema = FindOutputSchema(call.match.name, call.match.arguments);
+  return Records::Make(options.format, options.fields,
+                       schema.empty() ? std::vector<std::string>() : ListMembers(schema));
+}
+
 ExitCode RunMain(const std::vector<std::string>& arguments, const BuildInfo& build) {
   if (!arguments.empty() && arguments.front() == kCompleteWord) return PrintCandidates(arguments);
   auto call = std::make_unique<CommandLine>();
@@ -118,7 +129,10 @@ ExitCode RunMain(const std::vector<std::string>& arguments, const BuildInfo& bui
     return EndBefore(configured.error(), arguments, call->options);
   }
   const GlobalOptions& options = call->options;
-  Output output({.format = options.format == "json" ? Format::kJson : Format::kText,
+  auto records = MakeRecords(*call);
+  if (!records) return EndBefore(records.error(), arguments, options);
+  Output output({.format = FindFormat(options.format),
+                 .records = *std::move(records),
                  .quiet = options.quiet,
                  .verbose = options.verbose || !options.debug.empty(),
                  .color = options.color});

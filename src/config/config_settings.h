@@ -15,7 +15,7 @@ namespace fleetpub::config {
 
 // What a setting of few values may be; the options that stand for it read the same tables.
 
-inline constexpr auto kOutputs = std::to_array<std::string_view>({"text", "json"});
+inline constexpr auto kOutputs = std::to_array<std::string_view>({"text", "json", "csv", "tsv"});
 inline constexpr auto kActionsKeys = std::to_array<std::string_view>({"actions", "instantActions"});
 inline constexpr auto kQos = std::to_array<base::Choice<mqtt::Qos>>({
     {"0", mqtt::Qos::kAtMostOnce},

@@ -15,7 +15,7 @@ class PlatformRunner final : public Inhabitant {
       : fleet_(fleet), options_(options) {}
 
   Status Connect() override {
-    auto transport = mqtt::ConnectPaho(options_.connect);
+    auto transport = mqtt::ConnectPaho(options_.connect, &may_heal_);
     if (!transport) return Fail(std::move(transport.error()));
     transport_ = *std::move(transport);
     const auto filters = fleet_.Subscriptions();
@@ -39,6 +39,8 @@ class PlatformRunner final : public Inhabitant {
     out_.clear();
   }
 
+  [[nodiscard]] bool MayHeal() const override { return may_heal_; }
+
   Status Disconnect() override {
     transport_->Disconnect();
     return {};
@@ -61,6 +63,7 @@ class PlatformRunner final : public Inhabitant {
 
   PlatformFleet& fleet_;
   const RunOptions& options_;
+  bool may_heal_ = false;  // of the last attempt to connect
   std::unique_ptr<mqtt::Transport> transport_;
   std::vector<mqtt::Message> out_;
 };

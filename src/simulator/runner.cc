@@ -34,10 +34,12 @@ class Runner final : public Inhabitant {
   Runner(Fleet& fleet, const RunOptions& options) : fleet_(fleet), options_(options) {}
 
   Status Connect() override {
-    const bool is_first = !std::exchange(has_looked_, true);
+    const bool is_first = !has_greeted_;
+    may_heal_ = false;
     auto ok = is_first ? LookAround() : Status();
     if (ok) ok = Open();
     if (ok) ok = Greet(is_first);
+    has_greeted_ = has_greeted_ || ok;
     return ok;
   }
 
@@ -80,6 +82,8 @@ class Runner final : public Inhabitant {
     return {};
   }
 
+  [[nodiscard]] bool MayHeal() const override { return may_heal_; }
+
   [[nodiscard]] bool IsGone() const override { return fleet_.present() == 0; }
 
  private:
@@ -91,7 +95,7 @@ class Runner final : public Inhabitant {
   Status Open() {
     mqtt::ConnectOptions main = options_.connect;
     if (fleet_.size() == 1) main.will = fleet_.MakeWill(0, Now());
-    auto transport = mqtt::ConnectPahoAsRobot(main);
+    auto transport = mqtt::ConnectPahoAsRobot(main, &may_heal_);
     if (!transport) return Fail(std::move(transport.error()));
     transport_ = *std::move(transport);
     if (fleet_.size() == 1 || fleet_.size() > kMostWills) return {};
@@ -101,7 +105,7 @@ class Runner final : public Inhabitant {
       mqtt::ConnectOptions aside = options_.connect;
       aside.will = fleet_.MakeWill(i, Now());
       if (!aside.client_id.empty()) aside.client_id += fmt::format("-{}", i + 1);
-      auto connection = mqtt::ConnectPaho(aside);
+      auto connection = mqtt::ConnectPaho(aside, &may_heal_);
       if (!connection) return Fail(std::move(connection.error()));
       wills_.back() = *std::move(connection);
     }
@@ -120,7 +124,7 @@ class Runner final : public Inhabitant {
     }
     if (filters.empty()) return {};
     // One without a will, which would be told of the robot that is there.
-    const auto transport = mqtt::ConnectPaho(options_.connect);
+    const auto transport = mqtt::ConnectPaho(options_.connect, &may_heal_);
     if (!transport) return Fail(transport.error());
     auto asked = (*transport)->Subscribe(filters, mqtt::Qos::kAtMostOnce, Patience());
     if (asked) asked = (*transport)->Unsubscribe(filters, Patience());
@@ -258,7 +262,8 @@ class Runner final : public Inhabitant {
 
   Fleet& fleet_;
   const RunOptions& options_;
-  bool has_looked_ = false;  // whether its places are free
+  bool has_greeted_ = false;
+  bool may_heal_ = false;  // of the last attempt to connect  // whether its places are free
   std::unique_ptr<mqtt::RobotTransport> transport_;
   std::vector<std::unique_ptr<mqtt::Transport>> wills_;
   steady_clock::time_point next_look_;
@@ -282,7 +287,8 @@ Status KeepAtBroker(Inhabitant& inhabitant, const RunOptions& options) {
   bool is_told = false;  // that the connection is lost
   while (!is_over()) {
     auto ok = inhabitant.Connect();
-    if (!ok && !is_ready) return ok;
+    const bool in_time = steady_clock::now() < start + options.connect.connect_timeout;
+    if (!ok && !is_ready && !(in_time && inhabitant.MayHeal())) return ok;
     const bool was_connected = ok.has_value();
     if (ok) {
       schedule.Connected(steady_clock::now());
@@ -293,7 +299,11 @@ Status KeepAtBroker(Inhabitant& inhabitant, const RunOptions& options) {
     }
     if (!std::exchange(is_told, true)) options.on_lost(ok.error());
     inhabitant.Drop();
-    was_connected ? schedule.Lost(steady_clock::now()) : schedule.Failed(steady_clock::now());
+    if (was_connected || !is_ready) {
+      schedule.Lost(steady_clock::now());
+    } else {
+      schedule.Failed(steady_clock::now());
+    }
     while (!is_over() && steady_clock::now() < schedule.next()) {
       std::this_thread::sleep_for(kStopPollInterval);
     }

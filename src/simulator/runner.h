@@ -45,6 +45,8 @@ class Inhabitant {
   [[nodiscard]] virtual Status Turn() = 0;
   /// Forgets a connection that is lost.
   virtual void Drop() = 0;
+  /// Whether a Connect that failed may end otherwise later.
+  [[nodiscard]] virtual bool MayHeal() const { return false; }
   /// Takes its leave, over an open connection.
   [[nodiscard]] virtual Status Disconnect() = 0;
   /// Whether it has gone by itself.
@@ -52,7 +54,8 @@ class Inhabitant {
 };
 
 /// Keeps it there until the time is over, `stopped` says so or it has gone. A connection that is
-/// lost is made again. Errors: those of the first Connect, and Disconnect's.
+/// lost is made again; so is the first, for as long as the connect timeout and while it may heal.
+/// Errors: those of the first Connect, and Disconnect's.
 [[nodiscard]] Status KeepAtBroker(Inhabitant& inhabitant, const RunOptions& options);
 
 /// Runs the robots until the time is over, `stopped` says so, or all of them have shut down; then

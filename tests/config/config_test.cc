@@ -104,7 +104,7 @@ TEST(Config, WhatIsNotUnderstoodIsRefusedWithItsPlace) {
            {"broker = []\n", "not an empty list"},
            {"broker = [1]\n", "broker: takes a text in quotation marks or a list of such"},
            {"vda = \"4\"\n", "c.toml:1:7: vda: "},
-           {"output = \"xml\"\n", "output: takes text, json, not 'xml'"},
+           {"output = \"xml\"\n", "output: takes text, json, csv, tsv, not 'xml'"},
            {"qos = 3\n", "qos: takes 0, 1, 2, not '3'"},
            {"keep_alive = 2026-01-01\n", "not a date or time"},
            {"profile = 1\n", "profile holds tables"},

@@ -49,8 +49,11 @@ TEST_F(FleetWatchAwait, AwaitsWithARetainedMessageOfAnyVersion) {
   const Finished run =
       Fleetpub({"await", "KIT/0001", "connection", "connectionState=ONLINE", "-W", "5s"});
   EXPECT_EQ(run.exit_code, 0) << run.errors;
-  EXPECT_THAT(run.output, AllOf(StartsWith("KIT/0001  connection  "), HasSubstr("\"ONLINE\"")));
+  EXPECT_THAT(run.output, StartsWith("KIT/0001  connection: connectionState=ONLINE  after "));
   EXPECT_THAT(Lines(run.output), SizeIs(1));
+  EXPECT_THAT(
+      Fleetpub({"await", "KIT/0001", "connection", "connectionState=ONLINE", "--print"}).output,
+      AllOf(StartsWith("{"), HasSubstr(R"("connectionState":"ONLINE")")));
   EXPECT_EQ(Fleetpub({"await", "KIT/0001", "factsheet", "version=2.0.0", "--vda", "2", "-W", "5s"})
                 .exit_code,
             0);
@@ -100,7 +103,7 @@ TEST_F(FleetWatchAwait, AwaitsThroughARestartOfTheBroker) {
 TEST_F(FleetWatchAwait, SaysThatTheBrokerIsNotThere) {
   operator_.UseBroker("mqtt://127.0.0.1:1");
   for (const auto& arguments : std::vector<std::vector<std::string>>{
-           {"await", "KIT/0001", "state", "a=1"}, {"fleet"}, {"watch"}}) {
+           {"await", "KIT/0001", "state", "a=1", "-W", "300ms"}, {"fleet"}, {"watch"}}) {
     EXPECT_EQ(Fleetpub(arguments).exit_code, 4) << arguments.front();
   }
 }

@@ -121,7 +121,7 @@ TEST_F(ReadOnlyCommands, PutsSchemasOfAFolderBeforeItsOwn) {
     command.input = "{}";
     return testing::Run(command);
   };
-  EXPECT_EQ(validate("order").output, "standard input: mine is required but missing\n");
+  EXPECT_EQ(validate("order").output, "standard input:1:1: mine is required but missing\n");
   EXPECT_THAT(validate("visualization").output, HasSubstr("referenceStateHeaderId"));
   EXPECT_THAT(validate("state").errors,
               HasSubstr("published/3.0/state.schema: not valid JSON at line 3, column 1"));
@@ -167,6 +167,61 @@ TEST_F(ReadOnlyCommands, ValidatesLinesWithTheirNumbers) {
   EXPECT_FALSE(Json(lines[1])["valid"].GetBool());
 }
 
+TEST_F(ReadOnlyCommands, ValidatesFilesAndFolders) {
+  const auto& home = operator_.home();
+  const std::string good = Send({"pause", "KIT/0001", "-n"}).output;
+  home.Write("orders/a/good.json", good);
+  home.Write("orders/bad.json", "{\n  \"version\": \"3.0.0\",\n  \"nodes\": 1\n}\n");
+  home.Write("orders/broken.json", "{\n  \"version\":,\n}");
+  home.Write("orders/many.jsonl", good + good);
+  home.Write("orders/.git/x.json", "no message");
+  home.Write("orders/readme.txt", "no message");
+  const std::string folder = home / "orders";
+  const Finished run = Fleetpub({"validate", folder});
+  EXPECT_EQ(run.exit_code, 3);
+  EXPECT_THAT(run.output,
+              AllOf(HasSubstr("a/good.json: valid\n"), HasSubstr("bad.json:3:3: /nodes: "),
+                    HasSubstr("broken.json:2:13: not valid JSON"), HasSubstr("many.jsonl:2: valid"),
+                    HasSubstr("\n4 files: 3 valid, 2 invalid\n")));
+  EXPECT_THAT(run.output, Not(HasSubstr(".git")));
+  const auto lines = Lines(Fleetpub({"validate", folder + "/bad.json", "-o", "json"}).output);
+  ASSERT_THAT(lines, SizeIs(1));
+  const auto bad = Json(lines[0]);
+  EXPECT_EQ(bad["file"].GetString(), folder + "/bad.json");
+  EXPECT_EQ(bad["errors"][0]["line"].GetInt(), 1) << "what is missing, is missing in all of it";
+  const Finished some =
+      Fleetpub({"validate", folder + "/a/good.json", folder + "/none.json", "-o", "json"});
+  EXPECT_EQ(some.exit_code, 8);
+  EXPECT_EQ(Json(Lines(some.output).back())["summary"]["valid"].GetInt(), 1);
+}
+
+TEST_F(ReadOnlyCommands, TakesNoEmptyInputForValid) {
+  operator_.home().Write("folder/readme.txt", "no message");
+  const auto empty = operator_.home().Write("empty.jsonl", "\n\n").string();
+  for (const std::vector<std::string>& words :
+       {std::vector<std::string>{"validate"},
+        {"validate", "--lines"},
+        {"validate", empty},
+        {"validate", (operator_.home() / "folder").string()}}) {
+    EXPECT_EQ(Fleetpub(words).exit_code, 3) << words.back();
+  }
+  EXPECT_EQ(Fleetpub({"validate", (operator_.home() / "none").string()}).exit_code, 8);
+}
+
+TEST_F(ReadOnlyCommands, ValidatesAMessageWhoseHeaderIsStillToCome) {
+  const auto body = operator_.home().Write(
+      "body.json", R"({"actions":[{"actionType":"startPause","actionId":"1",)"
+                   R"("blockingType":"NONE"}]})");
+  const std::string file = body.string();
+  EXPECT_EQ(Fleetpub({"validate", file, "--vda", "3"}).exit_code, 3);
+  EXPECT_EQ(Fleetpub({"validate", file, "--vda", "3", "--body"}).exit_code, 0);
+  EXPECT_EQ(Fleetpub({"validate", file, "--body"}).exit_code, 3) << "of which version?";
+  const auto wrong = operator_.home().Write("wrong.json", R"({"headerId":"x","actions":[]})");
+  EXPECT_THAT(Fleetpub({"validate", wrong.string(), "--vda", "3", "--body"}).output,
+              HasSubstr("/headerId"));
+  EXPECT_EQ(Fleetpub({"validate", file, "--body", "--protocol", "soar"}).exit_code, 2);
+}
+
 TEST_F(ReadOnlyCommands, SurvivesHostileMessagesAndSchemas) {
   const std::vector<std::string> messages = {
       std::string(1'000'000, '['), "\xFF", "", std::string("{}\0{}", 5),
@@ -196,6 +251,40 @@ TEST_F(ReadOnlyCommands, ShowsAndListsSchemas) {
   EXPECT_THAT(wrong.errors, HasSubstr("did you mean vda5050/3.0.0/instantActions?"));
 }
 
+TEST_F(ReadOnlyCommands, PrintsResultsForPipelines) {
+  const auto run = [&](std::vector<std::string> more) {
+    std::vector<std::string> words = {"pause", "KIT/0001", "KIT/0002", "-o"};
+    words.insert(words.end(), more.begin(), more.end());
+    return Send(std::move(words));
+  };
+  EXPECT_EQ(run({"csv", "--fields", "target,status,actions.0.type"}).output,
+            "target,status,actions.0.type\nKIT/0001,SENT,startPause\nKIT/0002,SENT,startPause\n");
+  const auto tsv = Lines(run({"tsv"}).output);
+  ASSERT_THAT(tsv, SizeIs(3));
+  EXPECT_THAT(tsv[0], HasSubstr("target\tprotocol\tversion\ttopic\tactions"));
+  EXPECT_EQ(run({"template={target} {status}"}).output, "KIT/0001 SENT\nKIT/0002 SENT\n");
+  const auto json = Lines(run({"json", "--fields", "headerId"}).output);
+  ASSERT_THAT(json, SizeIs(2));
+  EXPECT_EQ(Json(json[0]).MemberCount(), 1U);
+  for (const auto& wrong : std::vector<std::vector<std::string>>{{"csv", "--fields", "targt"},
+                                                                 {"text", "--fields", "target"},
+                                                                 {"template={x"},
+                                                                 {"xml"}}) {
+    EXPECT_EQ(run(wrong).exit_code, 2) << wrong[0];
+  }
+  EXPECT_THAT(Lines(Fleetpub({"history", "-o", "csv", "--fields", "id"}).output), SizeIs(9))
+      << "nothing was sent for what was refused";
+  EXPECT_EQ(Fleetpub({"history", "show", "99", "-o", "csv"}).output, "") << "errors are no rows";
+}
+
+TEST_F(ReadOnlyCommands, DescribesItsOwnOutputAndConfiguration) {
+  EXPECT_STREQ(Json(Fleetpub({"schema", "show", "output/result"}).output)["title"].GetString(),
+               "result");
+  EXPECT_STREQ(Json(Fleetpub({"schema", "show", "config"}).output)["title"].GetString(),
+               "config.toml");
+  EXPECT_THAT(Fleetpub({"schema", "list"}).output, HasSubstr("fleetpub/output/result"));
+}
+
 TEST_F(ReadOnlyCommands, RemembersWhatWasSent) {
   EXPECT_EQ(Send({"pause", "KIT/0001"}).exit_code, 0);
   EXPECT_EQ(Send({"resume", "KIT/0002", "-q", "1"}).exit_code, 0);
@@ -214,11 +303,51 @@ TEST_F(ReadOnlyCommands, RemembersWhatWasSent) {
   EXPECT_THAT(newest.errors, HasSubstr("older ones are not shown"));
   EXPECT_THAT(Fleetpub({"history", "--limit", "2"}).errors, IsEmpty());
   EXPECT_EQ(Fleetpub({"history", "--status", "lost"}).exit_code, 2);
-  EXPECT_EQ(Fleetpub({"history", "--target", "KIT/*"}).exit_code, 2);
   EXPECT_THAT(Fleetpub({"history", "--ledger", "no-such.db"}).errors,
               HasSubstr("there is no ledger at no-such.db"));
   EXPECT_THAT(Fleetpub({"history", "prune", "--older-than", "0s"}).output, HasSubstr("2 rows"));
   EXPECT_EQ(Json(Send({"pause", "KIT/0001", "-o", "json"}).output)["headerId"].GetInt(), 1);
+}
+
+TEST_F(ReadOnlyCommands, FindsInTheHistoryWhoeverIsNamed) {
+  operator_.home().Write(".config/fleetpub/config.toml",
+                         "[robot.\"KIT/0001\"]\nalias = \"agv1\"\n"
+                         "[group]\nhall-1 = [\"agv1\", \"ABC/7\"]\n");
+  for (const char* robot : {"KIT/0001", "KIT/0002", "ABC/7"}) {
+    EXPECT_EQ(Send({"pause", robot}).exit_code, 0);
+  }
+  const auto count = [&](std::vector<std::string> words) {
+    words.insert(words.begin(), "history");
+    const Finished run = Fleetpub(std::move(words));
+    EXPECT_EQ(run.exit_code, 0) << run.errors;
+    return Lines(run.output).size() - 1;  // the names of the columns
+  };
+  EXPECT_EQ(count({"KIT/0001"}), 1U);
+  EXPECT_EQ(count({"KIT/*"}), 2U);
+  EXPECT_EQ(count({"@hall-1"}), 2U);
+  EXPECT_EQ(count({"agv1", "--target", "*/7"}), 2U);
+  EXPECT_EQ(count({"KIT/*", "--limit", "1"}), 1U);
+  EXPECT_EQ(count({"--since", "today", "--until", "23:59:59"}), 0U) << "23:59:59 was yesterday's";
+  EXPECT_THAT(Fleetpub({"history", "*/*", "--limit", "2"}).errors,
+              HasSubstr("older ones are not shown"));
+  EXPECT_EQ(Fleetpub({"history", "@no-such"}).exit_code, 2);
+  const Finished number = Fleetpub({"history", "2"});
+  EXPECT_EQ(number.exit_code, 2);
+  EXPECT_THAT(number.errors, HasSubstr("fleetpub history show 2"));
+}
+
+TEST_F(ReadOnlyCommands, TellsInTheHistoryWhyAndWhen) {
+  EXPECT_EQ(Send({"pause", "KIT/0001"}).exit_code, 0);
+  EXPECT_EQ(Fleetpub({"pause", "KIT/0002", "--vda", "3.0", "--no-check", "--wait", "-W", "50ms"})
+                .exit_code,
+            6);
+  const auto rows = Lines(Fleetpub({"history"}).output);
+  ASSERT_THAT(rows, SizeIs(3));
+  EXPECT_THAT(rows[0], AllOf(HasSubstr("LOCAL TIME"), HasSubstr("REASON")));
+  const std::string why =
+      Json(Lines(Fleetpub({"history", "-o", "json"}).output)[1])["message"].GetString();
+  EXPECT_THAT(rows[2], ::testing::EndsWith("  TIMEOUT  " + why));
+  EXPECT_THAT(Fleetpub({"history", "show", "2"}).output, HasSubstr(" s ago"));
 }
 
 TEST_F(ReadOnlyCommands, PingsTheBroker) {

@@ -203,7 +203,7 @@ TEST_F(Simulate, RefusesWhatMakesNoSense) {
     EXPECT_THAT(run.errors, HasSubstr(why));
   }
   operator_.UseBroker("mqtt://127.0.0.1:1");
-  EXPECT_EQ(Fleetpub({"simulate", "KIT/1"}).exit_code, 4);
+  EXPECT_EQ(Fleetpub({"simulate", "KIT/1", "--connect-timeout", "200ms"}).exit_code, 4);
 }
 
 }  // namespace

@@ -424,7 +424,8 @@ TEST_F(Soar, ValidatesByTypeAndAsStrictlyAsAsked) {
   EXPECT_THAT(validate({}).output, HasSubstr("header, payload are required but missing"));
   const Finished alone = validate({"--message-type", "mission_plan"});
   EXPECT_EQ(alone.exit_code, 0);
-  EXPECT_THAT(alone.errors, HasSubstr("warning: " + (home / "plan.json").string() + ": /plan"));
+  EXPECT_THAT(alone.errors,
+              HasSubstr("warning: " + (home / "plan.json").string() + ":2:47: /plan"));
   EXPECT_EQ(validate({"--message-type", "mission_plan", "--strict"}).exit_code, 3);
   EXPECT_THAT(validate({"--message-type", "observation"}).output,
               HasSubstr("/message_type: is mission_plan, not observation"));
@@ -477,7 +478,10 @@ TEST_F(Soar, SimulatesNothingThatMakesNoSense) {
       {{"simulate", "--protocol", "soar", "ah1", "--stop-at", "x"}, 2, "--stop-at takes"},
       {{"simulate", "--protocol", "mqtt", "ah1"}, 2, "--protocol takes"},
       {{"simulate", "KIT/1", "--stop-at", "executed"}, 2, "--stop-at belongs to"},
-      {{"simulate", "--protocol", "soar", "ah1", "-b", "mqtt://127.0.0.1:1"}, 4, "127.0.0.1:1"},
+      {{"simulate", "--protocol", "soar", "ah1", "-b", "mqtt://127.0.0.1:1", "--connect-timeout",
+        "200ms"},
+       4,
+       "127.0.0.1:1"},
   };
   for (const auto& [arguments, exit_code, sentence] : cases) {
     const Finished run = Fleetpub(arguments);

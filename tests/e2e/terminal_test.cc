@@ -252,6 +252,19 @@ TEST_F(OnATerminal, ResultsAndHistoryAlignWideNames) {
   EXPECT_THAT(Lines(narrow.Shown())[0], MatchesRegex(" +ID  TARGET       ACTION +STATUS"));
 }
 
+TEST_F(OnATerminal, HistoryShowsAsMuchAsFits) {
+  ASSERT_EQ(Send({"pause", "KIT/0001", "KIT/0002", "KIT/0003", "KIT/0004", "KIT/0005", "KIT/0006",
+                  "KIT/0007", "KIT/0008"})
+                .exit_code,
+            0);
+  Terminal terminal(Line({"history"}) + "; sleep 100", 80, 9);
+  ASSERT_TRUE(terminal.Await("KIT/0008"));
+  EXPECT_THAT(terminal.Shown(), AllOf(HasSubstr("--limit 0"), HasSubstr("REASON"),
+                                      HasSubstr("KIT/0003"), Not(HasSubstr("KIT/0002"))));
+  const auto lines = Lines(Fleetpub({"history"}).output);
+  EXPECT_EQ(lines.size(), 9U) << "elsewhere all";
+}
+
 // ── progress ──
 
 class Progress : public OnATerminal {

@@ -102,6 +102,13 @@ TEST_P(History, GivesFiftyUnlessAsked) {
   EXPECT_EQ(Rows({.limit = 0}).size(), 60U);
 }
 
+TEST_P(History, IsReadPageByPage) {
+  std::vector<std::int64_t> rows;
+  for (int i = 0; i < 4; ++i) rows.push_back(Add());
+  EXPECT_THAT(Rows({.below = rows[3], .limit = 2}), ElementsAre(rows[1], rows[2]));
+  EXPECT_THAT(Rows({.below = rows[0]}), IsEmpty());
+}
+
 TEST_P(History, IsFilteredByTarget) {
   Add(DraftFor(1));
   const std::int64_t row = Add(DraftFor(12));

@@ -33,8 +33,10 @@ class FakeInhabitant final : public Inhabitant {
     return {};
   }
   [[nodiscard]] bool IsGone() const override { return is_gone; }
+  [[nodiscard]] bool MayHeal() const override { return may_heal; }
 
   bool is_gone = false;
+  bool may_heal = false;
 };
 
 class KeepingRobotsAtABroker : public ::testing::Test {
@@ -67,6 +69,22 @@ TEST_F(KeepingRobotsAtABroker, FailsWhenTheFirstConnectionDoes) {
   ASSERT_FALSE(kept);
   EXPECT_EQ(kept.error().message, "refused");
   EXPECT_THAT(told_, ElementsAre());
+}
+
+TEST_F(KeepingRobotsAtABroker, WaitsForOneThatIsNotThereYet) {
+  robot_.connects = {false, true, true};
+  robot_.may_heal = true;
+  EXPECT_TRUE(Keep());
+  EXPECT_THAT(robot_.did, ElementsAre("fail", "drop", "connect", "drop", "connect", "disconnect"));
+  EXPECT_THAT(told_, ElementsAre("refused", "ready", "lost"));
+}
+
+TEST_F(KeepingRobotsAtABroker, WaitsForItNoLongerThanTheConnectTimeout) {
+  robot_.connects = {false, false, false};
+  robot_.may_heal = true;
+  options_.connect.connect_timeout = std::chrono::milliseconds(300);
+  EXPECT_FALSE(Keep());
+  EXPECT_THAT(robot_.did, ElementsAre("fail", "drop", "fail"));
 }
 
 TEST_F(KeepingRobotsAtABroker, StopsWhileItWaitsToConnectAgain) {

@@ -65,7 +65,7 @@ const World kLooking = {
         "fleetpub charge KIT/0001 --wait",
     // The one that has gone would be waited for.
     .before = {
-        {"fleetpub await KIT/0001 state paused=true",
+        {"fleetpub await KIT/0001 paused=true",
          "fleetpub uncharge KIT/0001 --wait; publish -r -n -t uagv/v2/KIT/0002/connection"}}};
 
 const World kShow = {.setup =
@@ -222,6 +222,13 @@ const std::map<std::string, std::map<std::string, World>>& Worlds() {
            {"Fleet, watch, await", kLooking},
            {"Show", kShow},
            {"SoAR", kSoar},
+           {"Validation",
+            {.setup = "mkdir orders\n"
+                      "printf '{\"orderId\":\"o\",\"orderUpdateId\":0,\"edges\":[],\\n  "
+                      "\"nodes\":[{\"nodeId\":\"n\",\"sequenceId\":0,\\n    "
+                      "\"released\":true,\"actions\":[]}]}' > orders/south.json\n"
+                      "sed 's/true/\"true\"/' orders/south.json > orders/north.json",
+             .codes = {{"fleetpub validate orders/", 3}}}},
            {"Live", kLive},
        }},
       {"README.md",

@@ -15,6 +15,8 @@
 #include <stdexcept>
 #include <system_error>
 
+#include "support/described_output.h"
+
 extern char** environ;
 
 namespace fleetpub::testing {
@@ -78,7 +80,7 @@ int LeftUntil(steady_clock::time_point deadline) {
 
 }  // namespace
 
-Process::Process(Command command) {
+Process::Process(Command command) : arguments_(command.arguments) {
   // A write to a child that has gone is no reason to die.
   static const auto ignored = signal(SIGPIPE, SIG_IGN);
   static_cast<void>(ignored);
@@ -139,6 +141,7 @@ Process::~Process() {
     Signal(SIGKILL);
     static_cast<void>(Wait());
   }
+  ExpectDescribed(arguments_, Output());
   for (const int descriptor : {process_, input_, output_, errors_}) {
     if (descriptor >= 0) close(descriptor);
   }

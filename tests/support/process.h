@@ -26,7 +26,8 @@ struct Command {
 };
 
 /// Output goes to memory, so that a child never blocks on it. Killed by the destructor when still
-/// running, and by the kernel when the test's thread dies.
+/// running, and by the kernel when the test's thread dies. The destructor also looks whether what
+/// fleetpub printed is as its schemas say (ExpectDescribed).
 class Process {
  public:
   static constexpr std::chrono::seconds kPatience{20 * kSlowness};
@@ -63,6 +64,7 @@ class Process {
                                std::chrono::milliseconds patience);
   void Launch(const Command& command, int input);
 
+  std::vector<std::string> arguments_;
   pid_t pid_ = -1;
   int process_ = -1;  // a pidfd
   int input_ = -1;

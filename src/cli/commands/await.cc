@@ -1,4 +1,4 @@
-// `fleetpub await TARGET TOPIC CONDITION…`: waits until a message of each robot says so.
+// `fleetpub await TARGET [TOPIC] CONDITION…`: waits until a message of each robot says so.
 #include <fmt/format.h>
 
 #include <memory>
@@ -18,20 +18,36 @@ namespace {
 struct Options {
   std::string target;
   std::string topic;
-  std::vector<std::string> conditions;
+  std::vector<std::string> conditions;  ///< perhaps the topic among them
+  bool print = false;
   std::chrono::milliseconds timeout = std::chrono::minutes(10);
   app::VdaOptions vda;
 };
 
+bool IsCondition(std::string_view text) {
+  return text.find_first_of("=<>") != std::string_view::npos;
+}
+
+// A topic may be left out: then its place holds the first condition.
+std::vector<std::string> ConditionTexts(const Options& o) {
+  std::vector<std::string> texts = o.conditions;
+  if (IsCondition(o.topic)) texts.insert(texts.begin(), o.topic);
+  return texts;
+}
+
 Result<app::AwaitRequest> ParseAwaitOptions(const Options& o) {
-  if (o.target.empty() || o.topic.empty() || o.conditions.empty()) {
+  const std::vector<std::string> texts = ConditionTexts(o);
+  if (o.target.empty() || o.topic.empty() || texts.empty()) {
     return Fail(ErrorKind::kUsage,
-                "await needs a robot, a topic and what a message must say. try: "
-                "fleetpub await KIT/0001 state paused=true");
+                "await needs a robot and what its message must say. try: "
+                "fleetpub await KIT/0001 paused=true");
   }
-  app::AwaitRequest request{
-      .target = o.target, .topic = o.topic, .conditions = {}, .timeout = o.timeout, .vda = o.vda};
-  for (const std::string& text : o.conditions) {
+  app::AwaitRequest request{.target = o.target,
+                            .topic = IsCondition(o.topic) ? "state" : o.topic,
+                            .conditions = {},
+                            .timeout = o.timeout,
+                            .vda = o.vda};
+  for (const std::string& text : texts) {
     auto condition = vda5050::ParseCondition(text);
     if (!condition) return Fail(std::move(condition.error()));
     request.conditions.push_back(*std::move(condition));
@@ -44,18 +60,20 @@ Result<ExitCode> RunAwait(const Options& o, const Context& context) {
   if (!request) return Fail(request.error());
   const InterruptGuard interrupt;
   Output& output = context.output;
+  const std::string what =
+      base::Printable(fmt::format("{}: {}", request->topic, base::Join(ConditionTexts(o), ", ")));
   const auto show = [&](const vda5050::RobotAddress& robot, const std::string& line,
                         std::chrono::nanoseconds elapsed) {
-    if (output.json()) {
-      output.Line(line);
+    if (o.print || output.json()) {
+      output.JsonLine(line);
     } else {
-      output.PeopleLine(fmt::format("{}  {}  {}  {}", base::Printable(robot.ToString()),
-                                    base::Printable(o.topic), base::FormatElapsed(elapsed),
-                                    base::Printable(line)));
+      output.PeopleLine(fmt::format("{}  {}  after {}", base::Printable(robot.ToString()), what,
+                                    base::FormatElapsed(elapsed)));
     }
     Output::FlushNow();
   };
-  const auto awaited = app::AwaitConditions(*request, MakeEnvironment(context), show, output);
+  const auto awaited =
+      app::AwaitConditions(*request, MakeEnvironment(context, o.timeout), show, output);
   if (!awaited) return Fail(awaited.error());
   return ExitCode::kDone;
 }
@@ -67,10 +85,11 @@ Run DeclareAwait(OptionSet& set) {
   set.AddOption("target", options->target,
                 "A robot: manufacturer/serialNumber, or its alias; all of @group, of 'KIT/*'")
       .Type("TARGET");
-  set.AddOption("topic", options->topic, "state, connection, factsheet ...").Type("TOPIC");
+  set.AddOption("topic", options->topic, "state, connection, factsheet ... [state]").Type("TOPIC");
   set.AddOption("conditions", options->conditions, "What one message must say").Type("CONDITION");
   set.AddOption("-W,--timeout", Duration(options->timeout), "How long to wait [10m]")
       .Group("Waiting");
+  set.AddFlag("--print", options->print, "Print the message, as -o json does").Group("Waiting");
   set.AddOption("--vda", VdaVersion(options->vda.version),
                 "Listen to this version's topic only [auto: whichever the robot uses]")
       .Variable("FLEETPUB_VDA")

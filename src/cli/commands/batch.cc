@@ -125,8 +125,8 @@ Result<ExitCode> RunBatch(const Options& options, const Context& context) {
   if (!lines) return Fail(std::move(lines.error()));
   const auto reconnect = request->reconnect;
   BatchPrinter printer(context.output);
-  const auto end = app::RunBatch(*std::move(lines), *std::move(request), MakeEnvironment(context),
-                                 printer, context.output);
+  const auto end = app::RunBatch(*std::move(lines), *std::move(request),
+                                 MakeEnvironment(context, reconnect), printer, context.output);
   if (!end) return Fail(end.error());
   if (end->reason != app::BatchStop::kEndOfInput && !end->all_read) {
     context.output.PrintError(
@@ -151,7 +151,7 @@ Run DeclareBatch(OptionSet& set) {
               "Read no further line once a result is an error")
       .Group("Sending");
   set.AddOption("--reconnect", Duration(options->reconnect),
-                "How long to try to connect again when the connection is lost [60s]")
+                "How long to try to connect, also again when the connection is lost [60s]")
       .Group("Sending");
   DeclareSendingOptions(set, options->sending);
   DeclareOffline(set, options->sending);

@@ -49,7 +49,7 @@ constexpr std::string_view kStarter =
 #insecure = true
 #allow_insecure = true
 
-#output = "text"                          # or "json"
+#output = "text"                          # or "json", "csv", "tsv"
 #ledger = "/var/lib/fleetpub/ledger.db"   # or, shared by hosts: "postgresql://operator@db.example/fleet"
 #no_history = false
 #header_id_start = "zero"                 # or "epoch": Unix seconds, for a ledger that may get lost

@@ -9,9 +9,12 @@
 #include <limits>
 #include <memory>
 
+#include "app/targets.h"
 #include "base/json.h"
 #include "base/text.h"
+#include "base/local_time.h"
 #include "base/time.h"
+#include "cli/output/fleet_table.h"
 #include "cli/output/table.h"
 #include "cli/parser/option_set.h"
 #include "cli/parser/subcommand.h"
@@ -28,6 +31,8 @@ using ledger::Record;
 using vda5050::Version;
 
 struct Options {
+  std::vector<std::string> words;    ///< robots, aliases, groups, patterns, SoAR destinations
+  std::vector<std::string> targets;  ///< the same, of --target
   ledger::HistoryFilter filter;
   std::optional<int> limit;  ///< nothing: as many as suit whoever reads
 };
@@ -77,14 +82,23 @@ std::string HeaderIdText(const Record& record) {
   return record.header_id ? fmt::format("{}", *record.header_id) : "-";
 }
 
+constexpr std::string_view kMayHaveLeft =
+    "the process ended before an outcome was known: it may have left";
+
+std::string ReasonText(const Record& record) {
+  if (record.detail.empty() && record.status == "RECORDED") return std::string(kMayHaveLeft);
+  return base::Printable(base::WithLocalTimes(record.detail));
+}
+
 void ShowTable(const std::vector<Record>& records, Output& output) {
   constexpr std::array kColumns = {Column{.name = "ID", .is_number = true},
-                                   Column{.name = "TIME", .rank = 1},
-                                   Column{.name = "USER", .rank = 3, .least = 8},
+                                   Column{.name = "LOCAL TIME", .rank = 1},
+                                   Column{.name = "USER", .rank = 4, .least = 8},
                                    Column{.name = "TARGET", .least = 16},
                                    Column{.name = "ACTION", .least = 12},
-                                   Column{.name = "HEADERID", .rank = 2, .is_number = true},
-                                   Column{.name = "STATUS"}};
+                                   Column{.name = "HEADERID", .rank = 3, .is_number = true},
+                                   Column{.name = "STATUS"},
+                                   Column{.name = "REASON", .rank = 2, .least = 16}};
   std::vector<Row> rows;
   rows.reserve(records.size());
   for (const Record& record : records) {
@@ -94,47 +108,110 @@ void ShowTable(const std::vector<Record>& records, Output& output) {
                     {base::Printable(ShownTarget(record))},
                     {FormatTypes(record)},
                     {HeaderIdText(record)},
-                    {record.status}});
+                    {record.status},
+                    {ReasonText(record)}});
   }
   PrintTable(kColumns, rows, output);
 }
 
-// What a person may write; the ledger knows the specification's names only.
-Status Normalize(ledger::HistoryFilter& filter, const config::Config& config) {
-  if (const auto alias = config.aliases.find(filter.target); alias != config.aliases.end()) {
-    filter.target = alias->second.ToString();
-  }
-  const bool is_pattern =
-      filter.target.find_first_of("*?") != std::string::npos || filter.target.starts_with('@');
-  if (is_pattern) {
-    return Fail(ErrorKind::kUsage, fmt::format("--target takes one robot or its alias, not '{}'",
-                                               base::Printable(filter.target)));
-  }
-  if (const auto robot = vda5050::ParseRobotAddress(filter.target)) {
-    filter.target = robot->ToString();
-  }
+// An action as a person may write it; the ledger knows the specification's names only.
+void Normalize(ledger::HistoryFilter& filter) {
   // A name that some version has is meant as it stands there.
   const auto has = [&](Version version) { return FindAction(version, filter.action) != nullptr; };
   if (std::none_of(vda5050::kVersions.begin(), vda5050::kVersions.end(), has)) {
     filter.action = vda5050::ActionCalled(filter.action).value_or(filter.action);
   }
-  return {};
 }
 
-// To see whether there is another.
-ledger::HistoryFilter WithOneMore(ledger::HistoryFilter filter) {
-  if (filter.limit > 0 && filter.limit < std::numeric_limits<int>::max()) ++filter.limit;
-  return filter;
+// Whose rows are wanted; nothing: everybody's.
+struct Wanted {
+  std::vector<std::string> destinations;  ///< of SoAR, exactly
+  app::TargetSpec robots;
+
+  [[nodiscard]] bool IsOne() const {
+    return robots.patterns.empty() && robots.robots.size() + destinations.size() == 1;
+  }
+  [[nodiscard]] bool Has(const Record& record) const {
+    const auto robot = vda5050::ParseRobotAddress(record.target);
+    if (!robot) {
+      return std::find(destinations.begin(), destinations.end(), record.target) !=
+             destinations.end();
+    }
+    return std::find(robots.robots.begin(), robots.robots.end(), *robot) != robots.robots.end() ||
+           std::any_of(robots.patterns.begin(), robots.patterns.end(),
+                       [&](const auto& pattern) { return pattern.Matches(*robot); });
+  }
+};
+
+Result<Wanted> FindWanted(std::vector<std::string> words, const Context& context) {
+  const auto is_destination = [&](const std::string& word) {
+    return word.find_first_of("/@*?") == std::string::npos &&
+           !context.config.aliases.contains(word);
+  };
+  for (const std::string& word : words) {
+    if (word.find_first_not_of("0123456789") != std::string::npos) continue;
+    return Fail(
+        ErrorKind::kUsage,
+        fmt::format("history takes robots, not '{0}'. try: fleetpub history show {0}", word));
+  }
+  const auto others = std::stable_partition(words.begin(), words.end(), is_destination);
+  Wanted wanted{.destinations = {words.begin(), others}, .robots = {}};
+  auto robots = app::ParseTargetSpec({others, words.end()}, context.config, context.output);
+  if (!robots) return Fail(std::move(robots.error()));
+  wanted.robots = *std::move(robots);
+  return wanted;
+}
+
+// The newest rows of those who are wanted, and one more than the limit if there is one: the ledger
+// finds one target's rows, of several they are picked from its pages.
+Result<std::vector<Record>> ReadRows(ledger::Ledger& ledger, ledger::HistoryFilter filter,
+                                     const Wanted& wanted, bool all) {
+  const std::size_t most = filter.limit > 0 ? static_cast<std::size_t>(filter.limit) + 1
+                                            : std::numeric_limits<std::size_t>::max();
+  if (wanted.IsOne()) {
+    filter.target = wanted.robots.robots.empty() ? wanted.destinations.front()
+                                                 : wanted.robots.robots.front().ToString();
+  }
+  constexpr int kPage = 1'000;
+  const bool is_picked = !all && !wanted.IsOne();
+  if (is_picked) {
+    filter.limit = kPage;
+  } else if (filter.limit > 0 && filter.limit < std::numeric_limits<int>::max()) {
+    ++filter.limit;
+  }
+  std::vector<Record> rows;
+  for (;;) {
+    auto page = ledger.History(filter);
+    if (!page || !is_picked) return page;
+    for (auto row = page->rbegin(); row != page->rend() && rows.size() < most; ++row) {
+      if (wanted.Has(*row)) rows.push_back(std::move(*row));
+    }
+    if (page->size() < kPage || rows.size() == most) break;
+    filter.below = page->front().id;
+  }
+  std::reverse(rows.begin(), rows.end());
+  return rows;
+}
+
+// So many that neither the header nor what is typed next scrolls away.
+int RowsThatFit() {
+  constexpr std::size_t kOthers = 3;
+  constexpr std::size_t kLeast = 5;
+  const std::size_t height = TerminalHeight(STDOUT_FILENO);
+  return static_cast<int>(std::max(height, kLeast + kOthers) - kOthers);
 }
 
 Result<ExitCode> RunHistory(Options options, const Context& context) {
-  if (auto ok = Normalize(options.filter, context.config); !ok) return Fail(std::move(ok.error()));
-  constexpr int kOnATerminal = 50;
+  Normalize(options.filter);
+  std::vector<std::string>& words = options.words;
+  words.insert(words.end(), options.targets.begin(), options.targets.end());
+  const auto wanted = FindWanted(words, context);
+  if (!wanted) return Fail(wanted.error());
   const bool is_terminal = isatty(STDOUT_FILENO) == 1 && !context.output.json();
-  options.filter.limit = options.limit.value_or(is_terminal ? kOnATerminal : 0);
+  options.filter.limit = options.limit.value_or(is_terminal ? RowsThatFit() : 0);
   const auto ledger = OpenLedger(context, ledger::OpenMode::kReadOnly);
   if (!ledger) return Fail(ledger.error());
-  auto records = (*ledger)->History(WithOneMore(options.filter));
+  auto records = ReadRows(**ledger, options.filter, *wanted, words.empty());
   if (!records) return Fail(records.error());
   const bool has_more =
       options.filter.limit > 0 && records->size() > static_cast<std::size_t>(options.filter.limit);
@@ -156,12 +233,18 @@ Result<ExitCode> RunHistory(Options options, const Context& context) {
   return ExitCode::kDone;
 }
 
+// `2026-01-02 03:04:05 local time, 3 min ago`
+std::string MomentText(base::WallTime time) {
+  const auto age = std::max(base::WallTime::clock::now() - time, base::WallTime::duration::zero());
+  return fmt::format("{} local time, {} ago", base::FormatLocal(time), AgeText(age));
+}
+
 void ShowRecord(const Record& record, Output& output) {
   const auto line = [&](std::string_view name, std::string_view value) {
     if (!value.empty()) output.Line(fmt::format("{:<10} {}", name, base::Printable(value)));
   };
   line("id", fmt::format("{}", record.id));
-  line("time", base::FormatTimestamp(record.recorded_at));
+  line("time", MomentText(record.recorded_at));
   line("user", fmt::format("{} on {}", record.user, record.host));
   line("profile", record.profile);
   line("target", ShownTarget(record));
@@ -170,11 +253,10 @@ void ShowRecord(const Record& record, Output& output) {
   line("topic", record.topic);
   for (const auto& [type, id] : record.actions) line("action", fmt::format("{} {}", type, id));
   line("headerId", HeaderIdText(record));
-  line("status", record.status == "RECORDED"
-                     ? "RECORDED (the process ended before an outcome was known: it may have left)"
-                     : record.status);
-  if (record.outcome_at) line("outcome at", base::FormatTimestamp(*record.outcome_at));
-  line("message", record.detail);
+  line("status",
+       record.status == "RECORDED" ? fmt::format("RECORDED ({})", kMayHaveLeft) : record.status);
+  if (record.outcome_at) line("outcome at", MomentText(*record.outcome_at));
+  line("message", base::WithLocalTimes(record.detail));
   const auto payload = base::ParseJson(record.payload);
   payload ? output.JsonLine(base::ToPrettyJson(*payload))
           : output.Line(base::Printable(record.payload));
@@ -224,16 +306,23 @@ Run DeclareHistory(OptionSet& set) {
   const auto add = [&](const char* names, ValueKind kind, const char* type, const char* help) {
     set.AddOption(names, std::move(kind), help).Type(type).Group(kFilter);
   };
-  add("--target", Text(filter.target), "TARGET", "Only what was sent to this robot");
+  set.AddOption("targets", options->words,
+                "Robots: manufacturer/serialNumber, alias, @group, 'KIT/*'; a destination [all]")
+      .Type("TARGET");
+  set.AddOption("--target", options->targets, "The same, as an option; repeatable")
+      .Type("TARGET")
+      .OneValueEach()
+      .Group(kFilter);
   add("--action", Text(filter.action), "TYPE", "Only this actionType, or its short name");
   add("--status", OneOf(filter.status, message::kRecordedStatuses), "STATUS",
       "Only this outcome: {}");
   add("--user", Text(filter.user), "USER", "Only what this user sent");
-  add("--since", PointInTime(filter.since, Direction::kBack), "TIME",
-      "Not older: 24h, or 2026-01-02T03:04:05Z");
-  add("--until", PointInTime(filter.until, Direction::kBack), "TIME", "Not newer");
+  add("--since", PointInTime(filter.since, base::Direction::kBack), "TIME",
+      "Not older: 2h, 14:30, today, 'monday 06:00', 2026-01-02, 2026-01-02T03:04:05Z");
+  add("--until", PointInTime(filter.until, base::Direction::kBack), "TIME",
+      "Not newer, in the same words");
   add("--limit", WholeNumber(options->limit), "N",
-      "The newest so many; 0: all [50 on a terminal, else 0]");
+      "The newest so many; 0: all [what fits on a terminal, else 0]");
   return [options](const Context& context) { return RunHistory(*options, context); };
 }
 
@@ -245,7 +334,7 @@ Run DeclareHistoryShow(OptionSet& set) {
 
 Run DeclareHistoryPrune(OptionSet& set) {
   const auto older_than = std::make_shared<std::optional<base::WallTime>>();
-  set.AddOption("--older-than", PointInTime(*older_than, Direction::kBack),
+  set.AddOption("--older-than", PointInTime(*older_than, base::Direction::kBack),
                 "Age such as 90d, or a time")
       .Group("Pruning");
   return [older_than](const Context& context) { return RunPrune(*older_than, context); };

@@ -9,9 +9,10 @@
 #include "base/json.h"
 #include "base/text.h"
 #include "base/time.h"
+#include "cli/environment.h"
 #include "cli/listening.h"
+#include "cli/parser/option_set.h"
 #include "cli/parser/subcommand.h"
-#include "mqtt/paho/paho_transport.h"
 #include "vda5050/reports/discovery.h"
 
 namespace fleetpub::cli {
@@ -81,10 +82,10 @@ Result<std::vector<std::string>> MakeFilters(const app::VdaOptions& vda,
   return vda5050::DiscoveryFilters(dialect->topics, {}, kTopics);
 }
 
-Result<Finding> Explore(const mqtt::ConnectOptions& connect,
-                        const std::vector<std::string>& filters) {
+Result<Finding> Explore(const mqtt::ConnectOptions& connect, std::chrono::milliseconds patience,
+                        const std::vector<std::string>& filters, Output& output) {
   const auto start = steady_clock::now();
-  const auto transport = mqtt::ConnectPaho(connect);
+  const auto transport = ConnectPatiently(connect, patience, output);
   if (!transport) return Fail(transport.error());
   const auto deadline = steady_clock::now() + connect.connect_timeout;
   const mqtt::ServerInfo& server = (*transport)->server();
@@ -137,12 +138,17 @@ void ShowText(const Finding& finding, Output& output) {
   output.PeopleLine("  publish    not tried: it would reach robots");
 }
 
-Result<ExitCode> RunPing(const app::VdaOptions& vda, const Context& context) {
-  const auto filters = MakeFilters(vda, context.config);
+struct Options {
+  app::VdaOptions vda;
+  std::chrono::milliseconds patience{0};
+};
+
+Result<ExitCode> RunPing(const Options& options, const Context& context) {
+  const auto filters = MakeFilters(options.vda, context.config);
   if (!filters) return Fail(filters.error());
   const auto connect = MakeConnectOptions(context);
   if (!connect) return Fail(connect.error());
-  const auto finding = Explore(*connect, *filters);
+  const auto finding = Explore(*connect, options.patience, *filters, context.output);
   if (!finding) {
     if (context.output.json()) {
       context.output.Line(fmt::format(R"({{"reachable":false,"message":{}}})",
@@ -163,9 +169,12 @@ Result<ExitCode> RunPing(const app::VdaOptions& vda, const Context& context) {
 }  // namespace
 
 Run DeclarePing(OptionSet& set) {
-  const auto vda = std::make_shared<app::VdaOptions>();
-  DeclareTopicOptions(set, *vda);
-  return [vda](const Context& context) { return RunPing(*vda, context); };
+  const auto options = std::make_shared<Options>();
+  set.AddOption("-w,--wait", Duration(options->patience),
+                "Keep trying for so long until the broker is there [0s]")
+      .Group("Waiting");
+  DeclareTopicOptions(set, options->vda);
+  return [options](const Context& context) { return RunPing(*options, context); };
 }
 
 }  // namespace fleetpub::cli

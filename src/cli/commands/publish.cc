@@ -174,7 +174,7 @@ Run DeclareRespond(OptionSet& set) {
   set.AddOption("request", options->request, "Its requestId, as fleetpub requests lists it")
       .Type("REQUEST");
   set.AddOption("grant", OneOf(options->grant, kGrants), "{}").Type("ANSWER");
-  set.AddOption("--lease-expiry", PointInTime(options->lease_expiry, Direction::kAhead),
+  set.AddOption("--lease-expiry", PointInTime(options->lease_expiry, base::Direction::kAhead),
                 "Until when it is granted: 30s from now, or a time")
       .Group("Message");
   DeclareUserMessage(set, *options);

@@ -27,10 +27,12 @@ Result<ExitCode> RunList(const Context& context) {
   return ExitCode::kDone;
 }
 
-// `soar` means the only schema below it; a part is named behind `#`.
+// `soar` means the only schema below it, `output/result` one of our own; a part is named behind
+// `#`.
 Result<std::string> ReadText(const schema::Registry& registry, const std::string& document) {
   auto text = registry.Text(document);
   if (text) return text;
+  if (auto own = registry.Text("fleetpub/" + document)) return own;
   std::string only;
   for (const auto& [name, origin] : registry.List()) {
     if (!name.starts_with(document + "/")) continue;

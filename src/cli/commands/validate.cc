@@ -1,243 +1,220 @@
-// `fleetpub validate`: messages against a built-in schema or a given one, and against the rules of
-// the text.
-#include "delivery/validate.h"
-
+// `fleetpub validate`: messages of files, of folders and of standard input.
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <filesystem>
 #include <memory>
 
 #include "base/file.h"
 #include "base/json.h"
+#include "base/json_place.h"
 #include "base/line_reader.h"
 #include "base/text.h"
 #include "cli/commands/validate_live.h"
+#include "cli/message_validator.h"
 #include "cli/options/soar_options.h"
 #include "cli/parser/option_set.h"
 #include "cli/parser/subcommand.h"
-#include "schema/schema.h"
-#include "schema/schema_files.h"
-#include "soar/message.h"
-#include "soar/text_rules.h"
-#include "vda5050/messages/user_message.h"
-#include "vda5050/rules/conformance.h"
 
 namespace fleetpub::cli {
 namespace {
 
+namespace fs = std::filesystem;
 using delivery::Findings;
 
 struct Options {
   std::vector<std::string> files;  ///< none: standard input; with --live robots
-  std::string version;
-  std::string topic;
-  std::string schema_file;
-  bool is_soar = false;
-  std::optional<soar::MessageType> message_type;
+  ValidatorOptions validator;
   bool lines = false;
-  bool strict = false;
   LiveOptions live;
 };
 
-// A message's topic, told from a member that only this topic has, or has first in this order: a
-// position can stand in a state as well.
-struct Mark {
-  std::string_view member;
-  std::string_view topic;
-};
-constexpr std::array<Mark, 19> kMarks = {{
-    {"actions", "instantActions"},
-    {"instantActions", "instantActions"},
-    {"connectionState", "connection"},
-    {"nodes", "order"},
-    {"edges", "order"},
-    {"nodeStates", "state"},
-    {"edgeStates", "state"},
-    {"actionStates", "state"},
-    {"operatingMode", "state"},
-    {"typeSpecification", "factsheet"},
-    {"physicalParameters", "factsheet"},
-    {"protocolLimits", "factsheet"},
-    {"protocolFeatures", "factsheet"},
-    {"responses", "responses"},
-    {"zoneSet", "zoneSet"},
-    {"referenceStateHeaderId", "visualization"},
-    {"agvPosition", "visualization"},
-    {"mobileRobotPosition", "visualization"},
-    {"velocity", "visualization"},
-}};
+// What is read: a file, or standard input (`-`).
+struct Input {
+  std::string file;
+  bool has_lines = false;  // a message per line
 
-// Validates message after message; each schema is compiled once.
-class Validator {
- public:
-  Validator(const Options& options, const Context& context)
-      : options_(options), registry_(context.options.schema_directory) {}
-
-  // Errors: the options or the schema, not a message.
-  Status Prepare() {
-    if (!options_.schema_file.empty()) return LoadFile();
-    if (auto soar = CheckSoarOptions(); !soar || options_.is_soar) return soar;
-    if (!options_.version.empty()) {
-      const auto version = vda5050::ParseVersion(options_.version);
-      if (!version) return Fail(version.error());
-      version_ = *version;
-    }
-    if (version_ && !options_.topic.empty()) {
-      const auto schema = registry_.Find(
-          fmt::format("vda5050/{}/{}", vda5050::GetFacts(*version_).name, options_.topic));
-      if (!schema) return Fail(schema.error());
-    }
-    return {};
+  [[nodiscard]] bool IsStandard() const { return file == "-"; }
+  [[nodiscard]] std::string Name() const {
+    return IsStandard() ? "standard input" : base::Printable(file);
   }
-
-  Findings Check(std::string_view text) {
-    const auto message = base::ParseJson(text);
-    if (!message) return OneError(message.error().message);
-    if (own_schema_) return delivery::Check(*message, *own_schema_, {});
-    if (options_.is_soar) {
-      Findings findings = CheckSoar(*message);
-      if (options_.strict) delivery::Harden(findings);
-      return findings;
-    }
-    std::string chosen;
-    const auto version = FindVersion(*message, chosen);
-    if (!version) return OneError(version.error().message);
-    const auto topic = FindTopic(*message);
-    if (!topic) return OneError(topic.error().message);
-    std::vector<schema::Violation> header;
-    if (!chosen.empty()) header.push_back({"/version", std::move(chosen)});
-    return vda5050::CheckMessage(*message, *version, *topic, options_.strict, registry_,
-                                 std::move(header));
-  }
-
- private:
-  [[nodiscard]] Status CheckSoarOptions() const {
-    if (!options_.is_soar && options_.message_type) {
-      return Fail(ErrorKind::kUsage, "--message-type belongs to --protocol soar");
-    }
-    if (options_.is_soar && !options_.topic.empty()) {
-      return Fail(ErrorKind::kUsage, "--topic belongs to VDA 5050: name a --message-type");
-    }
-    return {};
-  }
-
-  // A whole message; when a type was named, of that type, or a payload of it alone.
-  Findings CheckSoar(const base::JsonValue& message) {
-    const auto& type = options_.message_type;
-    const bool whole = !type || base::FindMember(message, "payload") != nullptr;
-    const auto schema =
-        registry_.Find(whole ? std::string(soar::kMessageSchema) : soar::PayloadSchema(*type));
-    if (!schema) return OneError(schema.error().message);
-    const auto strictness = options_.strict ? soar::Strictness::kRefuse : soar::Strictness::kWarn;
-    Findings findings = delivery::Check(message, **schema, [strictness](const auto& checked) {
-      return soar::CheckMessage(checked, strictness);
-    });
-    if (!findings.satisfies_schema || !type) return findings;
-    const auto& payload = whole ? *base::FindMember(message, "payload") : message;
-    const std::string_view found = base::StringMember(payload, "message_type");
-    if (found != GetName(*type)) {
-      findings.errors.push_back(
-          {whole ? "/payload/message_type" : "/message_type",
-           fmt::format("is {}, not {}", base::Printable(found), GetName(*type))});
-    }
-    return findings;
-  }
-
-  Status LoadFile() {
-    const auto text =
-        schema::ReadSchemaFile(options_.schema_file, schema::FilesBeside(options_.schema_file));
-    if (!text) return Fail(text.error());
-    auto schema = schema::Schema::Compile(*text, options_.schema_file);
-    if (!schema) return Fail(std::move(schema.error()));
-    own_schema_ = std::move(*schema);
-    return {};
-  }
-
-  static Findings OneError(std::string message) { return {{{"", std::move(message)}}, {}}; }
-
-  // `chosen` tells of a header that names no release.
-  [[nodiscard]] Result<vda5050::Version> FindVersion(const base::JsonValue& message,
-                                                     std::string& chosen) const {
-    if (version_) return *version_;
-    if (const auto said = vda5050::VersionSaidBy(message)) {
-      if (!said->is_release) {
-        chosen = vda5050::NoReleaseText(base::StringMember(message, "version"), said->version);
-      }
-      return said->version;
-    }
-    return Fail(ErrorKind::kInvalid,
-                "its header does not say which VDA 5050 version it is: name it with --vda");
-  }
-
-  [[nodiscard]] Result<std::string> FindTopic(const base::JsonValue& message) const {
-    if (!options_.topic.empty()) return options_.topic;
-    for (const auto& [member, topic] : kMarks) {
-      if (base::FindMember(message, member) != nullptr) return std::string(topic);
-    }
-    return Fail(ErrorKind::kInvalid,
-                "it cannot be told which topic it belongs to: name it with --topic");
-  }
-
-  const Options& options_;
-  schema::Registry registry_;
-  std::optional<vda5050::Version> version_;
-  std::optional<schema::Schema> own_schema_;
 };
 
-std::string ListJson(const std::vector<schema::Violation>& violations) {
+// One message of it.
+struct Checked {
+  const Input& input;
+  std::string_view text;
+  std::size_t line = 0;  // 0: all of the input
+  Findings findings;
+
+  // Of a violation, or of what is no JSON.
+  [[nodiscard]] base::JsonPlace Find(const std::string& path) const {
+    const auto fault = path.empty() ? base::FindFault(text) : std::nullopt;
+    base::JsonPlace place = fault ? *fault : base::FindPlace(text, path);
+    if (line > 0) place.line = line;
+    return place;
+  }
+};
+
+std::string ListJson(const Checked& checked, const std::vector<schema::Violation>& violations) {
   std::string json;
   for (const auto& [path, message] : violations) {
-    json += fmt::format(R"({}{{"path":{},"message":{}}})", json.empty() ? "" : ",",
-                        base::JsonString(path), base::JsonString(message));
+    const base::JsonPlace place = checked.Find(path);
+    json += fmt::format(R"({}{{"path":{},"message":{},"line":{},"column":{}}})",
+                        json.empty() ? "" : ",", base::JsonString(path), base::JsonString(message),
+                        place.line, place.column);
   }
   return "[" + json + "]";
 }
 
-// Prints what was found in one message; `line` is 0 when the input is one message.
-void Show(const Findings& findings, const std::string& name, std::size_t line, Output& output) {
-  if (output.json()) {
-    const std::string number = line == 0 ? "" : fmt::format(R"("line":{},)", line);
-    return output.Line(fmt::format(R"({{{}"valid":{},"errors":{},"warnings":{}}})", number,
-                                   findings.errors.empty(), ListJson(findings.errors),
-                                   ListJson(findings.warnings)));
+void ShowJson(const Checked& checked, Output& output) {
+  std::string json;
+  if (!checked.input.IsStandard()) {
+    json += fmt::format(R"("file":{},)", base::JsonString(checked.input.file));
   }
-  const std::string place = line == 0 ? name : fmt::format("{}:{}", name, line);
-  for (const auto& [path, message] : findings.errors) {
-    output.Line(fmt::format("{}: {}{}{}", place, path, path.empty() ? "" : ": ", message));
-  }
-  for (const auto& [path, message] : findings.warnings) {
-    output.Warn(fmt::format("{}: {}{}{}", place, path, path.empty() ? "" : ": ", message));
-  }
-  if (findings.errors.empty()) output.PeopleLine(fmt::format("{}: valid", place));
+  if (checked.line > 0) json += fmt::format(R"("line":{},)", checked.line);
+  const Findings& findings = checked.findings;
+  output.Line(fmt::format(R"({{{}"valid":{},"errors":{},"warnings":{}}})", json,
+                          findings.errors.empty(), ListJson(checked, findings.errors),
+                          ListJson(checked, findings.warnings)));
 }
 
-// Line by line, as they arrive and however many they are.
-Result<ExitCode> CheckLines(Validator& validator, const std::string& file, const std::string& name,
-                            Output& output) {
-  auto reader = base::LineReader::Open(file);
-  if (!reader) return Fail(std::move(reader.error()));
-  ExitCode code = ExitCode::kDone;
-  for (std::size_t number = 1;; ++number) {
-    const auto line = reader->Next();
-    if (!line) return Fail(line.error());
-    if (!*line) return code;
-    if ((*line)->find_first_not_of(" \t\r") == std::string_view::npos) continue;
-    const Findings findings = validator.Check(**line);
-    Show(findings, name, number, output);
-    if (!findings.errors.empty()) code = ExitCode::kInvalid;
+void ShowText(const Checked& checked, Output& output) {
+  const auto text = [&](const schema::Violation& violation) {
+    const auto& [path, message] = violation;
+    const base::JsonPlace place = checked.Find(path);
+    return fmt::format("{}:{}:{}: {}{}{}", checked.input.Name(), place.line, place.column, path,
+                       path.empty() ? "" : ": ", message);
+  };
+  for (const auto& violation : checked.findings.errors) output.Line(text(violation));
+  for (const auto& violation : checked.findings.warnings) output.Warn(text(violation));
+  if (!checked.findings.errors.empty()) return;
+  const std::string line = checked.line > 0 ? fmt::format(":{}", checked.line) : "";
+  output.PeopleLine(fmt::format("{}{}: valid", checked.input.Name(), line));
+}
+
+// Checks inputs one after the other, and counts.
+class Checker {
+ public:
+  Checker(MessageValidator& validator, Output& output) : validator_(validator), output_(output) {}
+
+  // Errors: it cannot be read, or holds no message.
+  Status Check(const Input& input) {
+    const std::size_t before = valid_ + invalid_;
+    Status read = input.has_lines ? CheckLines(input) : CheckWhole(input);
+    if (!read || valid_ + invalid_ > before) return read;
+    return Fail(ErrorKind::kInvalid, input.Name() + ": no message is there");
   }
+
+  void Tell(const Error& error) {
+    code_ = Worse(code_, GetExitCode(error.kind));
+    output_.PrintError(error);
+  }
+
+  void ShowSummary(std::size_t inputs) const {
+    if (output_.json()) {
+      return output_.Line(
+          fmt::format(R"({{"summary":{{"files":{},"valid":{},"invalid":{},"exitCode":{}}}}})",
+                      inputs, valid_, invalid_, static_cast<int>(code_)));
+    }
+    output_.PeopleLine(fmt::format("{} files: {} valid, {} invalid", inputs, valid_, invalid_));
+  }
+
+  [[nodiscard]] ExitCode code() const { return code_; }
+
+ private:
+  void Take(const Checked& checked) {
+    output_.json() ? ShowJson(checked, output_) : ShowText(checked, output_);
+    const bool is_valid = checked.findings.errors.empty();
+    ++(is_valid ? valid_ : invalid_);
+    if (!is_valid) code_ = Worse(code_, ExitCode::kInvalid);
+  }
+
+  Status CheckWhole(const Input& input) {
+    const auto content = base::ReadFile(input.file);
+    if (!content) return Fail(content.error());
+    if (content->find_first_not_of(" \t\r\n") == std::string::npos) return {};
+    Take({input, *content, 0, validator_.Check(*content)});
+    return {};
+  }
+
+  // As they arrive and however many they are.
+  Status CheckLines(const Input& input) {
+    auto reader = base::LineReader::Open(input.file);
+    if (!reader) return Fail(std::move(reader.error()));
+    for (std::size_t number = 1;; ++number) {
+      const auto line = reader->Next();
+      if (!line) return Fail(line.error());
+      if (!*line) return {};
+      if ((*line)->find_first_not_of(" \t\r") == std::string_view::npos) continue;
+      Take({input, **line, number, validator_.Check(**line)});
+    }
+  }
+
+  MessageValidator& validator_;
+  Output& output_;
+  std::size_t valid_ = 0;
+  std::size_t invalid_ = 0;
+  ExitCode code_ = ExitCode::kDone;
+};
+
+bool HasLines(const fs::path& file) {
+  return file.extension() == ".jsonl" || file.extension() == ".ndjson";
+}
+
+// The messages below a folder in their order; what is hidden (`.git`) is passed over.
+Status AddFolder(const fs::path& folder, bool lines, std::vector<Input>& inputs) {
+  std::vector<fs::path> files;
+  std::error_code error;
+  fs::recursive_directory_iterator entry(folder, error);
+  for (; !error && entry != fs::recursive_directory_iterator(); entry.increment(error)) {
+    const fs::path& path = entry->path();
+    if (path.filename().string().starts_with('.')) {
+      entry.disable_recursion_pending();
+    } else if ((path.extension() == ".json" || HasLines(path)) && entry->is_regular_file(error)) {
+      files.push_back(path);
+    }
+  }
+  if (error) {
+    return Fail(ErrorKind::kLedger, fmt::format("cannot read the folder {}: {}",
+                                                base::Printable(folder.string()), error.message()));
+  }
+  if (files.empty()) {
+    return Fail(ErrorKind::kInvalid, fmt::format("{}: no *.json, *.jsonl or *.ndjson is there",
+                                                 base::Printable(folder.string())));
+  }
+  std::sort(files.begin(), files.end());
+  for (const fs::path& file : files) inputs.push_back({file.string(), lines || HasLines(file)});
+  return {};
+}
+
+Result<std::vector<Input>> ListInputs(const Options& options) {
+  std::vector<Input> inputs;
+  for (const std::string& file : options.files) {
+    std::error_code unknown;
+    if (file == "-" || !fs::is_directory(file, unknown)) {
+      inputs.push_back({file, options.lines || HasLines(file)});
+    } else if (auto added = AddFolder(file, options.lines, inputs); !added) {
+      return Fail(std::move(added.error()));
+    }
+  }
+  if (options.files.empty()) inputs.push_back({"-", options.lines});
+  return inputs;
 }
 
 Result<ExitCode> RunLive(const Options& options, const Context& context) {
-  if (options.lines || !options.schema_file.empty() || options.is_soar || options.message_type) {
-    return Fail(ErrorKind::kUsage,
-                "--live goes with none of --lines, --schema, --protocol and --message-type");
+  const ValidatorOptions& validator = options.validator;
+  if (options.lines || !validator.schema_file.empty() || validator.is_soar ||
+      validator.message_type || validator.body) {
+    return Fail(
+        ErrorKind::kUsage,
+        "--live goes with none of --lines, --schema, --protocol, --message-type and --body");
   }
   LiveOptions live = options.live;
   live.targets.words = options.files;
-  live.version = options.version;
-  live.topic = options.topic;
-  live.strict = options.strict;
+  live.version = validator.version;
+  live.topic = validator.topic;
+  live.strict = validator.strict;
   return ValidateLive(live, context);
 }
 
@@ -247,37 +224,43 @@ Result<ExitCode> RunValidate(const Options& options, const Context& context) {
     return Fail(ErrorKind::kUsage,
                 "--for, --count and the options that choose robots belong to --live");
   }
-  if (options.files.size() > 1) return Fail(ErrorKind::kUsage, "name one file at a time");
-  const std::string file = options.files.empty() ? "-" : options.files.front();
-  Validator validator(options, context);
+  MessageValidator validator(options.validator, context.options.schema_directory);
   if (auto ready = validator.Prepare(); !ready) return Fail(ready.error());
-  const std::string name = file == "-" ? "standard input" : file;
-  if (options.lines) return CheckLines(validator, file, name, context.output);
-  const auto content = base::ReadFile(file);
-  if (!content) return Fail(content.error());
-  const Findings findings = validator.Check(*content);
-  Show(findings, name, 0, context.output);
-  return findings.errors.empty() ? ExitCode::kDone : ExitCode::kInvalid;
+  const auto inputs = ListInputs(options);
+  if (!inputs) return Fail(inputs.error());
+  Checker checker(validator, context.output);
+  for (const Input& input : *inputs) {
+    const Status checked = checker.Check(input);
+    if (!checked && inputs->size() == 1) return Fail(checked.error());
+    if (!checked) checker.Tell(checked.error());
+  }
+  if (inputs->size() > 1) checker.ShowSummary(inputs->size());
+  return checker.code();
 }
 
 }  // namespace
 
 Run DeclareValidate(OptionSet& set) {
   const auto options = std::make_shared<Options>();
+  ValidatorOptions& o = options->validator;
   const auto add = [&](const char* names, ValueKind kind, const char* type, const char* help) {
     return set.AddOption(names, std::move(kind), help).Type(type).Group("Checking");
   };
-  set.AddOption("files", options->files, "The message; - or nothing: standard input").Type("FILE");
-  add("--vda", VdaVersion(options->version, Automatic::kNo), "V", "Version [what the header says]")
+  set.AddOption("file", options->files,
+                "Messages; of a folder its *.json, *.jsonl, *.ndjson; - or nothing: standard input")
+      .Type("FILE");
+  add("--vda", VdaVersion(o.version, Automatic::kNo), "V", "Version [what the header says]")
       .Variable("FLEETPUB_VDA");
-  add("--topic", Text(options->topic), "TOPIC",
-      "order, state, instantActions … [told from the message]");
-  add("--protocol", OneOf(options->is_soar, kProtocols), "NAME", "{} [vda5050]");
-  add("--message-type", OneOf(options->message_type, soar::kMessageTypes), "TYPE",
+  add("--topic", Text(o.topic), "TOPIC", "order, state, instantActions … [told from the message]");
+  add("--protocol", OneOf(o.is_soar, kProtocols), "NAME", "{} [vda5050]");
+  add("--message-type", OneOf(o.message_type, soar::kMessageTypes), "TYPE",
       "With --protocol soar: the payload must be of this type, and may stand alone");
-  add("--schema", Text(options->schema_file), "FILE", "A JSON Schema of your own (draft-07)");
-  set.AddFlag("--lines", options->lines, "One message per line (JSON Lines)").Group("Checking");
-  set.AddFlag("--strict", options->strict, "Rules of the specification's text are errors too")
+  add("--schema", Text(o.schema_file), "FILE", "A JSON Schema of your own (draft-07)");
+  set.AddFlag("--lines", options->lines, "One message per line, as in *.jsonl and *.ndjson")
+      .Group("Checking");
+  set.AddFlag("--body", o.body, "Messages whose header, or some of it, is still to come")
+      .Group("Checking");
+  set.AddFlag("--strict", o.strict, "Rules of the specification's text are errors too")
       .Group("Checking");
   DeclareLive(set, options->live);
   return [options](const Context& context) { return RunValidate(*options, context); };

@@ -24,6 +24,7 @@ std::string Schemas() {
   std::set<std::string> seen;
   for (const auto& [name, origin] : list) {
     const auto parts = base::Split(name, '/');
+    if (parts[0] == "fleetpub") continue;  // of what we print ourselves
     if (parts.size() < 2 || !seen.insert(parts[0] + "/" + parts[1]).second) continue;
     if (parts[0] != protocol) text += fmt::format("{}{}", text.empty() ? "" : ", ", parts[0]);
     protocol = std::string_view(name).substr(0, parts[0].size());

@@ -126,11 +126,25 @@ void DeclareTls(OptionSet& set, GlobalOptions& o) {
       .Key("insecure");
 }
 
+// One of the words, or a text of one's own.
+ValueKind OutputFormat(std::string& format) {
+  ValueKind kind = OneOf(format, config::kOutputs);
+  kind.store = [&format, word = kind.store](const std::vector<std::string>& texts) {
+    if (!texts.front().starts_with(kTemplatePrefix)) return word(texts);
+    format = texts.front();
+    return true;
+  };
+  return kind;
+}
+
 void DeclareOutput(OptionSet& set, GlobalOptions& o) {
   Group{set, kOutput}
-      .Add("-o,--output", OneOf(o.format, config::kOutputs), "FORMAT",
-           "{}: one object per line [text]")
+      .Add("-o,--output", OutputFormat(o.format), "FORMAT",
+           "{}, a row or object per result, or template=TEXT with names in braces [text]")
       .Variable("FLEETPUB_OUTPUT");
+  set.AddOption("--fields", o.fields, "Only these members of each object: target,actions.0.type")
+      .Type("NAMES")
+      .Group(kOutput);
   set.AddFlag("--quiet", o.quiet, "No result lines and no warnings; errors stay").Group(kOutput);
   set.AddFlag("-v,--verbose", o.verbose, "Tell what is done, and the details of errors")
       .Group(kOutput);

@@ -45,6 +45,7 @@ struct GlobalOptions {
   bool insecure = false;
 
   std::string format = "text";
+  std::string fields;  ///< of -o json, csv, tsv; empty: all
   bool quiet = false;
   bool verbose = false;
   std::string debug;           ///< `topics`, `full`; empty: no

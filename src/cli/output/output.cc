@@ -15,6 +15,7 @@
 #include <mutex>
 
 #include "base/json.h"
+#include "base/local_time.h"
 #include "base/text.h"
 #include "base/time.h"
 #include "base/width.h"
@@ -93,10 +94,16 @@ std::string WrappedFor(int descriptor, std::string_view text) {
   return width < 2 * kIndent ? std::string(text) : base::Wrapped(width, kIndent, text);
 }
 
+std::size_t TerminalHeight(int descriptor) {
+  winsize size{};
+  const bool is_known = ioctl(descriptor, TIOCGWINSZ, &size) == 0 && size.ws_row > 0;
+  return is_known ? size.ws_row : 24;
+}
+
 Output::Output(Settings settings)
-    : settings_(settings),
-      colour_(settings.color == "always" ||
-              (settings.color == "auto" && WantsColour(STDOUT_FILENO))) {}
+    : settings_(std::move(settings)),
+      colour_(settings_.color == "always" ||
+              (settings_.color == "auto" && WantsColour(STDOUT_FILENO))) {}
 
 Output::~Output() = default;
 
@@ -107,6 +114,10 @@ void Output::Line(std::string_view text) {
 }
 
 void Output::JsonLine(std::string_view json) {
+  if (const auto lines = settings_.records.Render(json)) {
+    has_lines_ = has_lines_ || !lines->empty();
+    return Print(stdout, *lines);
+  }
   has_lines_ = true;
   Print(stdout, base::ShownJson(json));
   Print(stdout, "\n");
@@ -117,7 +128,8 @@ void Output::PeopleLine(std::string_view text) {
 }
 
 void Output::Important(std::string_view text) {
-  Print(stderr, WrappedFor(STDERR_FILENO, fmt::format("fleetpub: {}", text)) + "\n");
+  Print(stderr,
+        WrappedFor(STDERR_FILENO, fmt::format("fleetpub: {}", base::WithLocalTimes(text))) + "\n");
 }
 
 void Output::Warn(std::string_view text) {
@@ -216,7 +228,7 @@ std::string ReportText(const Report& report, std::size_t target_width, const Out
                   FormatTypes(report), output.Toned(ChooseTone(report), GetName(report.status)));
   if (report.elapsed.count() > 0) line += "  " + FormatTook(report.elapsed);
   if (report.version_assumed) line += fmt::format("  {} (assumed)", report.version);
-  if (!report.message.empty()) line += "  " + report.message;
+  if (!report.message.empty()) line += "  " + base::WithLocalTimes(report.message);
   return line;
 }
 

@@ -13,11 +13,10 @@
 #include "app/observer.h"
 #include "base/result.h"
 #include "cli/output/exit_code.h"
+#include "cli/output/records.h"
 #include "message/report.h"
 
 namespace fleetpub::cli {
-
-enum class Format { kText, kJson };
 
 /// What a word means, as its colour tells on a terminal.
 enum class Tone { kPlain, kGood, kWarn, kBad, kDim };
@@ -31,10 +30,14 @@ class WaitingLine;
 /// The columns of the terminal behind a descriptor; without limit when it is none.
 [[nodiscard]] std::size_t TerminalWidth(int descriptor);
 
+/// Its lines; 24 when nobody knows.
+[[nodiscard]] std::size_t TerminalHeight(int descriptor);
+
 class Output final : public app::Log {
  public:
   struct Settings {
     Format format = Format::kText;
+    Records records = {};
     bool quiet = false;               ///< no result lines in text format, no warnings
     bool verbose = false;             ///< the details of errors, and what is done
     std::string_view color = "auto";  ///< `auto`, `always`, `never`
@@ -45,14 +48,14 @@ class Output final : public app::Log {
   Output& operator=(const Output&) = delete;
   ~Output() override;
 
-  [[nodiscard]] Format format() const { return settings_.format; }
-  [[nodiscard]] bool json() const { return settings_.format == Format::kJson; }
+  /// Whether results are objects, in whichever format they are shown.
+  [[nodiscard]] bool json() const { return settings_.format != Format::kText; }
   [[nodiscard]] bool verbose() const { return settings_.verbose; }
   [[nodiscard]] bool quiet() const { return settings_.quiet; }
 
   /// A line of results on standard output.
   void Line(std::string_view text);
-  /// The same, of JSON in either format: with nothing in it that a person would not see.
+  /// The same, of JSON in any format: with nothing in it that a person would not see.
   void JsonLine(std::string_view json);
   /// The same when it is only for people: suppressed by `--quiet`. Too long for the terminal, it is
   /// broken between words.

@@ -69,20 +69,21 @@ constexpr auto kSubcommands = std::to_array<Subcommand>({
      DeclareShow},
     {"watch", kLooking, "[TARGET...]", "the robots and how they are, live",
      "watch\nwatch 'KIT/*' --for 1m -o json", DeclareWatch},
-    {"await", kLooking, "TARGET TOPIC CONDITION...", "wait until robots' messages say so",
-     "await KIT/0001 state paused=true\n"
-     "await KIT/0001 state 'battery>=80' charging=false -W 2h\n"
+    {"await", kLooking, "TARGET [TOPIC] CONDITION...", "wait until robots' messages say so",
+     "await KIT/0001 paused=true\n"
+     "await KIT/0001 'battery>=80' charging=false -W 2h\n"
      "await KIT/0001 connection connectionState=ONLINE\n"
-     "await 'KIT/*' state paused=true",
+     "await 'KIT/*' paused=true",
      DeclareAwait},
     {"actions", kLooking, "[NAME]", "the predefined actions, or all about one of them",
      "actions\n"
      "actions initPosition\n"
      "actions --vda 2.1 -o json",
      DeclareActions},
-    {"history", kLooking, "", "what was sent: when, by whom, to which robot",
+    {"history", kLooking, "[TARGET...]", "what was sent: when, by whom, to which robot",
      "history\n"
-     "history --target KIT/0001 --since 24h\n"
+     "history KIT/0001 --since yesterday\n"
+     "history 'KIT/*' --since 22:00 --status FAILED\n"
      "history show 42\n"
      "history prune --older-than 90d",
      DeclareHistory},
@@ -90,15 +91,18 @@ constexpr auto kSubcommands = std::to_array<Subcommand>({
      DeclareHistoryShow},
     {"history prune", kLooking, "", "remove old rows; header ids stay",
      "history prune --older-than 90d", DeclareHistoryPrune},
-    {"validate", kChecking, "[FILE]", "check messages against a built-in schema or a given one",
+    {"validate", kChecking, "[FILE...]", "check messages against a built-in schema or a given one",
      "validate message.json\n"
      "validate --vda 2.1 --topic instantActions message.json\n"
+     "validate orders/ --body --vda 2.1\n"
      "validate --lines -o json < messages.jsonl\n"
      "validate --schema my.schema.json message.json\n"
      "validate --protocol soar --message-type mission_plan plan.json",
      DeclareValidate},
     {"schema list", kChecking, "", "the schemas that there are", "schema list", DeclareSchemaList},
-    {"schema show", kChecking, "NAME", "print a schema", "schema show vda5050/3.0.0/instantActions",
+    {"schema show", kChecking, "NAME", "print a schema",
+     "schema show vda5050/3.0.0/instantActions\n"
+     "schema show output/result",
      DeclareSchemaShow},
     {"simulate", kChecking, "TARGET...", "virtual robots that answer, with faults on demand",
      "simulate KIT/0001\n"
@@ -139,6 +143,7 @@ constexpr auto kSubcommands = std::to_array<Subcommand>({
      DeclareLedgerMigrate},
     {"ping", kChecking, "", "can the broker be reached, and what does it grant",
      "ping\n"
+     "ping --wait 20s\n"
      "ping -b mqtt://broker.example:1883 -u operator --password-file pw",
      DeclarePing},
 });

@@ -77,21 +77,23 @@ ValueKind Interval(std::chrono::milliseconds& value) {
   return kind;
 }
 
-ValueKind PointInTime(std::optional<base::WallTime>& value, Direction direction) {
-  return {
-      "TIME",
-      internal::StoreOne(value,
-                         [direction](const std::string& text) {
-                           auto time = base::ParseDateTime(text);
-                           if (time) return time;
-                           const auto from_now = base::ParseDuration(text);
-                           if (from_now) {
-                             time = base::WallTime::clock::now() +
-                                    *from_now * static_cast<int>(direction);
-                           }
-                           return time;
-                         }),
-      [] { return std::string("a duration such as 24h or a time such as 2026-01-02T03:04:05Z"); }};
+ValueKind PointInTime(std::optional<base::WallTime>& value, base::Direction direction) {
+  return {"TIME",
+          internal::StoreOne(value,
+                             [direction](const std::string& text) {
+                               const auto now = base::WallTime::clock::now();
+                               auto time = base::ParseDateTime(text);
+                               if (!time) time = base::ParseLocalTime(text, now, direction);
+                               if (time) return time;
+                               const auto from_now = base::ParseDuration(text);
+                               if (from_now) time = now + *from_now * static_cast<int>(direction);
+                               return time;
+                             }),
+          [] {
+            return std::string(
+                "a time such as 14:30, today, 'monday 06:00', 2026-01-02 or 2026-01-02T03:04:05Z, "
+                "or a duration such as 24h");
+          }};
 }
 
 ValueKind Rate(std::optional<double>& value) {

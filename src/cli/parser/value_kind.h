@@ -18,7 +18,7 @@
 
 #include "base/choice.h"
 #include "base/result.h"
-#include "base/time.h"
+#include "base/local_time.h"
 #include "vda5050/model/version.h"
 
 namespace fleetpub::cli {
@@ -92,9 +92,9 @@ template <class V>
 /// A duration that is not 0.
 [[nodiscard]] ValueKind Interval(std::chrono::milliseconds& value);
 
-enum class Direction { kBack = -1, kAhead = 1 };
-/// A point in time, or a duration before or from now.
-[[nodiscard]] ValueKind PointInTime(std::optional<base::WallTime>& value, Direction direction);
+/// A point in time, as protocols or people write it, or a duration before or from now.
+[[nodiscard]] ValueKind PointInTime(std::optional<base::WallTime>& value,
+                                    base::Direction direction);
 
 /// An integer, or an optional of one; both bounds are included.
 template <class V, class T = typename internal::Stored<V>::type>

@@ -249,15 +249,29 @@ std::string ClientId(const ConnectOptions& options) {
 
 using Attempted = tl::expected<PahoConnection, ConnectFailure>;
 
-tl::unexpected<ConnectFailure> Failed(Error error, bool distrusted = false) {
-  return tl::unexpected(ConnectFailure{std::move(error), distrusted});
+tl::unexpected<ConnectFailure> Failed(ConnectFailure failure) {
+  return tl::unexpected(std::move(failure));
+}
+
+// Whether whoever answered may do so otherwise later: it hung up, said nothing, or is too busy.
+bool MayHeal(const ConnectFacts& facts) {
+  // 3.1.1 §3.2.2.3; MQTT 5 §3.2.2.2: unavailable, busy, quota exceeded, connection rate exceeded.
+  constexpr std::array<int, 5> kBusy = {3, 0x88, 0x89, 0x97, 0x9F};
+  const bool is_refused = facts.code > 0;
+  if (is_refused) return std::find(kBusy.begin(), kBusy.end(), facts.code) != kBusy.end();
+  return !facts.wrong_first && facts.fault.empty() && facts.verify_code == 0 &&
+         facts.tls_alert.empty() && facts.http_status.empty();
 }
 
 Attempted Attempt(const BrokerUrl& broker, const ConnectOptions& options,
                   std::optional<int>& server_keep_alive) {
   const Deadline deadline = steady_clock::now() + options.connect_timeout;
   auto route = FindRoute(broker, options, deadline);
-  if (!route) return Failed(ReachError(broker, route.error()));
+  if (!route) {
+    Error error = ReachError(broker, route.error());
+    const bool may_heal = error.kind == ErrorKind::kBroker;
+    return Failed({.error = std::move(error), .may_heal = may_heal});
+  }
 
   const std::lock_guard lock(PahoMutex());
   PahoConnection connection;
@@ -273,8 +287,9 @@ Attempted Attempt(const BrokerUrl& broker, const ConnectOptions& options,
                                           ClientId(options).c_str(), MQTTCLIENT_PERSISTENCE_NONE,
                                           nullptr, &create);
   if (code != MQTTCLIENT_SUCCESS) {
-    return Failed({ErrorKind::kUnexpected, "the MQTT library makes no client: is memory short?",
-                   MQTTClient_strerror(code)});
+    return Failed(
+        {.error = {ErrorKind::kUnexpected, "the MQTT library makes no client: is memory short?",
+                   MQTTClient_strerror(code)}});
   }
   PahoCall call(-1, deadline);
   ConnectWatch watch(*connection.tls, broker.UsesTls() || broker.UsesWebSocket(),
@@ -299,9 +314,13 @@ Attempted Attempt(const BrokerUrl& broker, const ConnectOptions& options,
   facts.fault = connection.input->fault();
   facts.reason = connection.input->check().reason();
   if (broker.UsesTls() && !facts.connect_sent) {
-    if (auto status = CheckTlsFiles(options.tls); !status) return Failed(std::move(status.error()));
+    if (auto status = CheckTlsFiles(options.tls); !status) {
+      return Failed({.error = std::move(status.error())});
+    }
   }
-  return Failed(ConnectError(broker, options, facts), facts.verify_code != 0);
+  return Failed({.error = ConnectError(broker, options, facts),
+                 .distrusted = facts.verify_code != 0,
+                 .may_heal = MayHeal(facts)});
 }
 
 // Whoever disturbs one of the brokers decides which of them is used.

@@ -42,6 +42,7 @@ template <typename Response>
 struct ConnectFailure {
   Error error;
   bool distrusted = false;  ///< who answers has shown a certificate that is not the broker's
+  bool may_heal = false;    ///< ConnectPaho's
 };
 
 /// Errors: ErrorKind::kBroker, one line that names the broker.

@@ -203,7 +203,8 @@ class PahoTransport final : public RobotTransport {
   std::vector<int> wake_;
 };
 
-Result<std::unique_ptr<PahoTransport>> Connect(const ConnectOptions& options) {
+Result<std::unique_ptr<PahoTransport>> Connect(const ConnectOptions& options, bool& may_heal) {
+  may_heal = false;
   if (auto status = CheckConnectOptions(options); !status) return Fail(std::move(status.error()));
   std::unique_ptr<TraceObserver> trace;
   if (options.trace) trace = std::make_unique<TraceObserver>(options.trace);
@@ -214,8 +215,12 @@ Result<std::unique_ptr<PahoTransport>> Connect(const ConnectOptions& options) {
     if (connection) {
       return std::make_unique<PahoTransport>(std::move(trace), *std::move(connection), options);
     }
-    auto& [error, distrusted] = connection.error();
-    if (error.kind != ErrorKind::kBroker) return Fail(std::move(error));
+    auto& [error, distrusted, heals] = connection.error();
+    may_heal = !distrusted && (may_heal || heals);
+    if (error.kind != ErrorKind::kBroker) {
+      may_heal = false;
+      return Fail(std::move(error));
+    }
     messages.push_back(std::move(error.message));
     if (!error.detail.empty()) details.push_back(std::move(error.detail));
     if (!distrusted) continue;
@@ -230,12 +235,15 @@ Result<std::unique_ptr<PahoTransport>> Connect(const ConnectOptions& options) {
 
 }  // namespace
 
-Result<std::unique_ptr<Transport>> ConnectPaho(const ConnectOptions& options) {
-  return Connect(options);
+Result<std::unique_ptr<Transport>> ConnectPaho(const ConnectOptions& options, bool* may_heal) {
+  bool unasked = false;
+  return Connect(options, may_heal == nullptr ? unasked : *may_heal);
 }
 
-Result<std::unique_ptr<RobotTransport>> ConnectPahoAsRobot(const ConnectOptions& options) {
-  return Connect(options);
+Result<std::unique_ptr<RobotTransport>> ConnectPahoAsRobot(const ConnectOptions& options,
+                                                           bool* may_heal) {
+  bool unasked = false;
+  return Connect(options, may_heal == nullptr ? unasked : *may_heal);
 }
 
 }  // namespace fleetpub::mqtt

@@ -74,14 +74,18 @@ TEST(ValueKind, ARateAndAPercentageHaveTheirRange) {
 
 TEST(ValueKind, APointInTimeIsATimeOrCountsFromNow) {
   std::optional<base::WallTime> time;
-  EXPECT_TRUE(Store(PointInTime(time, Direction::kBack), "2026-01-02T03:04:05Z"));
+  EXPECT_TRUE(Store(PointInTime(time, base::Direction::kBack), "2026-01-02T03:04:05Z"));
   EXPECT_EQ(base::FormatTimestamp(*time), "2026-01-02T03:04:05.000Z");
   const auto now = base::WallTime::clock::now();
-  EXPECT_TRUE(Store(PointInTime(time, Direction::kBack), "1h"));
+  EXPECT_TRUE(Store(PointInTime(time, base::Direction::kBack), "1h"));
   EXPECT_LT(*time, now);
-  EXPECT_TRUE(Store(PointInTime(time, Direction::kAhead), "1h"));
+  EXPECT_TRUE(Store(PointInTime(time, base::Direction::kAhead), "1h"));
   EXPECT_GT(*time, now);
-  EXPECT_FALSE(Store(PointInTime(time, Direction::kBack), "yesterday"));
+  EXPECT_TRUE(Store(PointInTime(time, base::Direction::kBack), "yesterday"));
+  EXPECT_LT(*time, now);
+  EXPECT_TRUE(Store(PointInTime(time, base::Direction::kAhead), "23:59:59"));
+  EXPECT_GT(*time, now);
+  EXPECT_FALSE(Store(PointInTime(time, base::Direction::kBack), "soon"));
 }
 
 TEST(ValueKind, AChoiceIsShownByItsFirstWord) {

@@ -1,0 +1,69 @@
+#include "cli/output/output_kinds.h"
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+#include "base/json.h"
+#include "base/text.h"
+#include "schema/schema.h"
+#include "vda5050/catalogue/catalogue.h"
+
+namespace fleetpub::cli {
+namespace {
+
+using Kind = std::pair<std::string_view, std::string_view>;
+
+constexpr auto kKinds = std::to_array<Kind>({
+    {"action", "result"},
+    {"actions", "action"},
+    {"batch", "result"},
+    {"config show", "setting"},
+    {"fleet", "robot"},
+    {"history", "history"},
+    {"history prune", "pruned"},
+    {"history show", "history"},
+    {"ledger migrate", "migration"},
+    {"ledger status", "ledger"},
+    {"ping", "ping"},
+    {"publish", "result"},
+    {"requests", "request"},
+    {"respond", "result"},
+    {"schema list", "schema"},
+    {"soar acknowledge", "result"},
+    {"soar mission-plan", "result"},
+    {"soar observation", "result"},
+    {"soar planning-configuration", "result"},
+    {"soar platform-status", "result"},
+    {"validate", "validation"},
+    {"watch", "robot"},
+});
+
+}  // namespace
+
+std::string FindOutputSchema(std::string_view command, std::span<const std::string> arguments) {
+  std::string_view kind;
+  const auto* const found = std::find_if(kKinds.begin(), kKinds.end(), [&](const Kind& candidate) {
+    return base::EqualsIgnoringCase(candidate.first, command);
+  });
+  if (found != kKinds.end()) {
+    kind = found->second;
+  } else if (vda5050::ActionCalled(command)) {
+    kind = "result";
+  }
+  const bool is_live = std::find(arguments.begin(), arguments.end(), "--live") != arguments.end();
+  if (kind == "validation" && is_live) kind = "violation";
+  return kind.empty() ? std::string() : "fleetpub/output/" + std::string(kind);
+}
+
+std::vector<std::string> ListMembers(std::string_view schema) {
+  std::vector<std::string> names;
+  const auto text = schema::Registry().Text(schema);
+  const auto document = text ? base::ParseJson(*text) : Fail(text.error());
+  const auto* const members = document ? base::FindMember(*document, "properties") : nullptr;
+  if (members == nullptr) return names;
+  for (const auto& member : members->GetObject()) names.emplace_back(base::ToView(member.name));
+  return names;
+}
+
+}  // namespace fleetpub::cli
