@@ -27,6 +27,8 @@ using vda5050::RobotAddress;
 // A thousand robots may all be warned of in the same words.
 class Warnings {
  public:
+  static constexpr std::size_t kTold = 10;
+
   explicit Warnings(Log& log) : log_(log) {}
 
   void Warn(const std::string& target, const std::string& warning) {
@@ -45,7 +47,6 @@ class Warnings {
   }
 
  private:
-  static constexpr std::size_t kTold = 10;
   Log& log_;
   std::map<std::string, std::size_t> told_;
 };
@@ -298,8 +299,11 @@ class CommandSender final : private delivery::CommandSource {
       const auto message = request_.make_message();
       built_all_ = factory_.Build(*robots_[next_], RequestFor(*message), built_);
       if (!built_all_) return Fail(built_all_.error());
-      if (settings_.dry_run && built_.commands.size() > before) {
-        explanations_.push_back(ExplainDryRun(*robots_[next_]));
+      if (built_.commands.size() == before) continue;
+      if (settings_.dry_run) {
+        explanations_.push_back("would be published " + DescribeWay(*robots_[next_]));
+      } else if (next_ < Warnings::kTold) {
+        observer_.Debug(DescribeDetails(*robots_[next_]));
       }
     }
     for (const std::string& warning : built_.warnings) warnings_.Warn(warning);
@@ -307,16 +311,29 @@ class CommandSender final : private delivery::CommandSource {
     return built_.commands;
   }
 
-  // Where a dry run would go, and why there.
-  [[nodiscard]] std::string ExplainDryRun(const ListedRobot& robot) const {
+  // Where the last one built goes, and why there.
+  [[nodiscard]] std::string DescribeWay(const ListedRobot& robot) const {
     const message::Command& command = built_.commands.back();
     const auto& entry = robot.second;
     const std::string_view why = entry.automatic && entry.own ? "as the robot itself says"
                                  : !entry.base->assumed       ? "as stated"
                                  : link_                      ? "assumed"
                                                               : "assumed: no broker was asked";
-    return fmt::format("would be published to {} in {} ({})", base::Printable(command.topic),
-                       command.version, why);
+    return fmt::format("to {} in {} ({})", base::Printable(command.topic), command.version, why);
+  }
+
+  // The same, what the robot had said before, and what is waited for.
+  [[nodiscard]] std::string DescribeDetails(const ListedRobot& robot) const {
+    const auto& [address, entry] = robot;
+    std::string text = base::Printable(address.ToString()) + ": " + DescribeWay(robot);
+    if (entry.connection) text += "; " + vda5050::ConnectionText(*entry.connection);
+    if (entry.speaks) text += "; it sends states";
+    if (entry.factsheet) text += "; has a factsheet";
+    if (const auto& end = request_.waiting.wait_for) {
+      text += fmt::format("; waiting until {}",
+                          *end == vda5050::WaitFor::kFinished ? "it is done" : "it is listed");
+    }
+    return text;
   }
 
   void GiveUp(const Error& reason) override {

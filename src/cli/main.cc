@@ -83,7 +83,7 @@ ExitCode PrintHelp(OptionSet::Asked asked, const CommandLine& call,
                      arguments, {});
   }
   const SubcommandMatch& match = call.match;
-  if (asked == OptionSet::Asked::kHelp && FindFormat(arguments, {}) == Format::kJson) {
+  if (asked == OptionSet::Asked::kHelp && FormatOfErrors(arguments, {}) == Format::kJson) {
     Output output({.format = Format::kJson});
     output.Line(HelpJson(call));
     return Finish(ExitCode::kDone, output);
