@@ -163,7 +163,7 @@ TEST_F(Help, RepeatsNoPasswordInAnAnswer) {
 
 TEST_F(Help, IsWholeThroughAPagerOnATerminal) {
   Terminal paged(Line({"--help"}, "sed \"s/^/paged: /\""), 90, 100);
-  EXPECT_TRUE(paged.Await("paged: Checking:"));
+  EXPECT_TRUE(paged.Await("paged:   config check"));
   EXPECT_TRUE(paged.Await("exit code 0"));
   Terminal standard(Line({"--help"}, std::nullopt), 80, 24);
   ASSERT_TRUE(standard.Await("Instant actions"));

@@ -67,7 +67,7 @@ TEST_F(Refusals, NameWhatIsWrongAndSendNothing) {
       {{"fleet", "KIT", "0001"}, 2, "did you mean KIT/0001?"},
       {{"pause", "KIT/0001", "--rate", "0,5"}, 2, "write 0.5"},
       {{"pause", "KIT/0001", "-W", "1,5s", "--wait"}, 2, "write 1.5s"},
-      {{"pause", "KIT/0001", "--debug=all"}, 2, "=full"},
+      {{"pause", "KIT/0001", "--debug=all"}, 2, "topics or full"},
       {{"pause", "KIT/0001", "--color", "red"}, 2, "auto, always or never"},
       {{"pause", "KIT/$x"}, 2, "reserved"},
       {{"pause", "KIT/a\nb"}, 2, "control character"},

@@ -206,7 +206,7 @@ TEST_F(OnATerminal, NoColourStandsAlone) {
 TEST_F(OnATerminal, FleetShowsAtOnceWhatIsKnownAndFillsIn) {
   const auto silent = Robot({"KIT/0001", "--count", "2", "--silent"});
   Terminal terminal(AndTellTheEnd(Line({"fleet", "--state-wait", "20s"})), 80, 8);
-  ASSERT_TRUE(terminal.Await("waiting up to 20.0 s for 2 states"));
+  ASSERT_TRUE(terminal.Await("waiting up to 20 s for 2 states"));
   EXPECT_THAT(terminal.Shown(), HasSubstr("KIT/0002  ONLINE"));
   const auto say = [&](const std::string& serial) {
     Say("vda5050/v3/KIT/" + serial + "/state",

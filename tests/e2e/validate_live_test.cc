@@ -147,7 +147,6 @@ TEST_F(ValidateLive, RefusesWhatDoesNotGoTogether) {
   for (const char* option : {"--online", "--all"}) {
     EXPECT_EQ(Fleetpub({"validate", option}).exit_code, 2) << "without --live";
   }
-  EXPECT_EQ(Fleetpub({"validate", "a.json", "b.json"}).exit_code, 2);
 }
 
 TEST_F(ValidateLive, ListensToTheRobotsThatAreMeant) {

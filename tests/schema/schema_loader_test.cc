@@ -120,7 +120,7 @@ TEST(SchemaLoader, RefusesReferencesThatLeadNowhere) {
       {R"({"$ref":"#/definitions/a","definitions":{"a":3}})",
        "/definitions/a must be a schema (an object, true or false), not 3"},
       {R"({"$ref":"http://other/x.json"})",
-       "/$ref refers to another document, http://other/x.json: what is needed of it must stand "
+       "/$ref refers to another document, http://other/x.json: what is needed of it must be "
        "under definitions"},
       {R"({"$ref":"common.json#/definitions/header"})",
        "/$ref refers to another document, common.json#/definitions/header: what is needed of it "

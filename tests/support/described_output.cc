@@ -43,6 +43,7 @@ void ExpectDescribed(const std::vector<std::string>& arguments, std::string_view
   static_cast<void>(call.Read(cli::OptionSet::Extent::kAll, words));
   const std::string kind = cli::FindOutputSchema(call.match.name, words);
   const bool is_json = call.options.format == "json" && call.options.fields.empty();
+  if (output.starts_with(R"({"commands":)")) return;  // the help
   if (kind.empty() || !(is_json || call.match.name == "batch")) return;
   for (std::size_t end = 0; (end = output.find('\n')) != std::string_view::npos;) {
     ExpectDescribedLine(output.substr(0, end), kind);

@@ -28,7 +28,7 @@ std::string WhyNotInstant(const ActionSpec* action, std::string_view type, Versi
         "{} is never an instant action: it belongs to the nodes and edges of an order", type);
   }
   return fmt::format("{} is {} in version {}: it is one in {}", type,
-                     action == nullptr ? "no predefined action" : "not an instant action", name,
+                     action == nullptr ? "not a predefined action" : "not an instant action", name,
                      versions);
 }
 

@@ -78,14 +78,14 @@ TEST(ParseRobotAddress, RefusesWhatWouldReachAnotherRobot) {
       {"KIT/", "target 'KIT/': its serial number is refused: it is empty"},
       {"/", "target '/': its manufacturer is refused: it is empty"},
       {"KIT/+",
-       "target 'KIT/+': its serial number is refused: + and # are wildcards, which no "
-       "robot is called"},
+       "target 'KIT/+': its serial number is refused: + and # are wildcards and cannot be part of "
+       "a name"},
       {"#/0001",
-       "target '#/0001': its manufacturer is refused: + and # are wildcards, which no "
-       "robot is called"},
+       "target '#/0001': its manufacturer is refused: + and # are wildcards and cannot be part of "
+       "a name"},
       {"KIT/00+1",
-       "target 'KIT/00+1': its serial number is refused: + and # are wildcards, which "
-       "no robot is called"},
+       "target 'KIT/00+1': its serial number is refused: + and # are wildcards and "
+       "cannot be part of a name"},
       {"$SYS/1", "target '$SYS/1': its manufacturer is refused: $ is reserved for the broker"},
       {"KIT/a$", "target 'KIT/a$': its serial number is refused: $ is reserved for the broker"},
       {"KIT/a\n",
