@@ -11,7 +11,6 @@
 namespace fleetpub::base {
 namespace {
 
-using std::chrono::days;
 using std::chrono::local_days;
 
 std::tm LocalParts(WallTime time) {
@@ -73,7 +72,7 @@ bool ScanDayName(Scanner& scanner, local_days today, SpokenDay& spoken) {
       {{"yesterday", -1}, {"today", 0}, {"tomorrow", 1}}};
   for (const auto& [name, distance] : kNear) {
     if (!scanner.Word(name)) continue;
-    spoken = {today + days(distance), 0};
+    spoken = {today + std::chrono::days(distance), 0};
     return true;
   }
   constexpr std::array<std::string_view, 7> kWeek = {"sunday",   "monday", "tuesday", "wednesday",
@@ -109,7 +108,7 @@ std::optional<WallTime> ParseLocalTime(std::string_view text, WallTime now, Dire
   for (WallTime time = FromLocal(spoken.day, clock);; time = FromLocal(spoken.day, clock)) {
     const bool is_right = direction == Direction::kBack ? time <= now : time > now;
     if (step == 0 || is_right) return time;
-    spoken.day += days(step);
+    spoken.day += std::chrono::days(step);
   }
 }
 

@@ -87,10 +87,10 @@ struct HistoryFilter {
   std::string action = {};  ///< an action type, exact; empty: all
   std::string status = {};
   std::string user = {};
-  std::optional<WallTime> since = {};  ///< from this moment
-  std::optional<WallTime> until = {};  ///< before this moment
+  std::optional<WallTime> since = {};      ///< from this moment
+  std::optional<WallTime> until = {};      ///< before this moment
   std::optional<std::int64_t> below = {};  ///< only rows of a smaller number
-  int limit = 50;                      ///< the newest so many, returned oldest first; 0: all
+  int limit = 50;                          ///< the newest so many, returned oldest first; 0: all
 };
 
 /// What there is, for who looks after it.

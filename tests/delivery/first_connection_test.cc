@@ -24,7 +24,8 @@ class ConnectingPatiently : public ::testing::Test {
     return Connect({.open = [this](mqtt::Deadline,
                                    bool& may_heal) -> Result<std::unique_ptr<mqtt::Transport>> {
                       ++attempts_;
-                      if (failures_.empty()) return std::make_unique<testing::FakeTransport>(journal_);
+                      if (failures_.empty())
+                        return std::make_unique<testing::FakeTransport>(journal_);
                       const Failure failure = failures_.front();
                       failures_.pop_front();
                       may_heal = failure.may_heal;

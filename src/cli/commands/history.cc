@@ -11,8 +11,8 @@
 
 #include "app/targets.h"
 #include "base/json.h"
-#include "base/text.h"
 #include "base/local_time.h"
+#include "base/text.h"
 #include "base/time.h"
 #include "cli/output/fleet_table.h"
 #include "cli/output/table.h"

@@ -51,15 +51,15 @@ std::string TwoColumns(std::string_view left, std::string_view right) {
 
 namespace {
 
-enum class Extent { kBrief, kWhole };
+enum class HelpSize { kBrief, kWhole };
 
 // Briefly the first long name only.
-std::string FormatNames(const Option& option, Extent extent) {
+std::string FormatNames(const Option& option, HelpSize size) {
   std::vector<std::string> names;
   for (const std::string& name : option.short_names()) names.push_back("-" + name);
   for (const std::string& name : option.long_names()) {
     names.push_back("--" + name);
-    if (extent == Extent::kBrief) break;
+    if (size == HelpSize::kBrief) break;
   }
   std::string text = base::Join(names, ",");
   if (option.TakesValue()) text += " " + option.type();
@@ -67,15 +67,15 @@ std::string FormatNames(const Option& option, Extent extent) {
 }
 
 // Briefly what comes before the first semicolon.
-std::string OptionLine(const Option& option, Extent extent) {
+std::string OptionLine(const Option& option, HelpSize size) {
   const std::string_view text = option.description();
-  return TwoColumns(FormatNames(option, extent),
-                    extent == Extent::kBrief ? text.substr(0, text.find(';')) : text);
+  return TwoColumns(FormatNames(option, size),
+                    size == HelpSize::kBrief ? text.substr(0, text.find(';')) : text);
 }
 
 // The option lines of the groups for which `wanted` holds, each group under its name.
 std::string OptionLines(const OptionSet& set, const std::function<bool(const std::string&)>& wanted,
-                        Extent extent = Extent::kWhole) {
+                        HelpSize size = HelpSize::kWhole) {
   std::vector<std::string> groups;
   for (const Option& option : set.options()) {
     const std::string& group = option.group();
@@ -87,7 +87,7 @@ std::string OptionLines(const OptionSet& set, const std::function<bool(const std
     std::string lines;
     for (const Option& option : set.options()) {
       if (option.group() != group || option.IsPositional()) continue;
-      lines += OptionLine(option, extent);
+      lines += OptionLine(option, size);
     }
     if (!lines.empty()) text += fmt::format("\n{}:\n{}", group, lines);
   }
@@ -173,12 +173,12 @@ std::string KeyOptionLines(const OptionSet& set, std::string_view command) {
   });
   std::string text;
   if (own.size() <= table->names.size()) {
-    for (const Option& option : own) text += OptionLine(option, Extent::kBrief);
+    for (const Option& option : own) text += OptionLine(option, HelpSize::kBrief);
     return text;
   }
   for (const std::string_view name : table->names) {
     const Option option = set.Find(std::string(name));
-    if (option.exists()) text += OptionLine(option, Extent::kBrief);
+    if (option.exists()) text += OptionLine(option, HelpSize::kBrief);
   }
   return text;
 }
@@ -271,7 +271,7 @@ std::string BriefHelp(const OptionSet& set, const SubcommandMatch& match) {
   const Explained explained = Explain(match);
   const std::string options = KeyOptionLines(set, match.name);
   const std::string parameters = OptionLines(
-      set, [](const std::string& group) { return group == kParameters; }, Extent::kBrief);
+      set, [](const std::string& group) { return group == kParameters; }, HelpSize::kBrief);
   const std::size_t most = parameters.empty() ? 3 : 1;
   const auto examples =
       std::span(explained.examples).first(std::min(explained.examples.size(), most));

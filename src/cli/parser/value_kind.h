@@ -17,8 +17,8 @@
 #include <vector>
 
 #include "base/choice.h"
-#include "base/result.h"
 #include "base/local_time.h"
+#include "base/result.h"
 #include "vda5050/model/version.h"
 
 namespace fleetpub::cli {

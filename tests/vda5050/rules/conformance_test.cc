@@ -135,8 +135,9 @@ TEST_F(Conforming, PassesOverWhatIsNotMeant) {
 
 TEST_F(Conforming, ListensToAllTopicsOrToOne) {
   EXPECT_THAT(Conformance({}, registry_).Filters().value(), SizeIs(kTopicNames.size()));
-  EXPECT_THAT(Conformance({.patterns = {{"KIT", "*"}}, .topic = "state"}, registry_).Filters().value(),
-              ElementsAre("+/+/KIT/+/state"));
+  EXPECT_THAT(
+      Conformance({.patterns = {{"KIT", "*"}}, .topic = "state"}, registry_).Filters().value(),
+      ElementsAre("+/+/KIT/+/state"));
   EXPECT_FALSE(Conformance({.topic = "status"}, registry_).Filters());
 }
 
