@@ -28,7 +28,8 @@ Error NoRobot(const mqtt::ServerInfo& server, const std::string& profile, const 
 }
 
 // Who is there and has not said how it is.
-void WarnOfSilent(const Fleet& fleet, std::chrono::milliseconds state_wait, Log& log) {
+void WarnOfSilent(const Fleet& fleet, bool asked, Log& log) {
+  const auto state_wait = fleet.targets().state_wait;
   std::size_t seen = 0;
   std::size_t silent = 0;
   std::vector<RobotAddress> undecided;
@@ -40,10 +41,12 @@ void WarnOfSilent(const Fleet& fleet, std::chrono::milliseconds state_wait, Log&
     if (Satisfies(fleet.targets(), entry) == Answer::kUnheard) undecided.push_back(robot);
   }
   if (silent > 0 && state_wait.count() > 0) {
-    log.Warn(fmt::format(
-        "{} of {} robots sent no state within {}; they repeat it at least every 30 s{}", silent,
-        seen, base::FormatElapsed(state_wait),
-        state_wait < std::chrono::seconds(35) ? ": --state-wait 35s waits for it" : ""));
+    log.Warn(
+        fmt::format("{} of {} robots sent no state within {}; they repeat it at least every 30 s{}",
+                    silent, seen, base::FormatElapsed(state_wait),
+                    state_wait >= std::chrono::seconds(35) ? ""
+                    : asked                                ? ": --state-wait 35s waits for it"
+                                                           : ": --ask has them send it"));
   }
   if (!undecided.empty()) {
     log.Warn("not shown, as --where cannot be decided: " + FormatRobotList(undecided));
@@ -51,7 +54,7 @@ void WarnOfSilent(const Fleet& fleet, std::chrono::milliseconds state_wait, Log&
 }
 
 void Warn(const Fleet& fleet, const std::vector<ExpectedRobot>& expected,
-          const Environment& environment, Log& log) {
+          const Environment& environment, bool asked, Log& log) {
   const auto& directory = fleet.directory();
   WarnOfUnheard(FindUnheard(expected,
                             [&](const RobotAddress& robot) {
@@ -66,10 +69,10 @@ void Warn(const Fleet& fleet, const std::vector<ExpectedRobot>& expected,
   for (const ListedRobot* robot : fleet.robots()) found.push_back(robot->first);
   WarnOfEscapedNames(found, log);
   if (directory.abridged() > 0) log.Warn(AbridgedWarning(directory.abridged()));
-  WarnOfSilent(fleet, fleet.targets().state_wait, log);
+  WarnOfSilent(fleet, asked, log);
   if (found.empty()) {
-    log.Info(fmt::format("none of the {} robots found is meant by {}", directory.CountSeen(),
-                         fleet.name()));
+    log.Info(fmt::format("none of the {} robots found is known to be meant by {}",
+                         directory.CountSeen(), fleet.name()));
   }
 }
 
@@ -170,6 +173,8 @@ std::string AbridgedWarning(std::size_t robots) {
 
 Result<Fleet> DiscoverFleet(FleetRequest request, const Environment& environment,
                             const FleetHook& progress, Log& log) {
+  const auto discover = request.discover;
+  const bool asks = request.ask;
   auto fleet = Fleet::Make(std::move(request), environment.config, log);
   if (!fleet) return fleet;
   auto link = Connect(environment, log);
@@ -177,12 +182,12 @@ Result<Fleet> DiscoverFleet(FleetRequest request, const Environment& environment
   const mqtt::ServerInfo server = link->transport->server();
   DiscoveryOptions options{.all = true,
                            .states = true,
-                           .discover = request.discover,
+                           .discover = discover,
                            .expected = FindExpectedRobots(fleet->targets(), fleet->resolver(),
                                                           environment, server.broker)};
   options.discover.subscribe = link->connection.timeout;
   if (progress) options.tick = [&] { progress(*fleet); };
-  if (request.ask && fleet->targets().state_wait.count() > 0) {
+  if (asks && fleet->targets().state_wait.count() > 0) {
     options.factsheets = true;
     options.ask = [&] { return AskFleet(*fleet, *link, environment, log); };
   }
@@ -192,7 +197,7 @@ Result<Fleet> DiscoverFleet(FleetRequest request, const Environment& environment
   if (fleet->directory().CountSeen() == 0) {
     return Fail(NoRobot(server, environment.config.profile, *fleet));
   }
-  Warn(*fleet, options.expected, environment, log);
+  Warn(*fleet, options.expected, environment, asks, log);
   return fleet;
 }
 
@@ -215,6 +220,7 @@ Status WatchFleet(FleetRequest request, mqtt::Deadline end, const Environment& e
   if (!subscription) return Fail(std::move(subscription.error()));
   display = make_display(broker, *fleet, [&](const std::vector<RobotAddress>& names) {
     std::vector<const ListedRobot*> robots;
+    robots.reserve(names.size());
     for (const RobotAddress& name : names) {
       robots.push_back(&*fleet->directory().robots().find(name));
     }

@@ -367,11 +367,16 @@ class Discoverer {
     log_.Info(fmt::format("waiting up to {} for the states of {} robot{}",
                           base::FormatElapsed(targets_.state_wait), silent.size(),
                           silent.size() == 1 ? "" : "s"));
+    log_.Wait(fmt::format("waiting for the states of {} robot{}", silent.size(),
+                          silent.size() == 1 ? "" : "s"),
+              end);
     const auto left = std::max(end - steady_clock::now(), steady_clock::duration(0));
     auto options = options_.discover;
     options.quiet = options.most = std::chrono::ceil<std::chrono::milliseconds>(left);
-    return Read(filters.Take(), std::move(silent), options,
-                [](const RobotEntry& entry) { return entry.state_heard || !entry.IsAlive(); });
+    auto ok = Read(filters.Take(), std::move(silent), options,
+                   [](const RobotEntry& entry) { return entry.state_heard || !entry.IsAlive(); });
+    log_.Wait("");
+    return ok;
   }
 
   mqtt::Transport& transport_;

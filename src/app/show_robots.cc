@@ -232,6 +232,7 @@ class SheetReader {
       AskForStates(robots, request_.targets.state_wait, link_, environment_, log_);
     }
     const auto end = steady_clock::now() + request_.targets.state_wait;
+    log_.Wait("waiting for states", end);
     while (!silent.empty() && link_.transport != nullptr && steady_clock::now() < end) {
       const auto message = link_.transport->Receive(end);
       if (!message) return Fail(message.error());
@@ -240,6 +241,7 @@ class SheetReader {
       Deliver(**message);
       if (!(*message)->retained) silent.erase((*message)->topic);
     }
+    log_.Wait("");
     return {};
   }
 

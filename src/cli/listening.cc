@@ -69,6 +69,9 @@ void DeclareFleetDiscoveryOptions(OptionSet& set, FleetDiscoveryOptions& options
   DeclareStateWait(set, options.fleet.targets.state_wait,
                    fmt::format("{}s; 35s when --where needs them", seconds.count()));
   DeclareDiscover(set, options.discover);
+  set.AddFlag("--ask", options.ask,
+              "Send a stateRequest to robots that are online: their states come at once")
+      .Group("Waiting");
 }
 
 Result<app::FleetRequest> ParseFleetOptions(const FleetOptions& options) {
@@ -84,6 +87,7 @@ Result<app::FleetRequest> ParseFleetOptions(const FleetDiscoveryOptions& options
       options.fleet.targets.state_wait || app::Need(request->targets.where, "state");
   if (!waits_for_all) request->targets.state_wait = options.state_wait;
   request->discover = MakeRetainedOptions(options.discover);
+  request->ask = options.ask;
   return request;
 }
 

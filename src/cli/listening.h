@@ -59,6 +59,7 @@ struct FleetDiscoveryOptions {
   std::chrono::milliseconds discover = kUsualDiscover;
   /// Unless somebody says it, or a condition needs states.
   std::chrono::milliseconds state_wait = kUsualStateWait;
+  bool ask = false;  ///< robots for their states
 };
 
 void DeclareFleetDiscoveryOptions(OptionSet& set, FleetDiscoveryOptions& options);

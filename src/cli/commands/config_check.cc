@@ -61,6 +61,7 @@ Result<ExitCode> RunProfiles(const Context& context) {
     const bool is_default = name == standard;
     if (output.json()) {
       std::vector<std::string> urls;
+      urls.reserve(brokers.size());
       for (const std::string& broker : brokers) urls.push_back(JsonString(broker));
       output.Line(fmt::format(R"({{"profile":{},"brokers":[{}],"default":{}}})", JsonString(name),
                               base::Join(urls, ","), is_default));

@@ -24,7 +24,6 @@ using app::ListedRobot;
 struct Options {
   FleetDiscoveryOptions fleet;
   FleetViewOptions view;
-  bool ask = false;
 };
 
 std::vector<const ListedRobot*> Sorted(const app::Fleet& fleet, SortBy by) {
@@ -92,7 +91,6 @@ Result<ExitCode> RunFleet(const Options& o, const Context& context) {
   auto request = ParseFleetOptions(o.fleet);
   if (!request) return Fail(request.error());
   request->problems = o.view.problems;
-  request->ask = o.ask;
   FillingTable filling(o.view.sort.value_or(SortBy::kTrouble), context.output);
   app::FleetHook progress;
   if (filling.IsPossible()) progress = [&](const app::Fleet& fleet) { filling.Draw(fleet); };
@@ -117,9 +115,6 @@ Run DeclareFleet(OptionSet& set) {
   const auto options = std::make_shared<Options>();
   DeclareFleetDiscoveryOptions(set, options->fleet);
   DeclareFleetViewOptions(set, options->view);
-  set.AddFlag("--ask", options->ask,
-              "Send a stateRequest to robots that are online: their states come at once")
-      .Group("Waiting");
   return [options](const Context& context) { return RunFleet(*options, context); };
 }
 

@@ -75,11 +75,7 @@ class LineDisplay final : public app::FleetDisplay {
 class ScreenDisplay final : public app::FleetDisplay {
  public:
   ScreenDisplay(std::string title, SortBy by, app::AskHook ask, Output& output)
-      : title_(std::move(title)),
-        by_(by),
-        ask_(std::move(ask)),
-        output_(output),
-        browser_(output) {}
+      : title_(std::move(title)), by_(by), ask_(std::move(ask)), browser_(output) {}
 
   void Changed(const ListedRobot& robot) override {
     is_stale_ = true;
@@ -160,7 +156,6 @@ class ScreenDisplay final : public app::FleetDisplay {
   std::string title_;
   SortBy by_;
   app::AskHook ask_;
-  Output& output_;
   FleetBrowser browser_;
   std::map<vda5050::RobotAddress, Heard> heard_;
   std::string trouble_;

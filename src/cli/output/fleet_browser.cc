@@ -223,7 +223,7 @@ std::vector<std::string> FleetBrowser::TableOf(const Robots& robots, const Frame
 }
 
 // Lines that scroll, below a title.
-std::vector<std::string> FleetBrowser::Page(std::vector<std::string> lines, std::string title,
+std::vector<std::string> FleetBrowser::Page(std::vector<std::string> lines, std::string_view title,
                                             const Frame& frame) {
   room_ = frame.size.rows - std::min<std::size_t>(frame.size.rows, 2);
   line_ = std::min(line_, lines.size() - std::min(lines.size(), room_));

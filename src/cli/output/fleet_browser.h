@@ -8,6 +8,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "base/time.h"
@@ -55,8 +56,8 @@ class FleetBrowser {
   [[nodiscard]] std::optional<std::size_t> FindSelected() const;
   [[nodiscard]] std::vector<std::string> TableOf(const Robots& robots, const Frame& frame,
                                                  const Silence& silence);
-  [[nodiscard]] std::vector<std::string> Page(std::vector<std::string> lines, std::string title,
-                                              const Frame& frame);
+  [[nodiscard]] std::vector<std::string> Page(std::vector<std::string> lines,
+                                              std::string_view title, const Frame& frame);
 
   const Output& output_;
   Mode mode_ = Mode::kTable;
