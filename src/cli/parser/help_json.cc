@@ -19,6 +19,7 @@ using base::JsonString;
 template <class Texts>
 std::string ListJson(const Texts& texts) {
   std::vector<std::string> items;
+  items.reserve(std::size(texts));
   for (const auto& text : texts) items.push_back(JsonString(text));
   return "[" + base::Join(items, ",") + "]";
 }
