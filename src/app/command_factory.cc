@@ -163,8 +163,8 @@ PreflightFindings CommandFactory::FindingsOnUnknown(const ListedRobot& robot,
       entry.automatic ? "--vda VERSION --no-check sends it anyway" : "--no-check sends it anyway";
   const auto suggestion = suggestions_.find(address);
   findings.refusals.push_back(
-      fmt::format("{}{}; fleetpub fleet shows who is there, {}", sentence,
-                  suggestion == suggestions_.end() ? "" : "; " + suggestion->second, sends));
+      fmt::format("{}; {}fleetpub fleet shows who is there, {}", sentence,
+                  suggestion == suggestions_.end() ? "" : suggestion->second + " ", sends));
   return findings;
 }
 
