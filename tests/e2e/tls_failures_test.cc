@@ -89,6 +89,23 @@ TEST_F(TlsFailures, OfTheBrokersCertificateNameTheCheck) {
   EXPECT_EQ(Pause(self.Url("mqtts", "localhost"), Trusting("self.crt")).exit_code, 0);
 }
 
+TEST_F(TlsFailures, OfANameThatIsNoneAreSaidBeforeConnecting) {
+  const std::string secure = "mqtts://127.0.0.1:1";
+  for (const std::string& name : {std::string(300, 'a'), std::string("broker.example:8883"),
+                                  std::string("mqtts://broker.example"), std::string("a b")}) {
+    const Finished run = operator_.Fleetpub({"ping", "-b", secure, "--tls-server-name", name});
+    EXPECT_EQ(run.exit_code, 2) << name;
+    EXPECT_THAT(run.errors, HasSubstr("is not a host name"));
+  }
+  EXPECT_EQ(
+      operator_.Fleetpub({"ping", "-b", secure, "--tls-server-name", "Broker.Example"}).exit_code,
+      4);
+  EXPECT_EQ(
+      operator_.Fleetpub({"ping", "-b", "mqtt://127.0.0.1:1", "--tls-server-name", "x"}).exit_code,
+      2)
+      << "not encrypted";
+}
+
 // TLS 1.3 lets us speak before the broker has looked at our certificate.
 TEST_F(TlsFailures, OfOurOwnCertificateNameTheCheck) {
   const auto& files = Certificates::Get();

@@ -218,10 +218,11 @@ Status CheckProxy(const OptionSet& set, const GlobalOptions& o) {
 // Who names an authority expects to be encrypted. A configuration may do so for other brokers.
 Status CheckEncryption(const Context& context, std::span<const mqtt::BrokerUrl> brokers) {
   const GlobalOptions& o = context.options;
-  const std::array<std::tuple<std::string_view, const std::string*, std::string_view>, 3> given = {
+  const std::array<std::tuple<std::string_view, const std::string*, std::string_view>, 4> given = {
       {{"cafile", &o.ca_file, "--cafile"},
        {"capath", &o.ca_path, "--capath"},
-       {"cert", &o.cert_file, "--cert"}}};
+       {"cert", &o.cert_file, "--cert"},
+       {"tls_server_name", &o.tls_server_name, "--tls-server-name"}}};
   for (const auto& [key, value, option] : given) {
     if (value->empty() || context.config.Find(key) != nullptr) continue;
     for (const mqtt::BrokerUrl& broker : brokers) {
@@ -235,8 +236,22 @@ Status CheckEncryption(const Context& context, std::span<const mqtt::BrokerUrl> 
   return {};
 }
 
+// A host name or an address as in a broker's URL, and nothing else.
+Status CheckServerName(const std::string& name) {
+  if (name.empty()) return {};
+  for (const char* const form : {"mqtts://{}", "mqtts://[{}]"}) {
+    const auto url = mqtt::ParseBrokerUrl(fmt::format(fmt::runtime(form), name));
+    if (url && base::EqualsIgnoringCase(url->host, name)) return {};
+  }
+  return Fail(ErrorKind::kUsage,
+              fmt::format("--tls-server-name: '{}' is not a host name: write it as in the "
+                          "certificate, such as broker.example",
+                          base::Printable(name)));
+}
+
 Result<mqtt::TlsOptions> MakeTlsOptions(const Context& context) {
   const GlobalOptions& o = context.options;
+  if (auto ok = CheckServerName(o.tls_server_name); !ok) return Fail(std::move(ok.error()));
   mqtt::TlsOptions tls{.ca_file = o.ca_file,
                        .ca_path = o.ca_path,
                        .cert_file = o.cert_file,

@@ -126,7 +126,7 @@ std::string WrongNameCause(const ConnectFacts& facts, const std::string& host) {
   if (facts.verify_code == X509_V_ERR_IP_ADDRESS_MISMATCH) {
     return fmt::format(
         "its certificate is for {}, not for the address {}, which it must contain as an address "
-        "(IP:{}): write the host name in --broker, or have the certificate made anew",
+        "(IP:{}): write the host name in --broker, or name the server with --tls-server-name",
         names, host, host);
   }
   return fmt::format(
