@@ -74,13 +74,6 @@ std::string FormatLocal(WallTime time) {
   return {text.data(), length};
 }
 
-std::string FormatMoment(WallTime time, WallTime now) {
-  constexpr std::size_t kDate = 10;
-  constexpr std::size_t kMinute = 16;
-  const std::string text = FormatLocal(time).substr(0, kMinute);
-  return text.starts_with(FormatLocal(now).substr(0, kDate)) ? text.substr(kDate + 1) : text;
-}
-
 std::optional<WallTime> ParseDateTime(std::string_view text) {
   Scanner scanner(text);
   int year = 0;

@@ -19,9 +19,6 @@ using WallTime = std::chrono::system_clock::time_point;
 /// `2026-01-02 03:04:05` in the machine's own time zone, for people.
 [[nodiscard]] std::string FormatLocal(WallTime time);
 
-/// The same to the minute; without the date when that is also `now`'s: `09:25`.
-[[nodiscard]] std::string FormatMoment(WallTime time, WallTime now);
-
 /// RFC 3339 §5.6 date-time with a real calendar: no 29 February 2023, no hour 24; a leap second
 /// where one can be. Microseconds are kept, further digits dropped; a time outside 1677..2262
 /// becomes the nearest that the clock can hold. Nothing when it is none.

@@ -171,13 +171,6 @@ TEST(ParseDuration, RefusesTheRest) {
               AllOf(HasSubstr(R"('\x1b[2J')"), HasSubstr("250ms")));
 }
 
-TEST(FormatMoment, LeavesOutTheDateOfToday) {
-  const WallTime noon = *ParseDateTime("2026-03-04T12:00:00Z");
-  const std::string local = FormatLocal(noon);
-  EXPECT_EQ(FormatMoment(noon, noon), local.substr(11, 5));
-  EXPECT_EQ(FormatMoment(noon, noon + 48h), local.substr(0, 16));
-}
-
 TEST(FormatElapsed, SuitsTheSize) {
   const std::pair<nanoseconds, std::string_view> cases[] = {
       {0ns, "0.0 ms"},

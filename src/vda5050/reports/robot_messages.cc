@@ -462,9 +462,7 @@ bool IsAway(std::string_view connection_state) {
 
 std::string ConnectionText(const ConnectionMessage& connection) {
   constexpr std::size_t kTimestamp = 40;
-  const auto moment = ReadTime(connection.header);
-  const std::string time = moment ? base::FormatMoment(*moment, base::WallTime::clock::now())
-                                  : Shown(connection.header.timestamp, kTimestamp);
+  const std::string time = Shown(connection.header.timestamp, kTimestamp);
   const std::string& state = connection.connection_state;
   if (!connection.fault.empty()) return "not readable: " + connection.fault;
   return (state.empty() ? "without a connectionState" : Shown(state)) +

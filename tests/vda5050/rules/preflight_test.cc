@@ -119,19 +119,14 @@ TEST(Preflight, HoldsTheVersionOfAStateAgainstTheDialectToo) {
               Contains(AllOf(StartsWith("refused: "), HasSubstr("speaks 2.1.0"))));
 }
 
-// In local time.
-const std::string kSince = base::FormatMoment(*base::ParseDateTime("2026-01-02T03:04:05.678Z"),
-                                              base::WallTime::clock::now());
-
 TEST(Preflight, RefusesARobotThatIsNotOnline) {
   for (const std::string state : {"OFFLINE", "DISCONNECTED", "disconnected"}) {
     EXPECT_THAT(Findings(In(state), Action("cancelOrder")),
-                ElementsAre(fmt::format("refused: KIT/0001 is OFFLINE since {}; --no-check sends "
-                                        "it anyway",
-                                        kSince)));
+                ElementsAre("refused: KIT/0001 is OFFLINE since 2026-01-02T03:04:05.678Z; "
+                            "--no-check sends it anyway"));
   }
   EXPECT_THAT(Findings(In("CONNECTIONBROKEN"), Action("cancelOrder")),
-              ElementsAre(HasSubstr(fmt::format("CONNECTION_BROKEN (connected at {})", kSince))))
+              ElementsAre(HasSubstr("CONNECTION_BROKEN (connected at 2026-01-02T03:04:05.678Z)")))
       << "a last will is as old as the connection";
   EXPECT_THAT(Findings(In(""), Action("cancelOrder")),
               ElementsAre(HasSubstr("is without a connectionState since")));
@@ -139,9 +134,8 @@ TEST(Preflight, RefusesARobotThatIsNotOnline) {
 
 TEST(Preflight, SaysHowToWakeARobotThatHibernates) {
   EXPECT_THAT(Findings(In("HIBERNATING"), Action("shutdown")),
-              ElementsAre(fmt::format("refused: KIT/0001 is HIBERNATING since {}: wake it with "
-                                      "stopHibernation, or --no-check",
-                                      kSince)));
+              ElementsAre("refused: KIT/0001 is HIBERNATING since 2026-01-02T03:04:05.678Z: wake "
+                          "it with stopHibernation, or --no-check"));
 }
 
 TEST(Preflight, SendsAPauseToARobotThatLooksOffline) {
