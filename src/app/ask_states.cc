@@ -13,8 +13,6 @@
 namespace fleetpub::app {
 namespace {
 
-constexpr std::string_view kStateRequest = "stateRequest";
-
 // Nobody is refused loudly: a robot that is not asked sends its state all the same, only later.
 std::vector<message::Command> MakeRequests(std::span<const ListedRobot* const> robots,
                                            const Link& link, const Environment& environment,

@@ -4,6 +4,7 @@
 
 #include <chrono>
 #include <span>
+#include <string_view>
 
 #include "app/environment.h"
 #include "app/observer.h"
@@ -11,11 +12,13 @@
 
 namespace fleetpub::app {
 
-/// Sends `stateRequest` to those of these robots that are there and have the action, as far as is
-/// known. Recorded as every command is; waits for no answer, and no longer
-/// than `patience` for the ledger or the connection. What keeps one from leaving is warned of:
-/// whoever asks goes on without. `link.transport` is null afterwards if that has cost the
-/// connection.
+/// The action that asks.
+inline constexpr std::string_view kStateRequest = "stateRequest";
+
+/// Sends it to those of these robots that are there and have the action, as far as is known.
+/// Recorded as every command is; waits for no answer, and no longer than `patience` for the ledger
+/// or the connection. What keeps one from leaving is warned of: whoever asks goes on without.
+/// `link.transport` is null afterwards if that has cost the connection.
 void AskForStates(std::span<const ListedRobot* const> robots, std::chrono::milliseconds patience,
                   Link& link, const Environment& environment, Log& log);
 

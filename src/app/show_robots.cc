@@ -22,8 +22,6 @@ using std::chrono::steady_clock;
 using vda5050::RobotAddress;
 using vda5050::RobotEntry;
 
-constexpr std::string_view kStateRequest = "stateRequest";
-
 // A robot's topic at the place at which it lives; "" when that is not known.
 std::string FindTopic(const ListedRobot& robot, std::string_view topic_name) {
   const vda5050::TopicScheme& scheme = robot.second.base->topics;
@@ -201,15 +199,10 @@ class SheetReader {
     std::size_t left = topics.size();
     return delivery::ReadRetained(*link_.transport, topics, MakeRetainedOptions(),
                                   [&](const mqtt::Message& message) {
-                                    Deliver(message);
+                                    Take(message, directory_);
                                     const bool is_one = message.topic.ends_with("factsheet");
                                     return is_one && --left == 0;
                                   });
-  }
-
-  void Deliver(const mqtt::Message& message) {
-    const auto origin = message.retained ? vda5050::Origin::kRetained : vda5050::Origin::kLive;
-    directory_.Deliver(message.topic, message.payload, origin);
   }
 
   // Of those that are there, until all have spoken or time is up.
@@ -238,7 +231,7 @@ class SheetReader {
       if (!message) return Fail(message.error());
       if (!*message) continue;
       messages_.Take(**message);
-      Deliver(**message);
+      Take(**message, directory_);
       if (!(*message)->retained) silent.erase((*message)->topic);
     }
     log_.Wait("");

@@ -45,6 +45,14 @@ struct JsonLimits {
 /// The text as a JSON string with its quotation marks.
 [[nodiscard]] std::string JsonString(std::string_view text);
 
+/// Texts as an array of such.
+template <class Texts>
+[[nodiscard]] std::string JsonStrings(const Texts& texts) {
+  std::string json = "[";
+  for (const auto& text : texts) json += (json.size() == 1 ? "" : ",") + JsonString(text);
+  return json + "]";
+}
+
 /// The member's text, or "" when it is not there or no string.
 [[nodiscard]] std::string_view StringMember(const JsonValue& object, std::string_view name);
 

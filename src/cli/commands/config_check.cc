@@ -60,11 +60,8 @@ Result<ExitCode> RunProfiles(const Context& context) {
     }
     const bool is_default = name == standard;
     if (output.json()) {
-      std::vector<std::string> urls;
-      urls.reserve(brokers.size());
-      for (const std::string& broker : brokers) urls.push_back(JsonString(broker));
-      output.Line(fmt::format(R"({{"profile":{},"brokers":[{}],"default":{}}})", JsonString(name),
-                              base::Join(urls, ","), is_default));
+      output.Line(fmt::format(R"({{"profile":{},"brokers":{},"default":{}}})", JsonString(name),
+                              base::JsonStrings(brokers), is_default));
     } else {
       output.Line(fmt::format("{}  {}{}", base::Printable(name),
                               base::Printable(base::Join(brokers, ", ")),

@@ -15,6 +15,7 @@
 #include "base/text.h"
 #include "base/time.h"
 #include "cli/output/fleet_table.h"
+#include "cli/output/screen.h"
 #include "cli/output/table.h"
 #include "cli/parser/option_set.h"
 #include "cli/parser/subcommand.h"
@@ -197,7 +198,7 @@ Result<std::vector<Record>> ReadRows(ledger::Ledger& ledger, ledger::HistoryFilt
 int RowsThatFit() {
   constexpr std::size_t kOthers = 3;
   constexpr std::size_t kLeast = 5;
-  const std::size_t height = TerminalHeight(STDOUT_FILENO);
+  const std::size_t height = Screen::size().rows;
   return static_cast<int>(std::max(height, kLeast + kOthers) - kOthers);
 }
 

@@ -43,8 +43,9 @@ void FleetSummary::Add(const message::Report& report) {
     if (slowest_.size() > kSlowNamed) slowest_.pop_back();
   } else if (group != StatusGroup::kSent) {
     names_[index].Add(report.target);
-    const std::string reason = reasons_.size() < kReasons ? report.message : "";
-    reasons_[{report.status, reason}].Add(report.target);
+    const std::pair reason(report.status, report.message);
+    const bool has_room = reasons_.size() < kReasons || reasons_.contains(reason);
+    reasons_[has_room ? reason : std::pair(report.status, std::string())].Add(report.target);
   }
 }
 

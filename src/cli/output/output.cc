@@ -94,12 +94,6 @@ std::string WrappedFor(int descriptor, std::string_view text) {
   return width < 2 * kIndent ? std::string(text) : base::Wrapped(width, kIndent, text);
 }
 
-std::size_t TerminalHeight(int descriptor) {
-  winsize size{};
-  const bool is_known = ioctl(descriptor, TIOCGWINSZ, &size) == 0 && size.ws_row > 0;
-  return is_known ? size.ws_row : 24;
-}
-
 Output::Output(Settings settings)
     : settings_(std::move(settings)),
       colour_(settings_.color == "always" ||

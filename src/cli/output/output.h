@@ -30,9 +30,6 @@ class WaitingLine;
 /// The columns of the terminal behind a descriptor; without limit when it is none.
 [[nodiscard]] std::size_t TerminalWidth(int descriptor);
 
-/// Its lines; 24 when nobody knows.
-[[nodiscard]] std::size_t TerminalHeight(int descriptor);
-
 class Output final : public app::Log {
  public:
   struct Settings {

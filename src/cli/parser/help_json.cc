@@ -15,14 +15,7 @@ namespace fleetpub::cli {
 namespace {
 
 using base::JsonString;
-
-template <class Texts>
-std::string ListJson(const Texts& texts) {
-  std::vector<std::string> items;
-  items.reserve(std::size(texts));
-  for (const auto& text : texts) items.push_back(JsonString(text));
-  return "[" + base::Join(items, ",") + "]";
-}
+using base::JsonStrings;
 
 // `How long to wait [10s]` ends with the default.
 struct Described {
@@ -44,7 +37,7 @@ std::string OptionJson(const Option& option) {
   }
   const auto [meaning, standard] = Describe(option.description());
   std::string json =
-      fmt::format(R"({{"names":{},"group":{},"meaning":{},"repeatable":{})", ListJson(names),
+      fmt::format(R"({{"names":{},"group":{},"meaning":{},"repeatable":{})", JsonStrings(names),
                   JsonString(option.group()), JsonString(meaning), option.IsRepeatable());
   const auto add = [&](std::string_view name, std::string_view value) {
     if (!value.empty()) json += fmt::format(R"(,"{}":{})", name, JsonString(value));
@@ -53,7 +46,7 @@ std::string OptionJson(const Option& option) {
   add("default", standard);
   add("variable", option.variable());
   if (const auto choices = option.Choices(std::nullopt); !choices.empty()) {
-    json += R"(,"choices":)" + ListJson(choices);
+    json += R"(,"choices":)" + JsonStrings(choices);
   }
   return json + "}";
 }
@@ -71,7 +64,7 @@ std::string CommandJson(const CommandLine& call) {
   for (std::string& example : explained.examples) example.insert(0, "fleetpub ");
   return fmt::format(R"({{"name":{},"usage":{},"summary":{},"examples":{},"options":{}}})",
                      JsonString(call.match.name), JsonString(explained.usage),
-                     JsonString(explained.summary), ListJson(explained.examples),
+                     JsonString(explained.summary), JsonStrings(explained.examples),
                      OptionsJson(call.set(), false));
 }
 

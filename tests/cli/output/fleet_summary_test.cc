@@ -54,6 +54,23 @@ TEST(FleetSummary, GroupsByReasonOfWhomNothingWasTold) {
                                  "  FAILED      KIT/2, KIT/4  no load", "  TIMEOUT     KIT/5"));
 }
 
+TEST(FleetSummary, GoesOnGroupingByReasonsThatItKnows) {
+  FleetSummary summary;
+  message::Report report;
+  report.status = CommandStatus::kFailed;
+  for (int i = 0; i < 150; ++i) {
+    report.target = "KIT/" + std::to_string(i);
+    report.message = "reason " + std::to_string(i);
+    summary.Add(report);
+  }
+  report.target = "KIT/999";
+  report.message = "reason 7";
+  summary.Add(report);
+  const auto lines = summary.Lines(milliseconds(1), "mqtt://north", FleetSummary::Names::kByReason);
+  EXPECT_THAT(lines, SizeIs(102)) << "a hundred reasons, and one line for the rest";
+  EXPECT_THAT(lines, ::testing::Contains("  FAILED      KIT/7, KIT/999  reason 7"));
+}
+
 TEST(FleetSummary, CountsEveryStatusUnderOneWord) {
   FleetSummary summary;
   for (std::size_t i = 0; i < message::kCommandStatuses.size(); ++i) {
