@@ -32,9 +32,9 @@ struct Include {
 
 const std::map<std::string, int>& Ranks() {
   static const std::map<std::string, int> ranks = {
-      {"main.cc", 0}, {"cli", 1},     {"app", 2},      {"simulator", 3}, {"config", 3},
-      {"vda5050", 4}, {"soar", 4},    {"delivery", 5}, {"schema", 6},    {"ledger", 6},
-      {"mqtt", 6},    {"message", 7}, {"base", 8}};
+      {"main.cc", 0}, {"cli", 1},  {"app", 2},     {"simulator", 3}, {"config", 3},
+      {"vda5050", 4}, {"soar", 4}, {"layout", 4},  {"delivery", 5},  {"schema", 6},
+      {"ledger", 6},  {"mqtt", 6}, {"message", 7}, {"base", 8}};
   return ranks;
 }
 
