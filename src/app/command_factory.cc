@@ -50,6 +50,7 @@ Result<std::vector<std::string>> CommandFactory::Try(const RobotMessage& message
 Status CommandFactory::Validate(const CommandRequest& request,
                                 const std::vector<const ListedRobot*>& robots) {
   const auto message = request.make_message();
+  if (message->IsMadeForRobot()) return {};
   const bool is_alike = message->IsAlikeForAll();
   std::set<const Dialect*> validated;
   const Dialect* last = nullptr;  // mostly it is the one before
@@ -69,6 +70,7 @@ Status CommandFactory::Validate(const CommandRequest& request,
 Status CommandFactory::ValidateInAnyVersion(const CommandRequest& request,
                                             const std::vector<const ListedRobot*>& robots) {
   const auto message = request.make_message();
+  if (message->IsMadeForRobot()) return {};
   Status newest;
   for (const ListedRobot* robot : robots) {
     Dialect dialect = *robot->second.base;
@@ -87,7 +89,11 @@ Status CommandFactory::ValidateInAnyVersion(const CommandRequest& request,
 
 Status CommandFactory::Build(const ListedRobot& robot, const RobotRequest& request, Built& built) {
   const vda5050::RobotEntry& entry = robot.second;
-  if (entry.factsheet) request.message.ApplyLimits(*entry.factsheet);
+  // One that is made for the robot is made of what a check looks at first.
+  const bool is_made_for_it = request.message.IsMadeForRobot();
+  if (!is_made_for_it) {
+    if (auto ok = request.message.Prepare(robot, built.notes); !ok) return ok;
+  }
   bool is_offline =
       entry.connection && !entry.IsAlive() && entry.connection->connection_state != "HIBERNATING";
   if (look_ && (look_->check || entry.automatic)) {
@@ -106,6 +112,15 @@ Status CommandFactory::Build(const ListedRobot& robot, const RobotRequest& reque
     // The result says it, then.
     if (is_offline && findings.unreachable) findings.warnings.erase(findings.warnings.begin());
     for (std::string& warning : findings.warnings) built.warnings.push_back(std::move(warning));
+  }
+  if (is_made_for_it) {
+    if (auto ok = request.message.Prepare(robot, built.notes); !ok) {
+      const auto status = ok.error().kind == ErrorKind::kPreflight ? CommandStatus::kRefused
+                                                                   : CommandStatus::kInvalid;
+      built.refused.push_back(
+          ReportOn(robot, request, status, ok.error().kind, "not sent: " + ok.error().message));
+      return {};
+    }
   }
   return AddCommand(robot, request, is_offline, built);
 }

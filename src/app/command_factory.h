@@ -47,6 +47,8 @@ struct CommandRequest {
   std::optional<std::uint32_t> header_id;
   std::function<std::unique_ptr<RobotMessage>()> make_message;  ///< one for each robot
   Waiting waiting;
+  /// Robots are asked for their states where the message is made of them.
+  bool ask = true;
 };
 
 /// What one of them is to be told.
@@ -85,6 +87,7 @@ class CommandFactory {
     std::vector<message::Command> commands;
     std::vector<message::Report> refused;
     std::vector<std::string> warnings;
+    std::vector<std::string> notes;  ///< what a person wants to know of what is sent
   };
   /// Adds to `built`. Errors: what an option's value makes impossible for all.
   [[nodiscard]] Status Build(const ListedRobot& robot, const RobotRequest& request, Built& built);

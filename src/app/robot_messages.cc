@@ -49,8 +49,11 @@ class InstantMessage final : public RobotMessage {
   }
   [[nodiscard]] bool IsAlikeForAll() const override { return true; }
 
-  void ApplyLimits(const vda5050::Factsheet& factsheet) override {
-    if (!has_given_id_) action_.id = vda5050::MakeActionId(&factsheet);
+  [[nodiscard]] Status Prepare(const vda5050::ListedRobot& robot,
+                               std::vector<std::string>& /*notes*/) override {
+    const auto& factsheet = robot.second.factsheet;
+    if (factsheet && !has_given_id_) action_.id = vda5050::MakeActionId(factsheet.get());
+    return {};
   }
 
  private:

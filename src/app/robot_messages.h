@@ -5,7 +5,9 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <string>
 #include <string_view>
+#include <vector>
 
 #include "base/json.h"
 #include "base/result.h"
@@ -13,6 +15,7 @@
 #include "message/response_tracker.h"
 #include "vda5050/messages/instant_actions.h"
 #include "vda5050/messages/user_message.h"
+#include "vda5050/reports/robot_directory.h"
 #include "vda5050/rules/preflight.h"
 #include "vda5050/tracking/action_tracker.h"
 
@@ -42,8 +45,15 @@ class RobotMessage {
   [[nodiscard]] virtual bool NeedsFactsheet() const { return true; }
   /// Whether, in one dialect, it is valid for every robot or for none.
   [[nodiscard]] virtual bool IsAlikeForAll() const { return false; }
-  /// The robot's limits, before it is built for the last time.
-  virtual void ApplyLimits(const vda5050::Factsheet& /*factsheet*/) {}
+  /// Whether it is made from what the robot says of itself, in Prepare(): nothing can be said of it
+  /// before.
+  [[nodiscard]] virtual bool IsMadeForRobot() const { return false; }
+  /// What was found of the robot, before it is built for the last time. Adds to `notes` what a person
+  /// wants to know of it. Errors: it cannot be made for this robot; nothing is sent to it.
+  [[nodiscard]] virtual Status Prepare(const vda5050::ListedRobot& /*robot*/,
+                                       std::vector<std::string>& /*notes*/) {
+    return {};
+  }
 };
 
 /// One instant action. Unless its actionId was given it gets one that suits the robot's factsheet.

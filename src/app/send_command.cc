@@ -8,6 +8,7 @@
 #include <set>
 #include <utility>
 
+#include "app/ask_states.h"
 #include "app/choose_robots.h"
 #include "app/dry_run.h"
 #include "app/robot_discovery.h"
@@ -165,12 +166,17 @@ class CommandSender final : private delivery::CommandSource {
     const bool check = request_.waiting.check;
     factory_.SetLook(check, link_->transport->server(), environment_.config.profile);
     const auto message = request_.make_message();
-    const DiscoveryOptions options{
-        .all = check,
+    DiscoveryOptions options{
+        .all = check || message->IsMadeForRobot(),
         .factsheets = check && message->NeedsFactsheet(),
         .discover = DiscoverOptions(),
         .expected = FindExpectedRobots(request_.targets, request_.resolver, environment_,
                                        link_->transport->server().broker)};
+    if (message->IsMadeForRobot()) {
+      directory_.KeepStates();
+      options.states = true;
+      if (request_.ask && !settings_.dry_run) options.ask = [this] { return AskStates(); };
+    }
     auto discovered =
         DiscoverRobots(*link_->transport, request_.targets, options, directory_, observer_);
     if (discovered) {
@@ -187,6 +193,16 @@ class CommandSender final : private delivery::CommandSource {
       return {};
     }
     return Fail(ReportNothingSent(CommandStatus::kError, std::move(discovered.error())));
+  }
+
+  // A state that was sent before somebody asked may be of half a minute ago.
+  Status AskStates() {
+    std::vector<const ListedRobot*> robots;
+    for (const ListedRobot& robot : directory_.robots()) robots.push_back(&robot);
+    AskForStates(robots, request_.targets.state_wait, *link_, environment_, observer_);
+    if (link_->transport != nullptr) return {};
+    return Fail(ErrorKind::kBroker,
+                "the connection was lost while the robot was asked for its state");
   }
 
   [[nodiscard]] delivery::RetainedOptions DiscoverOptions() const {
@@ -307,6 +323,7 @@ class CommandSender final : private delivery::CommandSource {
       }
     }
     for (const std::string& warning : built_.warnings) warnings_.Warn(warning);
+    for (const std::string& note : built_.notes) observer_.Info(note);
     for (const Report& refused : built_.refused) observer_.Report(refused);
     return built_.commands;
   }

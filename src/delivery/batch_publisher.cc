@@ -23,6 +23,7 @@ ledger::Draft MakeDraft(const message::Command& command, const std::string& brok
           .actions = command.actions,
           .counted = payload.counted,
           .header_id = command.header_id,
+          .expected_header_id = command.expected_header_id,
           .before_id = payload.counted ? payload.before_id : payload.Render(0, now),
           .after_id = payload.counted
                           ? payload.before_time + base::FormatTimestamp(now) + payload.rest

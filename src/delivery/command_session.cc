@@ -193,6 +193,7 @@ void CommandSession::SendAgain(const std::vector<PendingCommands::Key>& keys) {
     const auto command = again_.find(key);
     if (lost() || command == again_.end()) continue;
     message::Command sent = command->second;
+    sent.expected_header_id.reset();  // that was the first one's
     if (auto other = std::exchange(command->second.other_way, std::nullopt)) {
       sent.payload = std::move(other->payload);
       if (news_) news_(fmt::format("{}: {}", base::Printable(sent.target), other->note));

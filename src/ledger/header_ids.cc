@@ -16,6 +16,12 @@ std::uint32_t NextId(std::optional<std::uint32_t> last, HeaderIdStart start) {
 
 Result<std::uint32_t> ChooseId(const Draft& draft, std::optional<std::uint32_t> last,
                                HeaderIdStart start) {
+  if (draft.expected_header_id && last && *draft.expected_header_id != *last + 1) {
+    return Fail(ErrorKind::kPreflight,
+                fmt::format("somebody else sent to {} meanwhile, under header id {}: look again, "
+                            "then try again",
+                            draft.topic, *last));
+  }
   if (!draft.header_id) return NextId(last, start);
   constexpr auto kHighest = std::numeric_limits<std::uint32_t>::max();
   if (!last || *last == kHighest || *draft.header_id > *last) return *draft.header_id;

@@ -14,7 +14,8 @@ namespace fleetpub::ledger {
 [[nodiscard]] std::uint32_t NextId(std::optional<std::uint32_t> last, HeaderIdStart start);
 
 /// The draft's id: the next one, or the one that it asks for. Errors: ErrorKind::kUsage when that
-/// one is at or below the last. After a wrap every id lies above the last one.
+/// one is at or below the last, kPreflight when another one is next than the one expected. After a
+/// wrap every id lies above the last one.
 [[nodiscard]] Result<std::uint32_t> ChooseId(const Draft& draft, std::optional<std::uint32_t> last,
                                              HeaderIdStart start);
 

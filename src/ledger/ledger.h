@@ -43,6 +43,8 @@ struct Draft {
   bool counted = true;
   /// Asked for outright; must lie above the topic's last one (any may follow 4294967295).
   std::optional<std::uint32_t> header_id;
+  /// Must be the topic's next one: nobody has sent there since it was peeked at.
+  std::optional<std::uint32_t> expected_header_id = {};
   std::string before_id;
   std::string after_id;
 };

@@ -6,7 +6,7 @@
 
 #include "base/json.h"
 #include "base/text.h"
-#include "soar/csv.h"
+#include "base/csv.h"
 
 namespace fleetpub::soar {
 namespace {
@@ -28,7 +28,7 @@ bool IsBlank(std::string_view text) {
 
 // --- CSV
 
-Status CheckColumns(const CsvRow& header) {
+Status CheckColumns(const base::CsvRow& header) {
   for (const std::string& column : header.fields) {
     if (FindField(WaypointFields(), column) != nullptr) continue;
     std::vector<std::string> names;
@@ -41,7 +41,7 @@ Status CheckColumns(const CsvRow& header) {
   return {};
 }
 
-Result<Item> ReadWaypoint(const CsvRow& row, const CsvRow& header) {
+Result<Item> ReadWaypoint(const base::CsvRow& row, const base::CsvRow& header) {
   if (row.fields.size() != header.fields.size()) {
     return Refuse(fmt::format("line {}: it has {} fields, the header has {}", row.line,
                               row.fields.size(), header.fields.size()));
@@ -56,19 +56,19 @@ Result<Item> ReadWaypoint(const CsvRow& row, const CsvRow& header) {
 }
 
 Result<PlanFile> FromCsv(std::string_view content) {
-  auto rows = ParseCsv(content);
+  auto rows = base::ParseCsv(content);
   if (!rows) return Fail(std::move(rows.error()));
   if (rows->empty()) {
     return Refuse("it is empty: a row of column names comes first, such as lat,lon,depth,action");
   }
-  for (CsvRow& row : *rows) {
+  for (base::CsvRow& row : *rows) {
     if (&row != rows->data()) continue;
     for (std::string& column : row.fields) {
       column.erase(0, std::min(column.find_first_not_of(' '), column.size()));
       column.erase(column.find_last_not_of(' ') + 1);
     }
   }
-  const CsvRow& header = rows->front();
+  const base::CsvRow& header = rows->front();
   if (auto known = CheckColumns(header); !known) return Fail(known.error());
   PlanFile plan;
   for (std::size_t i = 1; i < rows->size(); ++i) {

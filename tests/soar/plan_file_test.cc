@@ -4,7 +4,7 @@
 
 #include <array>
 
-#include "soar/csv.h"
+#include "base/csv.h"
 
 namespace fleetpub::soar {
 namespace {
@@ -20,7 +20,7 @@ std::string Plan(std::string_view content, std::string_view name) {
 }
 
 TEST(Csv, ReadsRowsAndKnowsTheirLines) {
-  const auto rows = ParseCsv(
+  const auto rows = base::ParseCsv(
       "\xEF\xBB\xBF"
       "a,b\r\n\n\"x, \"\"y\"\"\nz\",\"\"\n,2");
   ASSERT_TRUE(rows) << rows.error().message;
@@ -30,8 +30,8 @@ TEST(Csv, ReadsRowsAndKnowsTheirLines) {
   EXPECT_EQ((*rows)[1].line, 3U);
   EXPECT_THAT((*rows)[2].fields, ElementsAre("", "2"));
   EXPECT_EQ((*rows)[2].line, 5U);
-  EXPECT_THAT(*ParseCsv(""), IsEmpty());
-  EXPECT_THAT((*ParseCsv("a,b\r\n1,2\r"))[1].fields, ElementsAre("1", "2"));
+  EXPECT_THAT(*base::ParseCsv(""), IsEmpty());
+  EXPECT_THAT((*base::ParseCsv("a,b\r\n1,2\r"))[1].fields, ElementsAre("1", "2"));
 }
 
 TEST(Csv, SaysWhichLineIsNone) {
@@ -45,7 +45,7 @@ TEST(Csv, SaysWhichLineIsNone) {
       Case{"a\n\n\xFF", "line 3: it is not valid UTF-8"},
   };
   for (const auto& [text, why] : kCases) {
-    const auto rows = ParseCsv(text);
+    const auto rows = base::ParseCsv(text);
     ASSERT_FALSE(rows) << text;
     EXPECT_THAT(rows.error().message, HasSubstr(why));
   }

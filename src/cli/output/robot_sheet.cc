@@ -170,30 +170,27 @@ std::string DescribePosition(const RobotState& state) {
   return fmt::format("{}; last node {}", text, NameOr(state.last_node_id, "none"));
 }
 
-std::string_view DescribeMotion(const RobotState& state) {
-  if (state.paused == true) return "paused";
-  if (!state.driving) return "not said whether it drives";
-  return *state.driving ? "driving" : "standing";
-}
-
 // Nodes have the even sequence ids, from 0 (1.1–2.1 §6.6, 3.0 §6.1).
 std::string DescribeProgress(const RobotState& state) {
   if (!state.nodes_left) return "progress not said";
   if (*state.nodes_left + state.edges_left.value_or(0) == 0) return "nothing left of it";
-  const auto& left = state.sequence_ids_left;
-  const auto last = std::max_element(left.begin(), left.end());
-  if (last == left.end() || !state.last_node_sequence_id || *state.last_node_sequence_id > *last) {
+  const auto last = std::max_element(
+      state.nodes.begin(), state.nodes.end(),
+      [](const auto& a, const auto& b) { return a.sequence_id < b.sequence_id; });
+  if (last == state.nodes.end() || !state.last_node_sequence_id ||
+      *state.last_node_sequence_id > last->sequence_id) {
     return fmt::format("{} node{} to go", *state.nodes_left, *state.nodes_left == 1 ? "" : "s");
   }
-  return fmt::format("node {} of {}", *state.last_node_sequence_id / 2 + 1, *last / 2 + 1);
+  return fmt::format("node {} of {}", *state.last_node_sequence_id / 2 + 1,
+                     last->sequence_id / 2 + 1);
 }
 
 std::string DescribeOrder(const RobotState& state) {
-  if (state.order_id.empty()) return fmt::format("none, {}", DescribeMotion(state));
+  if (state.order_id.empty()) return fmt::format("none, {}", vda5050::DescribeMotion(state));
   const std::string update =
       state.order_update_id ? fmt::format(" update {}", *state.order_update_id) : "";
   return fmt::format("{}{}: {}, {}", Name(state.order_id), update, DescribeProgress(state),
-                     DescribeMotion(state));
+                     vda5050::DescribeMotion(state));
 }
 
 // Those that have not ended: what runs, then what waits.

@@ -50,8 +50,12 @@ void SendingObserver::NothingSent(const message::Report& report) {
   if (output_.json()) output_.Line(ReportJson(report));
 }
 
-void SendingObserver::Waits(const delivery::CommandSession& session) {
+void SendingObserver::ListenForStop() {
   if (!stop_) stop_.emplace();
+}
+
+void SendingObserver::Waits(const delivery::CommandSession& session) {
+  ListenForStop();
   if (!output_.CanPass()) return;
   const delivery::Waiting waiting = session.DescribeWaiting();
   const std::string name = base::Printable(waiting.target);

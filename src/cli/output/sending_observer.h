@@ -50,6 +50,9 @@ class SendingObserver final : public app::Observer {
   }
   [[nodiscard]] int stop_descriptor() const override { return stop_ ? stop_->descriptor() : -1; }
 
+  /// From now on Ctrl-C stops what is under way and is told of: as from the first Waits() on.
+  void ListenForStop();
+
   /// Once all is done; a summary when progress is shown. Returns the worst result's.
   ExitCode Conclude();
 

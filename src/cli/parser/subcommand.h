@@ -51,6 +51,11 @@ struct Subcommand {
 [[nodiscard]] Run DeclareHistoryShow(OptionSet& set);
 [[nodiscard]] Run DeclareLedgerMigrate(OptionSet& set);
 [[nodiscard]] Run DeclareLedgerStatus(OptionSet& set);
+[[nodiscard]] Run DeclareOrder(OptionSet& set);
+[[nodiscard]] Run DeclareOrderExtend(OptionSet& set);
+[[nodiscard]] Run DeclareOrderFollow(OptionSet& set);
+[[nodiscard]] Run DeclareOrderRelease(OptionSet& set);
+[[nodiscard]] Run DeclareOrderReplace(OptionSet& set);
 [[nodiscard]] Run DeclarePing(OptionSet& set);
 [[nodiscard]] Run DeclarePublish(OptionSet& set);
 [[nodiscard]] Run DeclareRequests(OptionSet& set);

@@ -17,6 +17,24 @@ constexpr auto kSubcommands = std::to_array<Subcommand>({
      "action beep 'KIT/*' --except KIT/0001 --where 'battery>20' --yes\n"
      "action customScan KIT/0001 KIT/0002 -P area:=@area.json --wait",
      DeclareAction},
+    {"order", kRobots, "TARGET [NODE...]", "send a robot along nodes, or to a place of the layout",
+     "order KIT/0001 n1 n2 n7\n"
+     "order KIT/0001 --to dock-3 --wait\n"
+     "order KIT/0001 --to dock-3 --via n4 --action pick@dock-3 loadType=EPAL\n"
+     "order KIT/0001 --route tour.csv --release 3 --auto-release --wait",
+     DeclareOrder},
+    {"order extend", kRobots, "TARGET [NODE...]", "add nodes to the order that a robot has",
+     "order extend KIT/0001 n8 n9\n"
+     "order extend KIT/0001 --to dock-4 --wait",
+     DeclareOrderExtend},
+    {"order release", kRobots, "TARGET [N]", "let a robot drive on into its order's horizon",
+     "order release KIT/0001 2\n"
+     "order release KIT/0001 all",
+     DeclareOrderRelease},
+    {"order replace", kRobots, "TARGET [NODE...]", "cancel a robot's order and send another",
+     "order replace KIT/0001 --to n1 --wait", DeclareOrderReplace},
+    {"order follow", kLooking, "TARGET", "tell node by node how far a robot has come",
+     "order follow KIT/0001", DeclareOrderFollow},
     {"publish", kRobots, "TOPIC TARGET...", "send a prepared order, zoneSet, responses message ...",
      "publish order KIT/0001 -f order.json --wait\n"
      "publish zoneSet KIT/0001 KIT/0002 -f hall-1.json\n"

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "base/text.h"
+#include "vda5050/catalogue/parameter.h"
 
 namespace fleetpub::cli {
 namespace {
@@ -113,6 +114,18 @@ ValueKind Percentage(double& value) {
                                return percent;
                              }),
           [] { return std::string("a percentage from 0 to 100"); }};
+}
+
+ValueKind Measure(std::optional<double>& value, vda5050::ParameterType type) {
+  const bool is_angle = type == vda5050::ParameterType::kAngle;
+  const auto parse = [type](const std::string& text) -> std::optional<double> {
+    const auto parameter = vda5050::ParseParameter({"", type, true, ""}, text);
+    return parameter ? ParseBetween(parameter->json, 0.0, 1e9) : std::nullopt;
+  };
+  return {is_angle ? "RAD" : "M", internal::StoreOne(value, parse), [is_angle] {
+            return std::string(is_angle ? "an angle from 0 to π, such as 0.5 or 30deg"
+                                        : "a length, such as 0.2 or 20cm");
+          }};
 }
 
 ValueKind OneOf(std::string& value, std::span<const std::string_view> words) {

@@ -19,6 +19,7 @@
 #include "base/choice.h"
 #include "base/local_time.h"
 #include "base/result.h"
+#include "vda5050/catalogue/catalogue.h"
 #include "vda5050/model/version.h"
 
 namespace fleetpub::cli {
@@ -109,6 +110,9 @@ template <class V, class T = typename internal::Stored<V>::type>
             return "a whole number from " + std::to_string(least) + " to " + std::to_string(most);
           }};
 }
+
+/// A length in metres, or an angle in radians, with other units behind it: `5cm`, `90deg`.
+[[nodiscard]] ValueKind Measure(std::optional<double>& value, vda5050::ParameterType type);
 
 /// Messages per second.
 [[nodiscard]] ValueKind Rate(std::optional<double>& value);

@@ -21,21 +21,6 @@ std::string ParametersJson(std::span<const Parameter> parameters) {
   return "[" + json + "]";
 }
 
-std::string ActionJson(const InstantAction& action, std::string_view type,
-                       const VersionFacts& facts) {
-  std::string json =
-      fmt::format(R"({{"actionType":{},"actionId":{})", JsonString(type), JsonString(action.id));
-  if (!action.descriptor.empty()) {
-    json += fmt::format(R"(,"{}":{})", facts.descriptor_key, JsonString(action.descriptor));
-  }
-  json += fmt::format(R"(,"blockingType":{})",
-                      JsonString(base::NonEmptyOr(action.blocking_type, "NONE")));
-  if (!action.parameters.empty() || facts.empty_parameters) {
-    json += R"(,"actionParameters":)" + ParametersJson(action.parameters);
-  }
-  return json + "}";
-}
-
 // Everything behind the timestamp's opening quotation mark.
 std::string HeaderRest(const RobotAddress& robot, const Dialect& dialect) {
   return fmt::format(
@@ -61,6 +46,21 @@ void WarnOfRename(std::string_view asked, std::string_view type, const VersionFa
 }
 
 }  // namespace
+
+std::string WriteAction(const InstantAction& action, std::string_view type,
+                        const VersionFacts& facts) {
+  std::string json =
+      fmt::format(R"({{"actionType":{},"actionId":{})", JsonString(type), JsonString(action.id));
+  if (!action.descriptor.empty()) {
+    json += fmt::format(R"(,"{}":{})", facts.descriptor_key, JsonString(action.descriptor));
+  }
+  json += fmt::format(R"(,"blockingType":{})",
+                      JsonString(base::NonEmptyOr(action.blocking_type, "NONE")));
+  if (!action.parameters.empty() || facts.empty_parameters) {
+    json += R"(,"actionParameters":)" + ParametersJson(action.parameters);
+  }
+  return json + "}";
+}
 
 void WarnOfNoRelease(const Dialect& dialect, std::vector<std::string>& warnings) {
   if (dialect.version_said.empty()) return;
@@ -95,7 +95,7 @@ Result<message::Command> BuildInstantActions(const RobotAddress& robot, const Di
   for (const InstantAction& action : actions) {
     const std::string_view type = NameIn(dialect.version, action.type);
     WarnOfRename(action.type, type, facts, command.warnings);
-    json += (json.empty() ? "" : ",") + ActionJson(action, type, facts);
+    json += (json.empty() ? "" : ",") + WriteAction(action, type, facts);
     command.actions.push_back({std::string(type), action.id});
   }
   WarnOfNoRelease(dialect, command.warnings);

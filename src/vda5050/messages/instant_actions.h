@@ -50,6 +50,10 @@ struct Dialect {
     const RobotAddress& robot, const Dialect& dialect, std::span<const InstantAction> actions,
     std::optional<std::uint32_t> header_id = std::nullopt);
 
+/// One action as JSON, under this name: alike in instantActions and orders.
+[[nodiscard]] std::string WriteAction(const InstantAction& action, std::string_view type,
+                                      const VersionFacts& facts);
+
 /// Whether the robot may be one of those of 2.0 that expect the array under 1.1's name: nobody has
 /// said how it is called.
 [[nodiscard]] inline bool MayExpectOtherKey(const Dialect& dialect) {

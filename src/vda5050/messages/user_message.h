@@ -65,4 +65,9 @@ struct RequestResponse {
     const RobotAddress& robot, const Dialect& dialect, std::string_view topic,
     const base::JsonValue& message, WaitFor wait_for);
 
+/// The same, to its end, of an order that the robot is known to have taken: from the first state
+/// on that comes after Published().
+[[nodiscard]] Result<std::unique_ptr<message::ResponseTracker>> TrackTakenOrder(
+    const RobotAddress& robot, const Dialect& dialect, const base::JsonValue& order);
+
 }  // namespace fleetpub::vda5050

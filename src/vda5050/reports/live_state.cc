@@ -41,7 +41,8 @@ std::size_t CountBytes(const RobotState& state) {
                      state.order_id.size() + state.last_node_id.size() +
                      CountBytes(state.action_states) + CountBytes(state.instant_action_states) +
                      CountBytes(state.zone_action_states) +
-                     state.sequence_ids_left.size() * sizeof(std::uint32_t);
+                     state.nodes.size() * sizeof(NodeState);
+  for (const NodeState& node : state.nodes) size += node.id.size();
   if (state.position) size += state.position->map_id.size();
   for (const RobotError& error : state.errors) {
     size += sizeof error + error.type.size() + error.level.size() + error.description.size() +
@@ -69,7 +70,7 @@ void Slim(LiveState& state) {
   state.loads = {};
   state.information = {};
   state.zone_sets = {};
-  state.sequence_ids_left = {};
+  state.nodes = {};
   state.position = {};
   state.last_node_id = {};
   for (RobotError& error : state.errors) {

@@ -286,7 +286,10 @@ std::shared_ptr<const Dialect> RobotDirectory::Share(Dialect dialect) {
 
 std::shared_ptr<const Factsheet> RobotDirectory::Share(Factsheet factsheet) {
   return Shared(factsheets_, std::move(factsheet), [](const Factsheet& a, const Factsheet& b) {
-    return a.actions == b.actions && a.limits == b.limits && a.specification == b.specification;
+    return a.actions == b.actions && a.limits == b.limits &&
+           a.optional_parameters == b.optional_parameters &&
+           a.has_optional_parameters == b.has_optional_parameters &&
+           a.specification == b.specification;
   });
 }
 

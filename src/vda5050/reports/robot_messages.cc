@@ -205,6 +205,11 @@ FactsheetAction ReadFactsheetAction(const Value& entry) {
           .blocking_types = Names(Member(entry, {"blockingTypes"}))};
 }
 
+OptionalParameter ReadOptionalParameter(const Value& entry) {
+  return {.name = Text(entry, {"parameter"}),
+          .is_required = ToUpper(Text(entry, {"support"})) == "REQUIRED"};
+}
+
 FactsheetLimits ReadLimits(const Value& limits) {
   static const Value kNone(rapidjson::kObjectType);
   const Value* strings = Member(limits, {"maximumStringLengths", "maxStringLens"});
@@ -219,6 +224,13 @@ FactsheetLimits ReadLimits(const Value& limits) {
       .id_numerical_only = Truth(lengths, {"idNumericalOnly"}).value_or(false),
       .instant_actions = Limit(counts, {"instantActions"}),
       .action_parameters = Limit(counts, {"actions.actionsParameters"}),
+      .order_nodes = Limit(counts, {"order.nodes"}),
+      .order_edges = Limit(counts, {"order.edges"}),
+      .node_actions = Limit(counts, {"node.actions"}),
+      .edge_actions = Limit(counts, {"edge.actions"}),
+      .trajectory_knots = Limit(counts, {"trajectory.knotVector"}),
+      .trajectory_points = Limit(counts, {"trajectory.controlPoints"}),
+      .base_nodes = Limit(counts, {"state.nodeStates"}),
   };
 }
 
@@ -348,9 +360,13 @@ RobotState ReadState(const Value& message) {
   state.edges_left = Length(message, "edgeStates");
   if (const Value* nodes = Member(message, {"nodeStates"}); IsArray(nodes)) {
     for (const Value& node : nodes->GetArray()) {
-      if (const auto id = Counter(node, "sequenceId")) state.sequence_ids_left.push_back(*id);
+      const auto sequence_id = Counter(node, "sequenceId");
+      if (!sequence_id) continue;
+      state.nodes.push_back(
+          {Text(node, {"nodeId"}), *sequence_id, Truth(node, {"released"}).value_or(true)});
     }
   }
+  state.new_base_request = Truth(message, {"newBaseRequest"});
   state.last_node_id = Text(message, {"lastNodeId"});
   state.last_node_sequence_id = Counter(message, "lastNodeSequenceId");
   state.position = ReadPosition(message);
@@ -378,6 +394,9 @@ Factsheet ReadFactsheet(const Value& message) {
   if (const Value* features = Member(message, {"protocolFeatures"})) {
     factsheet.actions =
         List(Member(*features, {"mobileRobotActions", "agvActions"}), ReadFactsheetAction);
+    const Value* optional = Member(*features, {"optionalParameters"});
+    factsheet.optional_parameters = List(optional, ReadOptionalParameter);
+    factsheet.has_optional_parameters = IsArray(optional);
   }
   factsheet.specification = ReadSpecification(message);
   return factsheet;
@@ -439,6 +458,12 @@ const ActionState* FindActionState(const RobotState& state, std::string_view id,
 
 bool IsEmergencyStopped(const RobotState& state) {
   return !state.emergency_stop.empty() && state.emergency_stop != "NONE";
+}
+
+std::string_view DescribeMotion(const RobotState& state) {
+  if (state.paused == true) return "paused";
+  if (!state.driving) return "not said whether it drives";
+  return *state.driving ? "driving" : "standing";
 }
 
 bool IsTerminal(std::string_view status) { return status == "FINISHED" || status == "FAILED"; }

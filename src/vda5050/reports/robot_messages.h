@@ -71,6 +71,13 @@ struct RobotLoad {
   std::optional<double> weight;  ///< kg
 };
 
+/// An entry of `nodeStates`: a node that lies ahead.
+struct NodeState {
+  std::string id;
+  std::uint32_t sequence_id = 0;
+  bool released = true;
+};
+
 /// `agvPosition`, from 3.0 `mobileRobotPosition`.
 struct RobotPosition {
   std::optional<double> x;
@@ -120,7 +127,8 @@ struct RobotState {
   std::optional<std::uint32_t> order_update_id;
   std::optional<std::size_t> nodes_left;         ///< entries of `nodeStates`
   std::optional<std::size_t> edges_left;         ///< entries of `edgeStates`
-  std::vector<std::uint32_t> sequence_ids_left;  ///< of `nodeStates`
+  std::vector<NodeState> nodes;                  ///< `nodeStates`: those that have a sequenceId
+  std::optional<bool> new_base_request;
   std::string last_node_id;
   std::optional<std::uint32_t> last_node_sequence_id;
   std::optional<RobotPosition> position;
@@ -164,8 +172,23 @@ struct FactsheetLimits {
   bool id_numerical_only = false;
   std::size_t instant_actions = 0;    ///< per message
   std::size_t action_parameters = 0;  ///< per action
+  std::size_t order_nodes = 0;
+  std::size_t order_edges = 0;
+  std::size_t node_actions = 0;
+  std::size_t edge_actions = 0;
+  std::size_t trajectory_knots = 0;
+  std::size_t trajectory_points = 0;
+  std::size_t base_nodes = 0;  ///< released ones that the robot keeps (`state.nodeStates`)
 
   bool operator==(const FactsheetLimits&) const = default;
+};
+
+/// An entry of `optionalParameters`: what is not listed is not supported (3.0 §7.10).
+struct OptionalParameter {
+  std::string name;  ///< `order.nodes.nodePosition.theta`
+  bool is_required = false;
+
+  bool operator==(const OptionalParameter&) const = default;
 };
 
 /// `typeSpecification` and `physicalParameters`, in the names of 3.0.
@@ -187,6 +210,8 @@ struct Factsheet {
   MessageHeader header;
   std::vector<FactsheetAction> actions;  ///< empty: not said
   FactsheetLimits limits;
+  std::vector<OptionalParameter> optional_parameters;
+  bool has_optional_parameters = false;  ///< the array is there, be it empty
   RobotSpecification specification;
 };
 
@@ -227,6 +252,9 @@ struct Factsheet {
 
 /// Whether it says that an emergency stop is active.
 [[nodiscard]] bool IsEmergencyStopped(const RobotState& state);
+
+/// `driving`, `standing`, `paused`: what a person wants to know first.
+[[nodiscard]] std::string_view DescribeMotion(const RobotState& state);
 
 /// FINISHED or FAILED. An unknown status is none.
 [[nodiscard]] bool IsTerminal(std::string_view status);

@@ -117,6 +117,22 @@ void OrderProgress::Record(const RobotState& state) {
   if (state.nodes_left.value_or(0) + state.edges_left.value_or(0) > 0) was_under_way_ = true;
   if (state.last_node_sequence_id.value_or(0) != 0) keeps_sequence_ids_ = true;
   if (IsAtLastNode(state)) is_reached_ = true;
+  AddPlace(state);
+}
+
+// Nodes have the even sequence ids, from 0 (1.1–2.1 §6.6, 3.0 §6.1).
+void OrderProgress::AddPlace(const RobotState& state) {
+  std::string place = fmt::format("{} ({} of {})  {}", Shown(state.last_node_id),
+                                  state.last_node_sequence_id.value_or(0) / 2 + 1,
+                                  last_sequence_id_ / 2 + 1, DescribeMotion(state));
+  for (const Action& action : actions_) {
+    if (action.status == "RUNNING" || action.status == "INITIALIZING") {
+      place += fmt::format("  {} {}", Shown(action.type), action.status);
+    }
+  }
+  if (place == place_) return;
+  place_ = place;
+  place_news_ = std::move(place);
 }
 
 void OrderProgress::AddNews(const Action& action) {
@@ -132,8 +148,10 @@ void OrderProgress::AddNews(const Action& action) {
 
 // A robot that does not keep sequence ids says 0, or nothing.
 bool OrderProgress::IsAtLastNode(const RobotState& state) const {
-  const auto& left = state.sequence_ids_left;
-  const bool is_ahead = std::find(left.begin(), left.end(), last_sequence_id_) != left.end();
+  const auto& left = state.nodes;
+  const bool is_ahead = std::any_of(left.begin(), left.end(), [&](const NodeState& node) {
+    return node.sequence_id == last_sequence_id_;
+  });
   if (state.last_node_id != last_node_ || !state.nodes_left || is_ahead) return false;
   if (state.last_node_sequence_id == last_sequence_id_) return true;
   return !keeps_sequence_ids_ && !last_node_occurs_twice_ && left.empty();

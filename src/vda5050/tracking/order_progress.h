@@ -28,6 +28,9 @@ class OrderProgress {
   /// Its actions, nodes and edges, as an error would name them.
   [[nodiscard]] const std::vector<ErrorReference>& parts() const { return parts_; }
 
+  /// The robot is known to have taken this very order: that it shows it as done is its end.
+  void AssumeTaken() { is_taken_ = was_open_ = true; }
+
   /// A live state that came before the order was published.
   void Before(const RobotState& state);
 
@@ -36,6 +39,8 @@ class OrderProgress {
 
   /// The actions that have failed, or wait for retry or skipRetry, since the last call, in words.
   [[nodiscard]] std::vector<std::string> TakeNews() { return std::exchange(news_, {}); }
+  /// `n4 (2 of 5)  driving`, when that has changed since the last call; else "".
+  [[nodiscard]] std::string TakePlace() { return std::exchange(place_news_, {}); }
 
  private:
   struct Action {
@@ -49,6 +54,7 @@ class OrderProgress {
   void AddLeg(const base::JsonValue& leg, std::string_view id_key);
   void Record(const RobotState& state);
   void AddNews(const Action& action);
+  void AddPlace(const RobotState& state);
   [[nodiscard]] bool IsAtLastNode(const RobotState& state) const;
   [[nodiscard]] bool IsNew(const RobotState& state) const;
   [[nodiscard]] message::Progress Conclude(const RobotState& state, bool is_shown);
@@ -74,6 +80,8 @@ class OrderProgress {
   bool keeps_sequence_ids_ = false;
   bool is_reached_ = false;
   std::vector<std::string> news_;
+  std::string place_;  ///< told last
+  std::string place_news_;
 };
 
 }  // namespace fleetpub::vda5050

@@ -42,6 +42,8 @@ struct Item {
   std::vector<ErrorReference> parts = {};
   /// What has come to light since the last call, in words.
   std::function<std::vector<std::string>()> news = [] { return std::vector<std::string>(); };
+  /// How far the robot has come, when that is new; else "".
+  std::function<std::string()> place = [] { return std::string(); };
 };
 
 class ItemTracker final : public message::ResponseTracker {
@@ -49,6 +51,7 @@ class ItemTracker final : public message::ResponseTracker {
   ItemTracker(Item item, const RobotAddress& robot, const Dialect& dialect, std::string state_topic,
               std::string connection_topic)
       : item_(std::move(item)),
+        robot_(robot.ToString()),
         reception_(robot, dialect),
         alerts_(robot.ToString(), item_.topic),
         state_topic_(std::move(state_topic)),
@@ -84,6 +87,9 @@ class ItemTracker final : public message::ResponseTracker {
       } else if (state) {
         OnState(*state);
       }
+    }
+    if (const std::string place = item_.place(); !place.empty()) {
+      AddNews(fmt::format("{}  {}", base::Printable(robot_), place));
     }
     if (!progress_.ended) {
       UpdateMessage();
@@ -163,6 +169,7 @@ class ItemTracker final : public message::ResponseTracker {
   }
 
   Item item_;
+  std::string robot_;
   Reception reception_;
   Alerts alerts_;
   std::string state_topic_;
@@ -241,8 +248,9 @@ class EveryAction final : public message::ResponseTracker {
   Progress progress_;
 };
 
-Item OrderItem(const Value& order, WaitFor wait_for) {
+Item OrderItem(const Value& order, WaitFor wait_for, bool is_taken = false) {
   const auto progress = std::make_shared<OrderProgress>(order, wait_for);
+  if (is_taken) progress->AssumeTaken();
   return {.topic = "order",
           .id_key = "orderId",
           .id = progress->id(),
@@ -250,7 +258,8 @@ Item OrderItem(const Value& order, WaitFor wait_for) {
           .look = [progress](const RobotState& state) { return progress->Look(state); },
           .update_id = progress->update_id(),
           .parts = progress->parts(),
-          .news = [progress] { return progress->TakeNews(); }};
+          .news = [progress] { return progress->TakeNews(); },
+          .place = [progress] { return progress->TakePlace(); }};
 }
 
 CommandStatus ToStatus(WaitFor wait_for) {
@@ -338,22 +347,38 @@ Result<std::unique_ptr<message::ResponseTracker>> ConfirmActions(const RobotAddr
 
 }  // namespace
 
+namespace {
+
+Result<std::unique_ptr<message::ResponseTracker>> TrackItem(Result<Item> item,
+                                                            const RobotAddress& robot,
+                                                            const Dialect& dialect) {
+  if (!item) return Fail(std::move(item.error()));
+  auto state = TopicFor(dialect.topics, dialect.version, robot, "state");
+  if (!state) return Fail(std::move(state.error()));
+  auto connection = TopicFor(dialect.topics, dialect.version, robot, "connection");
+  if (!connection) return Fail(std::move(connection.error()));
+  return std::make_unique<ItemTracker>(std::move(*item), robot, dialect, std::move(*state),
+                                       std::move(*connection));
+}
+
+}  // namespace
+
 Result<std::unique_ptr<message::ResponseTracker>> TrackUserMessage(const RobotAddress& robot,
                                                                    const Dialect& dialect,
                                                                    std::string_view topic,
                                                                    const Value& message,
                                                                    WaitFor wait_for) {
   if (topic == "instantActions") return ConfirmActions(robot, dialect, message, wait_for);
-  auto state = TopicFor(dialect.topics, dialect.version, robot, "state");
-  if (!state) return Fail(std::move(state.error()));
-  auto connection = TopicFor(dialect.topics, dialect.version, robot, "connection");
-  if (!connection) return Fail(std::move(connection.error()));
-  Result<Item> item = topic == "order"     ? OrderItem(message, wait_for)
-                      : topic == "zoneSet" ? ZoneSetItem(message, wait_for)
-                                           : ResponseItem(message, wait_for);
-  if (!item) return Fail(std::move(item.error()));
-  return std::make_unique<ItemTracker>(std::move(*item), robot, dialect, std::move(*state),
-                                       std::move(*connection));
+  return TrackItem(topic == "order"     ? OrderItem(message, wait_for)
+                   : topic == "zoneSet" ? ZoneSetItem(message, wait_for)
+                                        : ResponseItem(message, wait_for),
+                   robot, dialect);
+}
+
+Result<std::unique_ptr<message::ResponseTracker>> TrackTakenOrder(const RobotAddress& robot,
+                                                                  const Dialect& dialect,
+                                                                  const Value& order) {
+  return TrackItem(OrderItem(order, WaitFor::kFinished, true), robot, dialect);
 }
 
 }  // namespace fleetpub::vda5050

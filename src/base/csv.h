@@ -8,7 +8,7 @@
 
 #include "base/result.h"
 
-namespace fleetpub::soar {
+namespace fleetpub::base {
 
 struct CsvRow {
   std::size_t line = 0;  ///< where it begins, counted from 1
@@ -20,4 +20,4 @@ struct CsvRow {
 /// ErrorKind::kInvalid, `line 3: …`.
 [[nodiscard]] Result<std::vector<CsvRow>> ParseCsv(std::string_view text);
 
-}  // namespace fleetpub::soar
+}  // namespace fleetpub::base

@@ -1,4 +1,4 @@
-#include "soar/csv.h"
+#include "base/csv.h"
 
 #include <fmt/format.h>
 
@@ -6,12 +6,12 @@
 
 #include "base/text.h"
 
-namespace fleetpub::soar {
+namespace fleetpub::base {
 namespace {
 
 class Reader {
  public:
-  explicit Reader(std::string_view text) : rest_(base::WithoutByteOrderMark(text)) {}
+  explicit Reader(std::string_view text) : rest_(WithoutByteOrderMark(text)) {}
 
   Result<std::vector<CsvRow>> Rows() {
     std::vector<CsvRow> rows;
@@ -34,7 +34,7 @@ class Reader {
     while (true) {
       auto field = rest_.starts_with('"') ? Quoted() : Plain();
       if (!field) return Fail(std::move(field.error()));
-      if (!base::IsUtf8(*field)) return Refuse(row.line, "it is not valid UTF-8");
+      if (!IsUtf8(*field)) return Refuse(row.line, "it is not valid UTF-8");
       row.fields.push_back(*std::move(field));
       if (rest_.starts_with(',')) {
         rest_.remove_prefix(1);
@@ -86,4 +86,4 @@ class Reader {
 
 Result<std::vector<CsvRow>> ParseCsv(std::string_view text) { return Reader(text).Rows(); }
 
-}  // namespace fleetpub::soar
+}  // namespace fleetpub::base

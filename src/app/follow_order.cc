@@ -1,0 +1,399 @@
+#include "app/follow_order.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+#include <utility>
+#include <vector>
+
+#include "app/ask_states.h"
+#include "app/deliver.h"
+#include "app/order_message.h"
+#include "app/order_update.h"
+#include "app/robot_discovery.h"
+#include "base/text.h"
+#include "base/time.h"
+#include "delivery/send_all.h"
+#include "delivery/subscription.h"
+#include "schema/schema.h"
+#include "vda5050/messages/user_message.h"
+
+namespace fleetpub::app {
+namespace {
+
+using base::FindArray;
+using base::FindMember;
+using base::StringMember;
+using message::CommandStatus;
+using std::chrono::steady_clock;
+using vda5050::RobotState;
+using vda5050::Shown;
+using Value = base::JsonValue;
+
+std::uint32_t ReadSequenceId(const Value& leg) {
+  const Value* id = FindMember(leg, "sequenceId");
+  return id != nullptr && id->IsUint() ? id->GetUint() : 0;
+}
+
+// Nodes or edges by their sequenceId, as the messages up to this update leave them: each one replaces
+// what lies behind its first.
+std::vector<std::string> MergeLegs(const OrderHistory& history, std::uint32_t update_id,
+                                   std::string_view list) {
+  std::map<std::uint32_t, std::string> legs;
+  for (const SentOrder& sent : history.sent) {
+    const Value* array = FindArray(sent.message, list);
+    const Value* nodes = FindArray(sent.message, "nodes");
+    if (sent.update_id > update_id || array == nullptr || nodes == nullptr || nodes->Empty()) {
+      continue;
+    }
+    legs.erase(legs.lower_bound(ReadSequenceId((*nodes)[0])), legs.end());
+    for (const Value& leg : array->GetArray()) legs[ReadSequenceId(leg)] = base::ToJson(leg);
+  }
+  std::vector<std::string> merged;
+  for (auto& [id, leg] : legs) merged.push_back(std::move(leg));
+  return merged;
+}
+
+// As much of somebody else's order as its state shows.
+base::JsonDocument DescribeByState(const RobotState& state) {
+  std::vector<std::string> nodes;
+  const auto add = [&](std::string_view id, std::uint32_t sequence_id, const std::string& actions) {
+    nodes.push_back(fmt::format(R"({{"nodeId":{},"sequenceId":{},"released":true,"actions":[{}]}})",
+                                base::JsonString(id), sequence_id, actions));
+  };
+  std::string actions;
+  for (const vda5050::ActionState& action : state.action_states) {
+    actions += fmt::format(R"({}{{"actionId":{},"actionType":{}}})", actions.empty() ? "" : ",",
+                           base::JsonString(action.id), base::JsonString(action.type));
+  }
+  add(state.last_node_id, state.last_node_sequence_id.value_or(0), actions);
+  for (const vda5050::NodeState& node : state.nodes) {
+    if (node.sequence_id > state.last_node_sequence_id.value_or(0)) {
+      add(node.id, node.sequence_id, "");
+    }
+  }
+  return vda5050::MakeOrder(state.order_id, state.order_update_id.value_or(0), "", nodes, {});
+}
+
+// The one robot that is meant, connected, with what it says of itself.
+class RobotListener {
+ public:
+  RobotListener(const FollowRequest& request, const Environment& environment, Observer& observer,
+                vda5050::RobotDirectory directory)
+      : request_(request),
+        environment_(environment),
+        observer_(observer),
+        directory_(std::move(directory)) {}
+
+  Status Connect() {
+    auto link = app::Connect(environment_, observer_);
+    if (!link) return Fail(std::move(link.error()));
+    connection_ = link->connection;
+    delivery::RetainedOptions discover = request_.discover;
+    discover.subscribe = connection_.timeout;
+    auto ok = DiscoverRobots(*link->transport, request_.targets,
+                             {.all = true, .factsheets = true, .discover = discover}, directory_,
+                             observer_);
+    if (!ok) return ok;
+    robot_ = &*directory_.robots().begin();
+    if (ok = CheckPresence(link->transport->server()); !ok) return ok;
+    for (const std::string_view name : {"state", "connection"}) {
+      auto topic = vda5050::TopicFor(dialect().topics, dialect().version, address(), name);
+      if (!topic) return Fail(std::move(topic.error()));
+      (name == "state" ? state_topic_ : connection_topic_) = *std::move(topic);
+    }
+    end_ = steady_clock::now() + request_.timeout;
+    auto subscription =
+        delivery::Subscription::Open(std::move(link->transport), {state_topic_, connection_topic_},
+                                     MakeReconnectHooks(connection_, observer_), end_);
+    if (!subscription) return Fail(std::move(subscription.error()));
+    subscription_ = *std::move(subscription);
+    if (request_.ask) Ask();
+    return {};
+  }
+
+  void Ask() {
+    Lend([&](Link& link) {
+      AskForStates({&robot_, 1}, request_.targets.state_wait, link, environment_, observer_);
+    });
+  }
+
+  void Lend(const std::function<void(Link& link)>& use) {
+    subscription_->Lend([&](std::unique_ptr<mqtt::Transport>& transport) {
+      Link lent{connection_, std::move(transport)};
+      use(lent);
+      transport = std::move(lent.transport);
+    });
+  }
+
+  [[nodiscard]] const vda5050::RobotAddress& address() const { return robot_->first; }
+  [[nodiscard]] const vda5050::Dialect& dialect() const { return *robot_->second.Spoken(); }
+  [[nodiscard]] const ListedRobot& robot() const { return *robot_; }
+  [[nodiscard]] std::string name() const { return base::Printable(address().ToString()); }
+  [[nodiscard]] const std::string& state_topic() const { return state_topic_; }
+  [[nodiscard]] steady_clock::time_point end() const { return end_; }
+  [[nodiscard]] delivery::Subscription& subscription() { return *subscription_; }
+
+ private:
+  Status CheckPresence(const mqtt::ServerInfo& server) const {
+    const vda5050::RobotEntry& entry = robot_->second;
+    if (!entry.WasHeard()) {
+      return Fail(ErrorKind::kPreflight,
+                  fmt::format("{} is unknown to {}. try: fleetpub fleet", name(),
+                              FormatSite(server.broker, environment_.config.profile)));
+    }
+    if (entry.IsAlive() || !entry.connection) return {};
+    return Fail(ErrorKind::kPreflight,
+                fmt::format("{} is {}", name(), vda5050::ConnectionText(*entry.connection)));
+  }
+
+  const FollowRequest& request_;
+  const Environment& environment_;
+  Observer& observer_;
+  vda5050::RobotDirectory directory_;
+  const ListedRobot* robot_ = nullptr;
+  Connection connection_;
+  std::string state_topic_;
+  std::string connection_topic_;
+  steady_clock::time_point end_;
+  std::optional<delivery::Subscription> subscription_;
+};
+
+class OrderFollower {
+ public:
+  OrderFollower(const FollowRequest& request, const Environment& environment, Observer& observer,
+                RobotListener& listener)
+      : request_(request),
+        environment_(environment),
+        observer_(observer),
+        listener_(listener),
+        start_(steady_clock::now()) {}
+
+  Result<message::Report> Run() {
+    TellWait("waiting for the state of " + listener_.name());
+    auto read =
+        listener_.subscription().Read([&](const mqtt::Message& message) { return Take(message); },
+                                      [&]() -> Result<bool> {
+                                        if (auto ok = KeepReleased(); !ok)
+                                          observer_.Warn(ok.error().message);
+                                        return !observer_.IsStopped();
+                                      });
+    observer_.Wait("");
+    if (!read) return Fail(std::move(read.error()));
+    if (!fault_) return Fail(std::move(fault_.error()));
+    listener_.subscription().Disconnect();
+    return MakeReport();
+  }
+
+ private:
+  void TellWait(const std::string& what) {
+    observer_.Wait(what, listener_.end(), "Ctrl-C stops following, not the robot");
+  }
+
+  // Whether it was the last that is wanted. An update makes the order another one to follow.
+  bool Take(const mqtt::Message& message) {
+    if (message.topic == listener_.state_topic() && !message.retained) {
+      auto state = vda5050::ReadState(message.payload);
+      if (state) state_ = *std::move(state);
+      const bool is_update = state_ && state_->order_id == order_id_ &&
+                             state_->order_update_id.value_or(0) != update_id_;
+      if (is_update) tracker_.reset();
+      if (state_ && tracker_ == nullptr) {
+        fault_ = Begin();
+        if (!fault_) return true;
+      }
+    }
+    if (tracker_ == nullptr) return false;
+    tracker_->Receive(
+        {.topic = message.topic, .payload = message.payload, .retained = message.retained});
+    for (std::string& line : tracker_->TakeNews()) {
+      if (line != last_line_) observer_.Info(line);
+      last_line_ = std::move(line);
+    }
+    const message::Progress& progress = tracker_->progress();
+    TellWait(fmt::format("{}: {}", listener_.name(), base::Printable(progress.message)));
+    return progress.ended;
+  }
+
+  Status Begin() {
+    if (state_->order_id.empty()) {
+      return Fail(ErrorKind::kPreflight, fmt::format("{} has no order", listener_.name()));
+    }
+    const bool is_first = order_id_.empty();
+    order_id_ = state_->order_id;
+    update_id_ = state_->order_update_id.value_or(0);
+    base::JsonDocument order = FindOrder();
+    auto tracker = vda5050::TrackTakenOrder(listener_.address(), listener_.dialect(), order);
+    if (!tracker) return Fail(std::move(tracker.error()));
+    tracker_ = *std::move(tracker);
+    tracker_->Published(1);
+    if (is_first) {
+      observer_.Info(fmt::format("{}  order {}{}", listener_.name(), Shown(order_id_),
+                                 update_id_ == 0 ? "" : fmt::format(" update {}", update_id_)));
+    }
+    return {};
+  }
+
+  [[nodiscard]] base::JsonDocument FindOrder() {
+    const auto ledger = environment_.ledger(ledger::OpenMode::kReadOnly);
+    if (!ledger) return DescribeByState(*state_);
+    const auto history =
+        ReadOrderHistory(**ledger, listener_.address().ToString(), state_->order_id);
+    if (!history || history->Find(update_id_) == nullptr) return DescribeByState(*state_);
+    return vda5050::MakeOrder(order_id_, update_id_, "", MergeLegs(*history, update_id_, "nodes"),
+                              MergeLegs(*history, update_id_, "edges"));
+  }
+
+  // --- Releasing
+
+  // Once for each update that the robot has taken: what was sent meanwhile may be on its way.
+  Status KeepReleased() {
+    if (!request_.keep_released || !state_ || tracker_ == nullptr) return {};
+    const std::uint32_t update_id = state_->order_update_id.value_or(0);
+    if (released_for_ && *released_for_ >= update_id && steady_clock::now() < retry_) return {};
+    std::size_t ahead = 0;
+    std::size_t horizon = 0;
+    for (const vda5050::NodeState& node : state_->nodes) {
+      if (node.sequence_id <= state_->last_node_sequence_id.value_or(0)) continue;
+      ++(node.released ? ahead : horizon);
+    }
+    const std::size_t wanted = std::max<std::size_t>(*request_.keep_released, 1);
+    const bool asks = state_->new_base_request.value_or(false);
+    if (horizon == 0 || (ahead >= wanted && !asks)) return {};
+    released_for_ = update_id;
+    constexpr auto kRetryAfter = std::chrono::seconds(5);
+    retry_ = steady_clock::now() + kRetryAfter;
+    return Release(ahead >= wanted ? 1 : wanted - ahead);
+  }
+
+  Status Release(std::size_t nodes) {
+    OrderTask task{.kind = OrderKind::kRelease, .path = {}, .site = nullptr, .order_id = {}};
+    task.release = nodes;
+    const auto& entry = listener_.robot().second;
+    auto composed = ComposeOrder(task,
+                                 {.address = listener_.address(),
+                                  .dialect = listener_.dialect(),
+                                  .factsheet = entry.factsheet.get(),
+                                  .state = &*state_},
+                                 environment_.ledger);
+    if (!composed) return Fail(std::move(composed.error()));
+    auto command = vda5050::BuildUserMessage(listener_.address(), listener_.dialect(), "order",
+                                             composed->message, vda5050::HeaderMismatch::kReplace);
+    if (!command) return Fail(std::move(command.error()));
+    command->expected_header_id = composed->expected_header_id;
+    schema::Registry registry(environment_.schema_directory);
+    if (auto valid = ValidateCommand(*command, registry); !valid) return Fail(valid.error());
+    Status sent;
+    listener_.Lend([&](Link& link) { sent = Send(*command, link); });
+    if (sent) {
+      for (const std::string& note : composed->notes) observer_.Info(note);
+    }
+    return sent;
+  }
+
+  Status Send(const message::Command& command, Link& link) {
+    if (link.transport == nullptr) {
+      return Fail(ErrorKind::kBroker, "not released: there is no connection");
+    }
+    auto ledger = environment_.ledger(ledger::OpenMode::kCreate);
+    if (!ledger) return Fail(std::move(ledger.error()));
+    Status outcome;
+    delivery::CommandSession session(
+        link.transport, **ledger,
+        {.qos = request_.qos, .acknowledge_timeout = link.connection.timeout}, {},
+        {.report =
+             [&](const message::Report& report) {
+               if (report.error) outcome = Fail(*report.error, report.message);
+             },
+         .sent = {},
+         .reconnect = MakeReconnectHooks(link.connection, observer_),
+         .news = {}});
+    delivery::CommandList list({&command, 1});
+    auto sent = delivery::SendAll(list, session, {});
+    return sent ? outcome : sent;
+  }
+
+  // --- The end
+
+  [[nodiscard]] message::Report MakeReport() const {
+    message::Report report;
+    report.target = listener_.address().ToString();
+    report.protocol = "vda5050";
+    report.version = vda5050::GetFacts(listener_.dialect().version).name;
+    report.topic = listener_.state_topic();
+    report.actions = {{"order", order_id_}};
+    report.elapsed = steady_clock::now() - start_;
+    report.status = CommandStatus::kTimeout;
+    report.message =
+        fmt::format("it sent no state within {}", base::FormatElapsed(request_.timeout));
+    if (tracker_ != nullptr) {
+      const message::Progress& progress = tracker_->progress();
+      report.status = progress.ended ? progress.status : CommandStatus::kTimeout;
+      report.message = progress.message;
+    }
+    if (report.status == CommandStatus::kTimeout && observer_.IsStopped()) {
+      report.status = CommandStatus::kInterrupted;
+    }
+    report.error = message::ToErrorKind(report.status);
+    return report;
+  }
+
+  const FollowRequest& request_;
+  const Environment& environment_;
+  Observer& observer_;
+  RobotListener& listener_;
+  steady_clock::time_point start_;
+  std::unique_ptr<message::ResponseTracker> tracker_;
+  std::optional<RobotState> state_;  // the last live one
+  std::string order_id_;
+  std::uint32_t update_id_ = 0;
+  std::string last_line_;
+  std::optional<std::uint32_t> released_for_;
+  steady_clock::time_point retry_;
+  Status fault_;
+};
+
+template <class Use>
+auto WithListener(const FollowRequest& request, const Environment& environment, Observer& observer,
+                  Use use) -> decltype(use(std::declval<RobotListener&>())) {
+  Excluded excluded;
+  auto directory = MakeDirectory(request.targets, request.resolver, excluded);
+  if (!directory) return Fail(std::move(directory.error()));
+  RobotListener listener(request, environment, observer, *std::move(directory));
+  if (auto ok = listener.Connect(); !ok) return Fail(std::move(ok.error()));
+  return use(listener);
+}
+
+}  // namespace
+
+Result<message::Report> FollowOrder(const FollowRequest& request, const Environment& environment,
+                                    Observer& observer) {
+  return WithListener(request, environment, observer, [&](RobotListener& listener) {
+    return OrderFollower(request, environment, observer, listener).Run();
+  });
+}
+
+Status AwaitIdle(const FollowRequest& request, const Environment& environment, Observer& observer) {
+  return WithListener(request, environment, observer, [&](RobotListener& listener) -> Status {
+    bool is_idle = false;
+    observer.Wait(fmt::format("waiting until {} is idle", listener.name()), listener.end());
+    auto read = listener.subscription().Read(
+        [&](const mqtt::Message& message) {
+          if (message.topic != listener.state_topic() || message.retained) return false;
+          const auto state = vda5050::ReadState(message.payload);
+          is_idle = state && !IsUnderWay(*state);
+          return is_idle;
+        },
+        [&]() -> Result<bool> { return !observer.IsStopped(); });
+    observer.Wait("");
+    if (!read) return read;
+    listener.subscription().Disconnect();
+    if (is_idle) return {};
+    return Fail(ErrorKind::kUnconfirmed,
+                fmt::format("{} still shows an order under way; the new one was not sent",
+                            listener.name()));
+  });
+}
+
+}  // namespace fleetpub::app

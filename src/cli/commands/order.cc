@@ -1,0 +1,447 @@
+// `fleetpub order TARGET NODE…` sends a robot along nodes or to a place of the layout; `extend`,
+// `release`, `replace` and `follow` are the life of that order.
+#include <fmt/format.h>
+
+#include <memory>
+#include <set>
+
+#include "app/follow_order.h"
+#include "app/order_message.h"
+#include "base/file.h"
+#include "base/text.h"
+#include "cli/environment.h"
+#include "cli/instant_sending.h"
+#include "cli/listening.h"
+#include "cli/output/sending_observer.h"
+#include "cli/parser/option_set.h"
+#include "cli/parser/subcommand.h"
+#include "layout/layout.h"
+
+namespace fleetpub::cli {
+namespace {
+
+using app::OrderKind;
+using app::OrderTask;
+
+constexpr auto kCosts = std::to_array<base::Choice<layout::RouteCost>>({
+    {"length", layout::RouteCost::kLength},
+    {"time", layout::RouteCost::kTime},
+});
+
+constexpr auto kBlockingTypes = std::to_array<std::string_view>({"NONE", "SOFT", "SINGLE", "HARD"});
+
+// Whose order it is, and how the robot is spoken to.
+struct RobotOptions {
+  std::string target;
+  std::optional<std::chrono::milliseconds> state_wait;
+  bool no_ask = false;
+  app::VdaOptions vda;
+};
+
+struct Options : RobotOptions {
+  std::vector<std::string> nodes;
+  std::string to;
+  std::vector<std::string> via;
+  std::string from;
+  std::string route_file;
+  std::string layout_file;
+  std::string vehicle_type;
+  bool loaded = false;
+  std::string load_set;
+  layout::RouteCost cost = layout::RouteCost::kLength;
+  std::vector<std::string> actions;
+  std::string blocking_type;
+  std::optional<double> deviation_xy;
+  std::optional<double> deviation_theta;
+  std::vector<std::string> without;
+  std::string order_id;
+  std::optional<std::size_t> release;
+  std::string release_word;  ///< of `order release`: a number, or `all`
+  bool auto_release = false;
+  std::optional<std::uint32_t> header_id;
+  SendingOptions sending;
+  WaitingOptions waiting;
+};
+
+// --- Declaring
+
+void DeclareRobot(OptionSet& set, RobotOptions& o) {
+  set.AddOption("target", o.target, "The robot: manufacturer/serialNumber, or its alias")
+      .Type("TARGET");
+  DeclareStateWait(set, o.state_wait, "2s");
+  set.AddFlag("--no-ask", o.no_ask, "Send no stateRequest: wait for the state that the robot sends")
+      .Group("Waiting");
+  DeclareVdaOptions(set, o.vda);
+}
+
+void DeclarePath(OptionSet& set, Options& o) {
+  constexpr const char* kWay = "Way";
+  set.AddOption("nodes", o.nodes, "Its nodes, or stations of the layout, in their order")
+      .Type("NODE");
+  set.AddOption("--to", o.to, "Find the way to this node or station of the layout")
+      .Type("PLACE")
+      .Group(kWay);
+  set.AddOption("--via", o.via, "By way of this one; repeatable, in their order")
+      .Type("PLACE")
+      .OneValueEach()
+      .Group(kWay);
+  set.AddOption("--from", o.from, "Where the way begins [the robot's last node]")
+      .Type("NODE")
+      .Group(kWay);
+  set.AddOption("--route", o.route_file, "Rows node,x,y,theta,map,actions in place of NODEs")
+      .Type("FILE")
+      .Group(kWay);
+  set.AddOption("--layout", o.layout_file, "The layout, a LIF file [of the configuration]")
+      .Type("FILE")
+      .Group(kWay);
+  set.AddOption("--by", OneOf(o.cost, kCosts), "What the way is short in: {} [length]")
+      .Type("WORD")
+      .Group(kWay);
+  set.AddOption("--vehicle-type", o.vehicle_type, "The layout's name for it [manufacturer.series]")
+      .Type("TYPE")
+      .Group(kWay);
+  set.AddFlag("--loaded", o.loaded, "Only where it may go with a load [as the robot says]")
+      .Group(kWay);
+  set.AddOption("--load-set", o.load_set, "The kind of its load").Type("NAME").Group(kWay);
+}
+
+void DeclareContents(OptionSet& set, Options& o) {
+  constexpr const char* kOrder = "Order";
+  set.AddOption("--action", o.actions,
+                "What to do at a node, station or edge, with its parameters: pick@n7 "
+                "loadType=EPAL; repeatable")
+      .Type("TYPE@PLACE")
+      .Group(kOrder);
+  set.AddOption("--blocking-type", OneOf(o.blocking_type, kBlockingTypes),
+                "Of these actions: {} [the layout's, else HARD]")
+      .Group(kOrder);
+  set.AddOption("--deviation-xy", Measure(o.deviation_xy, vda5050::ParameterType::kLength),
+                "allowedDeviationXY: how far from a node counts as there, in m")
+      .Type("M")
+      .Group(kOrder);
+  set.AddOption("--deviation-theta", Measure(o.deviation_theta, vda5050::ParameterType::kAngle),
+                "allowedDeviationTheta, in rad")
+      .Type("RAD")
+      .Group(kOrder);
+  set.AddOption("--without", o.without,
+                "Leave out this member, whatever the layout says: maxSpeed; repeatable")
+      .Type("MEMBER")
+      .OneValueEach()
+      .Group(kOrder);
+}
+
+void DeclareRelease(OptionSet& set, Options& o, const std::string& help) {
+  set.AddOption("--release", WholeNumber(o.release, 1, 1'000'000), help).Group("Order");
+}
+
+void DeclareSending(OptionSet& set, Options& o) {
+  set.AddOption("--header-id", WholeNumber(o.header_id),
+                "The headerId, above the topic's last [the next]")
+      .Group("Order");
+  DeclareSendingOptions(set, o.sending);
+  DeclareWaitingOptions(set, o.waiting);
+}
+
+// --- Reading
+
+Result<app::PathRequest> ParsePath(const Options& o) {
+  app::PathRequest path{.nodes = o.nodes,
+                        .points = {},
+                        .stops = o.via,
+                        .from = o.from,
+                        .actions = {},
+                        .blocking_type = o.blocking_type,
+                        .vehicle_type = o.vehicle_type,
+                        .loaded = o.loaded,
+                        .load_set = o.load_set,
+                        .cost = o.cost,
+                        .deviation_xy = o.deviation_xy,
+                        .deviation_theta = o.deviation_theta};
+  if (!o.to.empty()) path.stops.push_back(o.to);
+  const int ways = static_cast<int>(!o.nodes.empty()) + static_cast<int>(!o.to.empty()) +
+                   static_cast<int>(!o.route_file.empty());
+  if (ways != 1 || (o.to.empty() && !(o.via.empty() && o.from.empty()))) {
+    return Fail(ErrorKind::kUsage,
+                ways == 0 ? "where to? Nodes, a place or a file say it. try: fleetpub order " +
+                                base::Printable(base::NonEmptyOr(o.target, "KIT/0001")) + " --to n7"
+                          : "NODEs, --to (with --via and --from) and --route exclude each other");
+  }
+  if (!o.route_file.empty()) {
+    const auto text = base::ReadFile(o.route_file);
+    if (!text) return Fail(text.error());
+    auto points = app::ParsePathFile(*text);
+    if (!points) {
+      points.error().message = o.route_file + ": " + points.error().message;
+      return Fail(std::move(points.error()));
+    }
+    path.points = *std::move(points);
+  }
+  for (std::size_t i = 0; i < o.actions.size();) {
+    const std::string& word = o.actions[i++];
+    std::vector<std::string> parameters;
+    const auto is_parameter = [](const std::string& text) {
+      const auto equals = text.find('=');
+      return equals != std::string::npos && text.find('@') > equals;
+    };
+    while (i < o.actions.size() && is_parameter(o.actions[i])) parameters.push_back(o.actions[i++]);
+    if (word.find('@') == std::string::npos) {
+      return Fail(ErrorKind::kUsage,
+                  fmt::format("'{}' follows --action, and is neither TYPE@PLACE nor KEY=VALUE: put "
+                              "robot and nodes before --action",
+                              base::Printable(word)));
+    }
+    auto action = app::ParsePlacedAction(word, parameters);
+    if (!action) return Fail(std::move(action.error()));
+    path.actions.push_back(*std::move(action));
+  }
+  return path;
+}
+
+Result<std::set<std::string>> ParseWithout(const Options& o) {
+  std::set<std::string> names;
+  std::vector<std::string> known;
+  for (const vda5050::OrderMember& member : vda5050::OrderMembers()) {
+    for (const std::string_view name : member.names) {
+      if (!name.empty()) known.emplace_back(name);
+    }
+  }
+  for (const std::string& name : o.without) {
+    if (std::find(known.begin(), known.end(), name) == known.end()) {
+      const std::vector<std::string_view> views(known.begin(), known.end());
+      const auto near = base::Nearest(name, views);
+      return Fail(ErrorKind::kUsage,
+                  fmt::format("--without: {} is no member that can be left out{}",
+                              base::Printable(name), near ? ": did you mean " + *near + "?" : ""));
+    }
+    names.insert(name);
+  }
+  return names;
+}
+
+// Null: there is none, and none is needed.
+Result<std::shared_ptr<const layout::Site>> ReadSite(const Options& o, Output& output) {
+  if (o.layout_file.empty()) return nullptr;
+  auto read = layout::ReadLayoutFile(o.layout_file);
+  if (!read) return Fail(std::move(read.error()));
+  const auto errors = std::count_if(
+      read->findings.begin(), read->findings.end(),
+      [](const auto& finding) { return finding.level == layout::LayoutFinding::Level::kError; });
+  if (errors > 0) {
+    output.Warn(fmt::format("{} has {} error{}. try: fleetpub layout check {}", o.layout_file,
+                            errors, errors == 1 ? "" : "s", o.layout_file));
+  }
+  return std::make_shared<const layout::Site>(std::move(read->site));
+}
+
+Result<std::optional<std::size_t>> ParseReleaseWord(const std::string& word) {
+  if (word.empty() || base::EqualsIgnoringCase(word, "all")) return std::nullopt;
+  const auto count = ParseBetween<std::size_t>(word, 1, 1'000'000);
+  if (count) return *count;
+  return Fail(ErrorKind::kUsage,
+              fmt::format("'{}' is no number of nodes. try: fleetpub order release KIT/0001 2, or "
+                          "all",
+                          base::Printable(word)));
+}
+
+Result<OrderTask> MakeTask(OrderKind kind, const Options& o, Output& output) {
+  OrderTask task{
+      .kind = kind, .path = {}, .site = {}, .order_id = o.order_id, .release = o.release};
+  task.check = !o.waiting.no_check;
+  if (kind == OrderKind::kRelease) {
+    auto release = ParseReleaseWord(o.release_word);
+    if (!release) return Fail(std::move(release.error()));
+    task.release = *release;
+    return task;
+  }
+  auto path = ParsePath(o);
+  if (!path) return Fail(std::move(path.error()));
+  task.path = *std::move(path);
+  auto without = ParseWithout(o);
+  if (!without) return Fail(std::move(without.error()));
+  task.without = *std::move(without);
+  auto site = ReadSite(o, output);
+  if (!site) return Fail(std::move(site.error()));
+  task.site = *std::move(site);
+  return task;
+}
+
+// --- The robot
+
+Result<app::Targets> ResolveTarget(const RobotOptions& o, const Context& context) {
+  if (o.target.empty()) {
+    return Fail(ErrorKind::kUsage, "which robot? try: fleetpub order KIT/0001 n1 n2");
+  }
+  const auto robot = app::ResolveRobot(o.target, context.config);
+  if (!robot) return Fail(robot.error());
+  auto targets = app::ResolveTargets({.words = {robot->ToString()},
+                                      .patterns = false,
+                                      .all = false,
+                                      .except = {},
+                                      .where = {},
+                                      .online = false,
+                                      .state_wait = o.state_wait.value_or(kUsualStateWait)},
+                                     context.config, context.output);
+  return targets;
+}
+
+Result<app::FollowRequest> MakeFollowRequest(const RobotOptions& o, const Context& context) {
+  auto targets = ResolveTarget(o, context);
+  if (!targets) return Fail(std::move(targets.error()));
+  auto resolver = app::DialectResolver::Make(o.vda, context.config);
+  if (!resolver) return Fail(std::move(resolver.error()));
+  return app::FollowRequest{.targets = *std::move(targets),
+                            .resolver = *std::move(resolver),
+                            .ask = !o.no_ask,
+                            .discover = MakeRetainedOptions(kUsualDiscover)};
+}
+
+Result<ExitCode> Follow(const app::FollowRequest& request, const Context& context) {
+  SendingObserver observer(context.output, SendingObserver::Show::kResults, FormatSite(context));
+  observer.ListenForStop();
+  const auto report = app::FollowOrder(request, MakeEnvironment(context), observer);
+  if (!report) return Fail(report.error());
+  const std::string target = report->target;
+  observer.Chosen({&target, 1});
+  observer.Report(*report);
+  return observer.Conclude();
+}
+
+// --- Sending
+
+Result<ExitCode> SendOrder(OrderKind kind, const Options& o, const Context& context) {
+  auto task = MakeTask(kind, o, context.output);
+  if (!task) return Fail(std::move(task.error()));
+  auto targets = ResolveTarget(o, context);
+  if (!targets) return Fail(std::move(targets.error()));
+  auto resolver = app::DialectResolver::Make(o.vda, context.config);
+  if (!resolver) return Fail(std::move(resolver.error()));
+  const auto settings = ParseSendingOptions(o.sending);
+  if (!settings) return Fail(settings.error());
+  auto waiting = ParseWaitingOptions(o.waiting);
+  if (!waiting) return Fail(std::move(waiting.error()));
+  if (o.auto_release && !o.release) {
+    return Fail(ErrorKind::kUsage,
+                "--auto-release needs to know how many nodes ahead. try: "
+                "--release 3 --auto-release");
+  }
+  // What drives takes its time.
+  const auto timeout = o.waiting.timeout.value_or(std::chrono::hours(1));
+  if (!o.waiting.timeout) waiting->wait.done = timeout;
+  if (o.auto_release) waiting->wait_for = vda5050::WaitFor::kAccepted;
+  task->is_online = !settings->dry_run;
+  const app::Environment environment = MakeEnvironment(context);
+  const auto shared = std::make_shared<const OrderTask>(*std::move(task));
+  auto sent = SendToRobots(
+      {.targets = *std::move(targets),
+       .resolver = *std::move(resolver),
+       .title = "order",
+       .needs_consent = app::NeedsConsent::kYes,
+       .header_id = o.header_id,
+       .make_message = [&] { return app::MakeOrderMessage(shared, environment.ledger); },
+       .waiting = *waiting,
+       .ask = !o.no_ask},
+      *settings, context);
+  if (!o.auto_release || !sent || *sent != ExitCode::kDone || settings->dry_run) return sent;
+  auto request = MakeFollowRequest(o, context);
+  if (!request) return Fail(std::move(request.error()));
+  request->timeout = timeout;
+  request->keep_released = o.release;
+  request->qos = settings->qos;
+  return Follow(*request, context);
+}
+
+// What it drives ends first: orders that come while it cancels are cancelled too.
+Result<ExitCode> ReplaceOrder(const Options& o, const Context& context) {
+  if (auto task = MakeTask(OrderKind::kNew, o, context.output); !task) return Fail(task.error());
+  if (o.sending.dry_run) return SendOrder(OrderKind::kNew, o, context);
+  InstantSendingOptions cancel;
+  cancel.targets.words = {o.target};
+  cancel.instant.vda = o.vda;
+  cancel.sending = o.sending;
+  cancel.waiting = o.waiting;
+  cancel.waiting.wait = true;
+  cancel.waiting.wait_for = vda5050::WaitFor::kFinished;
+  cancel.if_any = true;
+  auto cancelled = SendInstantAction(cancel, "cancelOrder", {}, context);
+  if (!cancelled || *cancelled != ExitCode::kDone) return cancelled;
+  auto request = MakeFollowRequest(o, context);
+  if (!request) return Fail(std::move(request.error()));
+  constexpr std::chrono::seconds kUntilIdle{35};
+  request->timeout = kUntilIdle;
+  {
+    SendingObserver observer(context.output, SendingObserver::Show::kResults, FormatSite(context));
+    observer.ListenForStop();
+    auto idle = app::AwaitIdle(*request, MakeEnvironment(context), observer);
+    if (!idle) return Fail(std::move(idle.error()));
+  }
+  return SendOrder(OrderKind::kNew, o, context);
+}
+
+void DeclareNew(OptionSet& set, Options& o) {
+  DeclareRobot(set, o);
+  DeclarePath(set, o);
+  DeclareContents(set, o);
+  DeclareRelease(set, o, "So many nodes are the base, the rest is the horizon [all]");
+  set.AddFlag("--auto-release", o.auto_release,
+              "Follow it, and keep so many nodes ahead of the robot released")
+      .Group("Order");
+  set.AddOption("--order-id", o.order_id, "The orderId [a random UUID]").Type("ID").Group("Order");
+  DeclareSending(set, o);
+}
+
+}  // namespace
+
+Run DeclareOrder(OptionSet& set) {
+  const auto options = std::make_shared<Options>();
+  DeclareNew(set, *options);
+  return
+      [options](const Context& context) { return SendOrder(OrderKind::kNew, *options, context); };
+}
+
+Run DeclareOrderReplace(OptionSet& set) {
+  const auto options = std::make_shared<Options>();
+  DeclareNew(set, *options);
+  return [options](const Context& context) { return ReplaceOrder(*options, context); };
+}
+
+Run DeclareOrderExtend(OptionSet& set) {
+  const auto options = std::make_shared<Options>();
+  DeclareRobot(set, *options);
+  DeclarePath(set, *options);
+  DeclareContents(set, *options);
+  DeclareRelease(set, *options,
+                 "So many nodes behind the base [all, or none where it has a horizon]");
+  DeclareSending(set, *options);
+  return [options](const Context& context) {
+    return SendOrder(OrderKind::kExtend, *options, context);
+  };
+}
+
+Run DeclareOrderRelease(OptionSet& set) {
+  const auto options = std::make_shared<Options>();
+  DeclareRobot(set, *options);
+  set.AddOption("count", options->release_word, "So many nodes of the horizon, or all [all]")
+      .Type("N");
+  DeclareSending(set, *options);
+  return [options](const Context& context) {
+    return SendOrder(OrderKind::kRelease, *options, context);
+  };
+}
+
+Run DeclareOrderFollow(OptionSet& set) {
+  struct FollowOptions : RobotOptions {
+    std::chrono::milliseconds timeout = std::chrono::hours(1);
+  };
+  const auto options = std::make_shared<FollowOptions>();
+  DeclareRobot(set, *options);
+  set.AddOption("-W,--timeout", Duration(options->timeout), "How long to follow it [1h]")
+      .Group("Waiting");
+  return [options](const Context& context) -> Result<ExitCode> {
+    auto request = MakeFollowRequest(*options, context);
+    if (!request) return Fail(std::move(request.error()));
+    request->timeout = options->timeout;
+    return Follow(*request, context);
+  };
+}
+
+}  // namespace fleetpub::cli
