@@ -21,6 +21,7 @@ enum class Requirement { kRequired, kConditional, kOptional };
 struct ActionParameter {
   std::string key;
   std::string value;  ///< 1.0 has texts only: the factsheet's valueDataType says what is meant
+  bool is_json = false;  ///< of 2.0: the value is JSON, and sent as it is
 };
 
 /// What a vehicle does on a node or an edge.
@@ -32,10 +33,31 @@ struct LayoutAction {
   std::vector<ActionParameter> parameters;
 };
 
+/// Which loads may be carried along an edge, from 2.0 also over a node.
+struct LoadRestriction {
+  bool unloaded = true;
+  bool loaded = true;
+  std::vector<std::string> load_sets;  ///< when loaded; empty: any
+
+  friend bool operator==(const LoadRestriction&, const LoadRestriction&) = default;
+};
+
+/// From 2.0: between which an order's allowedDeviationXY may lie, m; its theta is said, rad.
+struct DeviationRange {
+  double a_minimum = 0;
+  std::optional<double> a_maximum;
+  double b_minimum = 0;
+  std::optional<double> b_maximum;
+  double theta = 0;
+};
+
 struct NodeProperties {
   std::string vehicle_type;
   std::optional<double> theta;  ///< rad, heading on the node
   std::vector<LayoutAction> actions;
+  LoadRestriction load;
+  std::vector<std::string> forbidden_actions;  ///< from 2.0
+  std::optional<DeviationRange> deviation;
 };
 
 struct Node {
@@ -46,7 +68,8 @@ struct Node {
   double x = 0;  ///< m
   double y = 0;
   std::vector<NodeProperties> properties;
-  std::size_t layout = 0;  ///< index into Site::layouts
+  std::size_t layout = 0;   ///< index into Site::layouts
+  std::uint32_t index = 0;  ///< in the file's array
 
   /// Null: vehicles of this type do not use it.
   [[nodiscard]] const NodeProperties* Find(std::string_view vehicle_type) const;
@@ -56,28 +79,32 @@ struct ControlPoint {
   double x = 0;
   double y = 0;
   double weight = 1;
+
+  friend bool operator==(const ControlPoint&, const ControlPoint&) = default;
 };
 
-/// A NURBS curve.
+/// A NURBS curve, clamped: it begins at its first point and ends at its last one.
 struct Trajectory {
   int degree = 1;
   std::vector<double> knots;
   std::vector<ControlPoint> points;
+
+  friend bool operator==(const Trajectory&, const Trajectory&) = default;
+};
+
+/// From 2.0: how wide an order's corridor may be, m.
+struct CorridorLimits {
+  double left = 0;
+  double right = 0;
 };
 
 /// Which way a vehicle may turn on the spot.
 enum class Turning { kBoth, kNone, kCcw, kCw };
 
-/// Which loads may be carried along an edge.
-struct LoadRestriction {
-  bool unloaded = true;
-  bool loaded = true;
-  std::vector<std::string> load_sets;  ///< when loaded; empty: any
-};
-
 struct EdgeProperties {
   std::string vehicle_type;
-  std::optional<double> orientation;  ///< rad
+  std::optional<double> orientation;        ///< rad; nothing: any
+  std::vector<double> other_orientations;   ///< from 2.0: one of which may be chosen instead
   bool is_tangential = true;          ///< the orientation is relative to the path, else global
   bool rotation_allowed = false;      ///< while driving along it
   Turning turning_at_start = Turning::kBoth;
@@ -89,8 +116,12 @@ struct EdgeProperties {
   LoadRestriction load;
   std::vector<LayoutAction> actions;
   std::optional<Trajectory> trajectory;
-  bool reentry_allowed =
-      true;  ///< a vehicle that stands on it may be taken over; driving is not meant
+  /// A vehicle that stands on it may be taken over; driving is not meant.
+  bool reentry_allowed = true;
+  std::vector<std::string> forbidden_actions;  ///< from 2.0, as the next three
+  std::optional<CorridorLimits> corridor;
+  std::string line_direction;         ///< of a vehicle that follows a line
+  std::optional<double> line_length;  ///< m
 };
 
 struct Edge {
@@ -101,6 +132,7 @@ struct Edge {
   std::size_t end = 0;
   std::vector<EdgeProperties> properties;
   std::size_t layout = 0;
+  std::uint32_t index = 0;  ///< in the file's array
 
   [[nodiscard]] const EdgeProperties* Find(std::string_view vehicle_type) const;
 };
@@ -114,11 +146,13 @@ struct StationPosition {
 struct Station {
   std::string id;
   std::string name;
+  std::string type;  ///< from 2.0
   std::string description;
   std::vector<std::size_t> nodes;  ///< where a vehicle interacts with it
   std::optional<double> height;    ///< m; nothing: not said
   std::optional<StationPosition> position;
   std::size_t layout = 0;
+  std::uint32_t index = 0;  ///< in the file's array
 };
 
 /// One of the layouts of a file: a level or a part of one.
@@ -128,11 +162,13 @@ struct Layout {
   std::string version;
   std::string level;
   std::string description;
+  std::string origin;  ///< from 2.0 the id of its origin of coordinates; before, all share one
+  std::string place;   ///< the JSON pointer to it
 };
 
-/// All that one file describes. All layouts share one origin.
+/// All that one file describes.
 struct Site {
-  std::string project;
+  std::string project;  ///< from 2.0 `lifId`
   std::string creator;
   std::string exported;     ///< as written
   std::string lif_version;  ///< as written
@@ -156,7 +192,16 @@ struct LayoutFinding {
   std::string text;
 };
 
-/// What a file holds, read leniently: what can be used is read, the rest becomes findings. Errors:
+/// The JSON pointer to an element: a node, an edge, a station.
+template <class Element>
+[[nodiscard]] std::string PlaceOf(const Site& site, std::string_view array,
+                                  const Element& element) {
+  return site.layouts[element.layout].place + "/" + std::string(array) + "/" +
+         std::to_string(element.index);
+}
+
+/// What a file holds, read leniently: what can be used is read, the rest becomes findings. Nothing is
+/// driven that is not understood: an edge is not there for a type whose property is faulty. Errors:
 /// ErrorKind::kInvalid: no JSON, no layout at all.
 struct ReadSite {
   Site site;
@@ -164,7 +209,7 @@ struct ReadSite {
 };
 [[nodiscard]] Result<ReadSite> ReadLayout(std::string_view text);
 
-/// The same from a file (`-`: standard input). Errors: also kUsage (cannot be read), naming it.
+/// The same from a file (`-`: standard input). Errors: also kLedger (cannot be read); they name it.
 [[nodiscard]] Result<ReadSite> ReadLayoutFile(const std::string& file);
 
 }  // namespace fleetpub::layout

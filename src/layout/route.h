@@ -1,6 +1,6 @@
 // The cheapest way through a layout for one vehicle (LIF 1.0 §10). What may follow an edge depends
 // on the heading with which it is left, so a state of the search is an edge with its heading, not a
-// node.
+// node. Headings that differ by less than 2° are one.
 #pragma once
 
 #include <cstddef>
@@ -31,8 +31,11 @@ struct RouteRequest {
 
 struct RouteEdge {
   std::size_t edge = 0;  ///< index into Site::edges
-  double length = 0;     ///< m
-  double heading = 0;    ///< rad, at its end; meaningless when `has_heading` is false
+  double length = 0;     ///< m; between maps 0
+  double seconds = 0;    ///< with RouteRequest::vehicle_speed, else 1 m/s where nothing limits it
+  /// Which of its orientations (EdgeProperties) is driven; nothing: any.
+  std::optional<double> orientation;
+  double heading = 0;  ///< rad, once its end node is reached; meaningless without `has_heading`
   bool has_heading = false;
 };
 
@@ -41,14 +44,14 @@ struct Route {
   std::vector<RouteEdge> edges;
   std::vector<std::size_t> stops;  ///< positions in `nodes` at which the stops are reached
   double length = 0;               ///< m
-  double seconds = 0;  ///< with RouteRequest::vehicle_speed, else 1 m/s where nothing limits it
+  double seconds = 0;
 };
 
 /// Errors: ErrorKind::kPreflight, with the nearest reason (`n7 is not for vehicles of type T`, `only
 /// loaded`, `no edge leaves n7`).
 [[nodiscard]] Result<Route> FindRoute(const Site& site, const RouteRequest& request);
 
-/// The length of an edge for a type: along its trajectory, else straight, m.
+/// The length of an edge for a type: along its trajectory, else straight, m; between maps 0.
 [[nodiscard]] double EdgeLength(const Site& site, const Edge& edge,
                                 const EdgeProperties& properties);
 
