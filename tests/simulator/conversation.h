@@ -20,7 +20,7 @@ class Conversation {
   explicit Conversation(Settings settings)
       : settings_(std::move(settings)),
         inspector_(settings_, registry_),
-        factsheet_(FactsheetBody(settings_.version, settings_.state_interval)),
+        factsheet_(FactsheetBody(settings_)),
         robot_({settings_, GetTerms(settings_.version), inspector_, factsheet_},
                {std::string(vda5050::GetFacts(settings_.version).name), "KIT", "0001"}) {
     will_ = robot_.Will(now_).payload;
