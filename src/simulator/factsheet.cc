@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "simulator/action_handlers.h"
 #include "simulator/order_plan.h"
 #include "vda5050/catalogue/catalogue.h"
@@ -38,6 +40,8 @@ constexpr std::string_view kFrom30 =
     R"("minimumOrderInterval":0,"minimumStateInterval":{},"defaultStateInterval":{}{}}}}},)"
     R"("protocolFeatures":{{"optionalParameters":[{}],"mobileRobotActions":[{}]}},)"
     R"("mobileRobotGeometry":{{}},"loadSpecification":{{}})";
+
+constexpr double kFastest = 2;  // m/s, unless it is told to be faster
 
 void Append(std::string& list, std::string_view item) {
   if (!list.empty()) list += ',';
@@ -117,11 +121,11 @@ std::string FactsheetBody(const Settings& settings) {
                                         : "";
   const double shortest = ToSeconds(settings.min_state_interval);
   const double usual = ToSeconds(settings.state_interval);
+  const double speed = std::max(kFastest, settings.speed);
   const std::string members = MembersJson(version);
-  return version >= Version::k300 ? fmt::format(kFrom30, settings.speed, limit, shortest, usual,
-                                                visualization, members, actions)
-                                  : fmt::format(kUpTo21, settings.speed, limit, shortest, usual,
-                                                visualization, members, actions);
+  return version >= Version::k300
+             ? fmt::format(kFrom30, speed, limit, shortest, usual, visualization, members, actions)
+             : fmt::format(kUpTo21, speed, limit, shortest, usual, visualization, members, actions);
 }
 
 }  // namespace fleetpub::simulator

@@ -267,6 +267,7 @@ std::optional<TimePoint> OrderRun::Arrival() const {
 void OrderRun::SetMoving(RobotState& state, bool is_moving, TimePoint now) {
   if (motion_ && motion_->since.has_value() != is_moving) {
     motion_->done = ShareDone(now);
+    motion_->since.reset();
     Locate(state, now);
     motion_->since = is_moving ? std::optional(now) : std::nullopt;
   }

@@ -57,7 +57,7 @@ void VirtualRobot::ReceiveOrder(std::string_view payload, const Moment& now,
     plan = ReadOrder(inspection.message, shared_.terms);
     if (Has(Fault::kIgnoreUpdates) && plan.order.id == state_.order.id) return;
     decision = Decide({inspection, plan, state_, shared_.settings, shared_.terms,
-                       HasSameContent(accepted_order_, inspection.message), run_.is_cancelling()});
+                       HasSameContent(accepted_order_, inspection.message), IsCancelling()});
   } else {
     decision.error = RefuseMalformed(inspection, shared_.settings);
   }
@@ -132,6 +132,12 @@ void VirtualRobot::Cancel(const ActionCall& call, const Moment& now) {
   run_.Cancel(state_, now.steady);
   changed_ = true;
   SayStateIfChanged(now);
+}
+
+bool VirtualRobot::IsCancelling() const {
+  return run_.is_cancelling() ||
+         std::any_of(running_.begin(), running_.end(),
+                     [](const Running& running) { return running.call.type == "cancelOrder"; });
 }
 
 bool VirtualRobot::FinishCancels() {

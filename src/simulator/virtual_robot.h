@@ -103,12 +103,12 @@ class VirtualRobot {
   void ReceiveResponses(std::string_view payload, const Moment& now, const EventCallback& on_event);
   [[nodiscard]] Inspection InspectFor(std::string_view topic, std::string_view payload,
                                       std::string_view error_type, const EventCallback& on_event);
-  void TakeOrder(const Inspection& inspection, std::string_view payload);
   void ApplyMode(std::string_view mode);
   void NoteLeases(const Moment& now);
   void CatchUp(const Moment& now, bool is_heard);
   void Proceed(const Moment& now);
   void Cancel(const ActionCall& call, const Moment& now);
+  [[nodiscard]] bool IsCancelling() const;
   [[nodiscard]] bool FinishCancels();
   [[nodiscard]] ActionResult CarryOut(const ActionCall& call);
   void RefuseMessage(const Inspection& inspection, std::string_view topic);

@@ -50,6 +50,12 @@ class Conversation {
     now_.wall += time;
     if (robot_.Due() <= now_.steady) robot_.Tick(now_, said_);
   }
+  /// The connection is lost for so long.
+  void Reconnect(std::chrono::milliseconds after) {
+    now_.steady += after;
+    now_.wall += after;
+    robot_.Start(now_, said_);
+  }
   void End() { robot_.End(now_, said_); }
 
   [[nodiscard]] VirtualRobot& robot() { return robot_; }
