@@ -16,13 +16,12 @@ ActionResult Failed(std::string result, std::string_view error_type,
   return {.finished = false, .result = std::move(result), .error = std::move(error)};
 }
 
-ActionState* FindAction(RobotState& state, std::string_view id) {
-  for (auto* list : {&state.order_actions, &state.instant_actions}) {
-    for (ActionState& action : *list) {
-      if (action.id == id) return &action;
-    }
-  }
-  return nullptr;
+bool IsRetriable(const RobotState& state, std::string_view id) {
+  const auto is_it = [&](const ActionState& action) {
+    return action.id == id && action.status == ActionStatus::kRetriable;
+  };
+  return std::any_of(state.order_actions.begin(), state.order_actions.end(), is_it) ||
+         std::any_of(state.instant_actions.begin(), state.instant_actions.end(), is_it);
 }
 
 ActionResult StartPause(const ActionCall& /*call*/, RobotState& state,
@@ -39,7 +38,7 @@ ActionResult StopPause(const ActionCall& /*call*/, RobotState& state,
 
 ActionResult StartCharging(const ActionCall& /*call*/, RobotState& state,
                            const ProtocolTerms& /*terms*/) {
-  if (state.Driving()) return Failed("cannot charge while driving");
+  if (state.driving) return Failed("cannot charge while driving");
   state.charging = true;
   return {};
 }
@@ -60,6 +59,7 @@ void Enable(std::vector<Map>& maps, std::string_view id, std::string_view versio
 ActionResult InitializePosition(const ActionCall& call, RobotState& state,
                                 const ProtocolTerms& /*terms*/) {
   state.position = {call.Number("x"), call.Number("y"), call.Number("theta"), call.Text("mapId")};
+  state.is_placed = true;
   state.last_node_id = call.Text("lastNodeId");
   const auto known = std::find_if(state.maps.rbegin(), state.maps.rend(),
                                   [&](const Map& map) { return map.id == state.position.map_id; });
@@ -167,8 +167,7 @@ ActionResult Trigger(const ActionCall& /*call*/, RobotState& state,
 
 ActionResult OnRetriable(const ActionCall& call, RobotState& state, SideEffect side_effect) {
   const std::string target = call.Text("actionId");
-  const ActionState* action = FindAction(state, target);
-  if (action == nullptr || action->status != ActionStatus::kRetriable) {
+  if (!IsRetriable(state, target)) {
     return Failed(fmt::format("no action {} is RETRIABLE", target));
   }
   return {.side_effect = side_effect, .target = target};
@@ -182,23 +181,28 @@ ActionResult SkipRetry(const ActionCall& call, RobotState& state, const Protocol
   return OnRetriable(call, state, SideEffect::kSkipRetry);
 }
 
-// orderId and orderUpdateId stay (1.1–2.1 §6.6.3, 3.0 §6.1.3).
-void GiveUpOrder(RobotState& state) {
-  state.order.nodes.clear();
-  state.order.edges.clear();
-  for (ActionState& action : state.order_actions) {
-    if (!IsEnded(action.status)) action.status = ActionStatus::kFailed;
-  }
-}
-
 ActionResult CancelOrder(const ActionCall& call, RobotState& state, const ProtocolTerms& terms) {
   const std::string wanted = call.Text("orderId");
   const bool other = !wanted.empty() && wanted != state.order.id;
-  if (!state.order.Active() || other) {
+  if (!state.HasWork() || other) {
     return Failed(other ? fmt::format("order {} is not active", wanted) : "no order is active",
                   terms.no_order, {{"actionId", call.id}}, Until::kNextOrder);
   }
-  GiveUpOrder(state);
+  return {.side_effect = SideEffect::kCancel};
+}
+
+ActionResult Pick(const ActionCall& call, RobotState& state, const ProtocolTerms& /*terms*/) {
+  state.loads.push_back({call.Text("loadId"), call.Text("loadType")});
+  return {};
+}
+
+// The load that is named, or the last one.
+ActionResult Drop(const ActionCall& call, RobotState& state, const ProtocolTerms& /*terms*/) {
+  const std::string id = call.Text("loadId");
+  const auto load = std::find_if(state.loads.rbegin(), state.loads.rend(),
+                                 [&](const Load& one) { return id.empty() || one.id == id; });
+  if (load == state.loads.rend()) return Failed("there is no such load on board");
+  state.loads.erase(std::next(load).base());
   return {};
 }
 
@@ -222,7 +226,7 @@ ActionResult Shutdown(const ActionCall& call, RobotState& state, const ProtocolT
   const bool busy = std::any_of(
       state.instant_actions.begin(), state.instant_actions.end(),
       [&](const ActionState& action) { return !IsEnded(action.status) && action.id != call.id; });
-  if (busy || state.order.Active()) return Failed("the robot is not idle");
+  if (busy || state.HasWork()) return Failed("the robot is not idle");
   return {.side_effect = SideEffect::kShutDown};
 }
 
@@ -259,6 +263,8 @@ constexpr auto kEffects = std::to_array<Effect>({
     {"cancelOrder", kRunning, CancelOrder},
     {"stateRequest", kWaiting, nullptr},
     {"factsheetRequest", kWaiting, FactsheetRequest},
+    {"pick", kRunning, Pick},
+    {"drop", kRunning, Drop},
 });
 
 const Effect* FindEffect(std::string_view type) {
@@ -289,6 +295,8 @@ Beginning FindBeginning(std::string_view type) {
   const Effect* effect = FindEffect(type);
   return effect == nullptr ? kRunning : effect->beginning;
 }
+
+bool IsInterruptible(std::string_view type) { return type != "pick" && type != "drop"; }
 
 ActionResult Execute(const ActionCall& call, RobotState& state, const ProtocolTerms& terms) {
   const Effect* effect = FindEffect(call.type);

@@ -4,7 +4,6 @@
 #include <optional>
 #include <string>
 #include <string_view>
-#include <variant>
 #include <vector>
 
 #include "simulator/protocol_terms.h"
@@ -12,12 +11,7 @@
 
 namespace fleetpub::simulator {
 
-struct Parameter {
-  std::string key;
-  std::variant<std::string, double> value;
-};
-
-/// An instant action that is to be carried out.
+/// An action that is to be carried out.
 struct ActionCall {
   std::string id;
   std::string type;
@@ -29,7 +23,16 @@ struct ActionCall {
 };
 
 /// What happens beside a change of the state.
-enum class SideEffect { kNone, kFactsheet, kHibernate, kWake, kShutDown, kRetry, kSkipRetry };
+enum class SideEffect {
+  kNone,
+  kFactsheet,
+  kHibernate,
+  kWake,
+  kShutDown,
+  kRetry,
+  kSkipRetry,
+  kCancel
+};
 
 struct ActionResult {
   bool finished = true;  ///< else FAILED
@@ -43,6 +46,10 @@ struct ActionResult {
 enum class Beginning { kWaiting, kInitializing, kRunning };
 
 [[nodiscard]] Beginning FindBeginning(std::string_view type);
+
+/// Whether an action of an order can be paused and given up once it is under way. A load that is
+/// half on a fork cannot.
+[[nodiscard]] bool IsInterruptible(std::string_view type);
 
 /// Carries it out. An action without an entry in the table finishes and changes nothing.
 [[nodiscard]] ActionResult Execute(const ActionCall& call, RobotState& state,

@@ -2,6 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
+#include "simulator/action_handlers.h"
+#include "simulator/order_plan.h"
 #include "vda5050/catalogue/catalogue.h"
 
 namespace fleetpub::simulator {
@@ -12,30 +16,32 @@ using vda5050::ParameterSpec;
 using vda5050::ParameterType;
 using vda5050::Version;
 
-// Everything but the actions and the interval. `{}`: first the interval in seconds, then the
-// actions.
+// Everything but lists and times. `{}`: the most nodes of an order, the times, the optional
+// members, the actions.
 constexpr std::string_view kUpTo21 =
     R"("typeSpecification":{{"seriesName":"fleetpub virtual robot","agvKinematic":"DIFF",)"
     R"("agvClass":"CARRIER","maxLoadMass":100,"localizationTypes":["NATURAL"],)"
     R"("navigationTypes":["AUTONOMOUS"]}},)"
-    R"("physicalParameters":{{"speedMin":0.05,"speedMax":2,"accelerationMax":1,)"
+    R"("physicalParameters":{{"speedMin":0.05,"speedMax":{},"accelerationMax":1,)"
     R"("decelerationMax":1,"heightMin":0.3,"heightMax":0.3,"width":0.6,"length":0.9}},)"
-    R"("protocolLimits":{{"maxStringLens":{{}},"maxArrayLens":{{}},"timing":{{)"
-    R"("minOrderInterval":0,"minStateInterval":0,"defaultStateInterval":{}}}}},)"
-    R"("protocolFeatures":{{"optionalParameters":[],"agvActions":[{}]}},)"
+    R"("protocolLimits":{{"maxStringLens":{{}},"maxArrayLens":{{{}}},"timing":{{)"
+    R"("minOrderInterval":0,"minStateInterval":{},"defaultStateInterval":{}{}}}}},)"
+    R"("protocolFeatures":{{"optionalParameters":[{}],"agvActions":[{}]}},)"
     R"("agvGeometry":{{}},"loadSpecification":{{}})";
 
 constexpr std::string_view kFrom30 =
     R"("typeSpecification":{{"seriesName":"fleetpub virtual robot",)"
     R"("mobileRobotKinematics":"DIFFERENTIAL","mobileRobotClass":"CARRIER","maximumLoadMass":100,)"
     R"("localizationTypes":["NATURAL"],"navigationTypes":["AUTONOMOUS"]}},)"
-    R"("physicalParameters":{{"minimumSpeed":0.05,"maximumSpeed":2,"maximumAcceleration":1,)"
+    R"("physicalParameters":{{"minimumSpeed":0.05,"maximumSpeed":{},"maximumAcceleration":1,)"
     R"("maximumDeceleration":1,"minimumHeight":0.3,"maximumHeight":0.3,"width":0.6,)"
     R"("length":0.9}},)"
-    R"("protocolLimits":{{"maximumStringLengths":{{}},"maximumArrayLengths":{{}},"timing":{{)"
-    R"("minimumOrderInterval":0,"minimumStateInterval":0,"defaultStateInterval":{}}}}},)"
-    R"("protocolFeatures":{{"optionalParameters":[],"mobileRobotActions":[{}]}},)"
+    R"("protocolLimits":{{"maximumStringLengths":{{}},"maximumArrayLengths":{{{}}},"timing":{{)"
+    R"("minimumOrderInterval":0,"minimumStateInterval":{},"defaultStateInterval":{}{}}}}},)"
+    R"("protocolFeatures":{{"optionalParameters":[{}],"mobileRobotActions":[{}]}},)"
     R"("mobileRobotGeometry":{{}},"loadSpecification":{{}})";
+
+constexpr double kFastest = 2;  // m/s, unless it is told to be faster
 
 void Append(std::string& list, std::string_view item) {
   if (!list.empty()) list += ',';
@@ -55,12 +61,12 @@ std::string_view GetDataType(ParameterType type) {
   return "STRING";
 }
 
+// No zone has an action for it.
 std::string ScopesJson(const vda5050::Scopes& scopes) {
   std::string list;
   if (scopes.instant) Append(list, R"("INSTANT")");
   if (scopes.node) Append(list, R"("NODE")");
   if (scopes.edge) Append(list, R"("EDGE")");
-  if (scopes.zone) Append(list, R"("ZONE")");
   return list;
 }
 
@@ -75,22 +81,51 @@ std::string ActionJson(const ActionSpec& action, Version version) {
                   ScopesJson(action.scopes), parameters);
   // Not in 2.0; in 2.1 the published schema lets no array pass.
   if (version >= Version::k300) {
-    json += R"(,"blockingTypes":["NONE"],"pauseAllowed":false,"cancelAllowed":false)";
+    const bool in_order = action.scopes.node || action.scopes.edge;
+    const bool may_stop = in_order && IsInterruptible(action.type);
+    json += fmt::format(R"(,"blockingTypes":["NONE"{}],"pauseAllowed":{},"cancelAllowed":{})",
+                        in_order ? R"(,"SOFT","SINGLE","HARD")" : "", may_stop, may_stop);
   }
   return json + "}";
 }
 
+std::string MembersJson(Version version) {
+  std::string list;
+  for (const OptionalMember& member : ListOptionalMembers(version)) {
+    if (!member.is_supported) continue;
+    Append(list, fmt::format(R"({{"parameter":"{}","support":"SUPPORTED"}})", member.path));
+  }
+  return list;
+}
+
+double ToSeconds(std::chrono::milliseconds time) {
+  return std::chrono::duration<double>(time).count();
+}
+
 }  // namespace
 
-std::string FactsheetBody(Version version, std::chrono::milliseconds state_interval) {
+std::string FactsheetBody(const Settings& settings) {
+  const Version version = settings.version;
   if (version < Version::k200) return {};
   std::string actions;
-  for (const ActionSpec* action : vda5050::ListActions(version)) {
-    if (action->scopes.instant) Append(actions, ActionJson(*action, version));
+  if (!settings.Has(Fault::kFactsheetWithoutActions)) {
+    for (const ActionSpec* action : vda5050::ListActions(version)) {
+      Append(actions, ActionJson(*action, version));
+    }
   }
-  const double seconds = std::chrono::duration<double>(state_interval).count();
-  return version >= Version::k300 ? fmt::format(kFrom30, seconds, actions)
-                                  : fmt::format(kUpTo21, seconds, actions);
+  const std::string limit =
+      settings.order_limit > 0 ? fmt::format(R"("order.nodes":{})", settings.order_limit) : "";
+  const std::string visualization = settings.visualization_interval.count() > 0
+                                        ? fmt::format(R"(,"visualizationInterval":{})",
+                                                      ToSeconds(settings.visualization_interval))
+                                        : "";
+  const double shortest = ToSeconds(settings.min_state_interval);
+  const double usual = ToSeconds(settings.state_interval);
+  const double speed = std::max(kFastest, settings.speed);
+  const std::string members = MembersJson(version);
+  return version >= Version::k300
+             ? fmt::format(kFrom30, speed, limit, shortest, usual, visualization, members, actions)
+             : fmt::format(kUpTo21, speed, limit, shortest, usual, visualization, members, actions);
 }
 
 }  // namespace fleetpub::simulator

@@ -38,7 +38,7 @@ Result<std::unique_ptr<Fleet>> Fleet::Make(Settings settings,
 
 Fleet::Fleet(Settings settings, schema::Registry& registry, EventCallback on_event)
     : settings_(std::move(settings)),
-      factsheet_(FactsheetBody(settings_.version, settings_.state_interval)),
+      factsheet_(FactsheetBody(settings_)),
       inspector_(settings_, registry),
       on_event_(std::move(on_event)),
       random_(settings_.drop_seed) {}

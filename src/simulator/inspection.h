@@ -25,12 +25,15 @@ struct Inspection {
   std::string header_id;  ///< as text; "" when it cannot be read
   /// Why the whole message is refused; "" when it is not.
   std::string fault;
-  /// Of an instantActions message, as far as they can be read.
+  /// Of an instantActions message or an order, as far as they can be read.
   std::vector<ReceivedAction> actions;
 
   /// `instantActions headerId 7`
   [[nodiscard]] std::string Place(std::string_view topic) const;
 };
+
+/// Those that are texts or numbers; of an array of texts, they are joined by commas.
+[[nodiscard]] std::vector<Parameter> ReadParameters(const base::JsonValue& action);
 
 /// Belongs to one thread.
 class Inspector {
@@ -41,6 +44,8 @@ class Inspector {
 
   /// By schema and by the rules of the text.
   [[nodiscard]] Inspection InspectInstantActions(std::string_view payload);
+  /// What is wrong with an action of an order is its own fault, not the message's.
+  [[nodiscard]] Inspection InspectOrder(std::string_view payload);
   /// Any other message of fleet control's, likewise.
   [[nodiscard]] Inspection Inspect(std::string_view topic, std::string_view payload);
 

@@ -60,19 +60,21 @@ void VirtualRobot::ReceiveActions(std::string_view payload, const Moment& now,
 
 void VirtualRobot::Begin(const ReceivedAction& action, const Moment& now) {
   const ActionCall& call = action.call;
-  changed_ = true;  // a repeated one is answered, not carried out again
+  // A repeated one is answered, not carried out again.
+  const bool is_secret = Has(Fault::kNoStateOnRequest) && call.type == "stateRequest";
+  changed_ = changed_ || !is_secret;
   if (known_.contains(call.id)) return;
   if (const std::string reason = ReasonToReject(action); !reason.empty()) {
     Reject(action, reason);
     return;
   }
-  ForgetErrors(Until::kNextInstantAction);
+  ForgetErrors(state_, Until::kNextInstantAction);
   Remember(call.id);
   const Beginning beginning = FindBeginning(call.type);
   state_.instant_actions.push_back(
       {call.id, call.type, action.descriptor, ToStatus(beginning), ""});
   ForgetOldActions();
-  const auto delay = shared_.settings.delay;
+  const auto delay = shared_.settings.Delay();
   if (delay.count() == 0) {
     Complete({call, now.steady}, now);
   } else {
@@ -119,7 +121,7 @@ void VirtualRobot::Advance(Running& running, const Moment& now) {
     return;
   }
   action->status = ActionStatus::kRunning;
-  running.next = now.steady + shared_.settings.delay / 2;
+  running.next = now.steady + shared_.settings.Delay() / 2;
   running_.push_back(std::move(running));
 }
 
@@ -136,24 +138,40 @@ void VirtualRobot::Complete(const Running& running, const Moment& now) {
     retriable_.push_back(running);
     return;
   } else {
-    result = Execute(call, state_, shared_.terms);
+    result = CarryOut(call);
   }
+  if (result.side_effect == SideEffect::kCancel) return Cancel(call, now);
   if (ActionState* action = Find(call.id); action != nullptr) {
     action->status = result.finished ? ActionStatus::kFinished : ActionStatus::kFailed;
     action->result = result.result;
   }
   if (result.error) AddError(*result.error);
   TellWhetherListIsFull();
-  if (!state_.order.Active()) order_end_.reset();
   ApplySideEffect(result, now);
+}
+
+ActionResult VirtualRobot::CarryOut(const ActionCall& call) {
+  if (call.type == "cancelOrder") {
+    if (Has(Fault::kNoCancelError) && !state_.HasWork()) return {};
+    if (Has(Fault::kCancelAnyOrder)) {
+      return Execute({call.id, call.type, {}}, state_, shared_.terms);
+    }
+  }
+  if (call.type == "startPause" && state_.paused && Has(Fault::kPauseOnce)) {
+    RobotError error{"controlError", "it is paused already", {{"actionId", call.id}}};
+    return {.finished = false, .result = error.description, .error = error};
+  }
+  return Execute(call, state_, shared_.terms);
 }
 
 void VirtualRobot::ApplySideEffect(const ActionResult& result, const Moment& now) {
   switch (result.side_effect) {
     case SideEffect::kNone:
+    case SideEffect::kCancel:
       return;
     case SideEffect::kFactsheet:
-      return SayFactsheet(now);
+      if (!Has(Fault::kFactsheetNotLive)) SayFactsheet(now);
+      return;
     case SideEffect::kHibernate:
       falling_asleep_ = true;
       return SayStateIfChanged(now);
@@ -169,6 +187,9 @@ void VirtualRobot::ApplySideEffect(const ActionResult& result, const Moment& now
     case SideEffect::kRetry:
       return Retry(result.target, now);
     case SideEffect::kSkipRetry:
+      for (OrderAction& action : state_.order_actions) {
+        if (action.id == result.target) action.status = ActionStatus::kFailed;
+      }
       std::erase_if(retriable_, [&](const Running& r) { return r.call.id == result.target; });
       if (ActionState* action = Find(result.target); action != nullptr) {
         action->status = ActionStatus::kFailed;
@@ -178,18 +199,19 @@ void VirtualRobot::ApplySideEffect(const ActionResult& result, const Moment& now
 }
 
 void VirtualRobot::Retry(const std::string& id, const Moment& now) {
+  if (run_.Retry(state_, id, now.steady)) return;
   const auto found = std::find_if(retriable_.begin(), retriable_.end(),
                                   [&](const Running& running) { return running.call.id == id; });
   if (found == retriable_.end()) return;
   Running running = std::move(*found);
   retriable_.erase(found);
   running.retried = true;
-  running.next = now.steady + shared_.settings.delay;
+  running.next = now.steady + shared_.settings.Delay();
   if (ActionState* action = Find(id); action != nullptr) {
     action->status = ActionStatus::kRunning;
     action->result.clear();
   }
-  if (shared_.settings.delay.count() == 0) {
+  if (shared_.settings.Delay().count() == 0) {
     Complete(running, now);
   } else {
     running_.push_back(std::move(running));
@@ -204,7 +226,7 @@ bool VirtualRobot::IsListFull() const {
 }
 
 void VirtualRobot::TellWhetherListIsFull() {
-  ForgetErrors(Until::kCleared);
+  ForgetErrors(state_, Until::kCleared);
   if (!IsListFull()) return;
   AddError({"INSTANT_ACTION_STATES_FULL",
             fmt::format("send {}", kClear),

@@ -2,11 +2,17 @@
 
 #include <fmt/format.h>
 
+#include <cctype>
+#include <cmath>
+#include <numbers>
+
 #include "base/json.h"
 #include "base/json_members.h"
 
 namespace fleetpub::simulator {
 namespace {
+
+constexpr double kPerMetre = 1e4;  // steps in which places are told; of angles, per rad
 
 using Json = base::JsonWriter;
 
@@ -14,7 +20,8 @@ using base::Put;
 using base::PutArray;
 using base::PutObject;
 
-void PutLegs(Json& json, std::string_view key, std::string_view id, const std::vector<Leg>& legs) {
+template <typename Legs>
+void PutLegs(Json& json, std::string_view key, std::string_view id, const Legs& legs) {
   PutArray(json, key, legs, [&](const Leg& leg) {
     Put(json, id, leg.id);
     Put(json, "sequenceId", leg.sequence_id);
@@ -22,31 +29,54 @@ void PutLegs(Json& json, std::string_view key, std::string_view id, const std::v
   });
 }
 
-void PutAction(Json& json, const ActionState& action, const ProtocolTerms& terms) {
+std::string LowerCase(std::string_view text) {
+  std::string lower(text);
+  for (char& c : lower) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return lower;
+}
+
+double Rounded(double value, double steps) { return std::round(value * steps) / steps; }
+
+void PutAction(Json& json, const ActionState& action, const ProtocolTerms& terms,
+               const Faults& faults) {
   Put(json, "actionId", action.id);
   Put(json, "actionType", action.type);
   if (!action.descriptor.empty()) Put(json, terms.action_descriptor, action.descriptor);
-  Put(json, "actionStatus", GetName(action.status));
+  const std::string_view status = GetName(action.status);
+  if (faults.Has(Fault::kLowerCase)) {
+    Put(json, "actionStatus", LowerCase(status));
+  } else {
+    Put(json, "actionStatus", status);
+  }
   if (!action.result.empty()) Put(json, terms.action_result, action.result);
 }
 
-void PutActions(Json& json, const RobotState& state, const ProtocolTerms& terms) {
-  const auto put = [&](const ActionState& action) { PutAction(json, action, terms); };
-  if (terms.own_instant_states) {
-    PutArray(json, "actionStates", state.order_actions, put);
-    PutArray(json, "instantActionStates", state.instant_actions, put);
-    PutArray(json, "zoneActionStates", std::vector<ActionState>(), put);
-    return;
+void PutActions(Json& json, const RobotState& state, const ProtocolTerms& terms,
+                const Faults& faults) {
+  std::vector<const ActionState*> actions;
+  for (const OrderAction& action : state.order_actions) {
+    const bool is_horizon = action.sequence_id > state.order.decision_point.sequence_id;
+    if (!is_horizon || !faults.Has(Fault::kOmitHorizonActions)) actions.push_back(&action);
   }
-  std::vector<ActionState> all = state.order_actions;
-  all.insert(all.end(), state.instant_actions.begin(), state.instant_actions.end());
-  PutArray(json, "actionStates", all, put);
+  const bool apart = terms.own_instant_states && !faults.Has(Fault::kInstantInActionStates);
+  if (!apart) {
+    for (const ActionState& action : state.instant_actions) actions.push_back(&action);
+  }
+  PutArray(json, "actionStates", actions,
+           [&](const ActionState* action) { PutAction(json, *action, terms, faults); });
+  if (!terms.own_instant_states) return;
+  const std::vector<ActionState> none;
+  const auto put = [&](const ActionState& action) { PutAction(json, action, terms, faults); };
+  PutArray(json, "instantActionStates", apart ? state.instant_actions : none, put);
+  PutArray(json, "zoneActionStates", none, put);
 }
 
-void PutErrors(Json& json, const std::vector<RobotError>& errors) {
+void PutErrors(Json& json, const std::vector<RobotError>& errors, const Faults& faults) {
+  const References none;
   PutArray(json, "errors", errors, [&](const RobotError& error) {
     Put(json, "errorType", error.type);
-    PutArray(json, "errorReferences", error.references, [&](const auto& reference) {
+    const References& references = faults.Has(Fault::kNoReferences) ? none : error.references;
+    PutArray(json, "errorReferences", references, [&](const auto& reference) {
       Put(json, "referenceKey", reference.first);
       Put(json, "referenceValue", reference.second);
     });
@@ -95,19 +125,37 @@ void PutRequests(Json& json, const RobotState& state, const ProtocolTerms& terms
   }
 }
 
-void PutPosition(Json& json, const Position& position, const ProtocolTerms& terms) {
+void PutPosition(Json& json, const Position& position, const ProtocolTerms& terms,
+                 const Faults& faults) {
+  const double unit = faults.Has(Fault::kDegrees) ? 180 / std::numbers::pi : 1;
   PutObject(json, terms.position, [&] {
-    Put(json, "x", position.x);
-    Put(json, "y", position.y);
-    Put(json, "theta", position.theta);
+    Put(json, "x", Rounded(position.x, kPerMetre));
+    Put(json, "y", Rounded(position.y, kPerMetre));
+    Put(json, "theta", Rounded(position.theta * unit, kPerMetre));
     Put(json, "mapId", position.map_id);
     Put(json, terms.initialized, true);
   });
 }
 
+// In the robot's own axes.
+void PutVelocity(Json& json, const RobotState& state) {
+  PutObject(json, "velocity", [&] {
+    Put(json, "vx", Rounded(state.speed * std::cos(state.speed_angle), kPerMetre));
+    Put(json, "vy", Rounded(state.speed * std::sin(state.speed_angle), kPerMetre));
+    Put(json, "omega", 0.0);
+  });
+}
+
+void PutLoads(Json& json, const RobotState& state) {
+  PutArray(json, "loads", state.loads, [&](const Load& load) {
+    if (!load.id.empty()) Put(json, "loadId", load.id);
+    if (!load.type.empty()) Put(json, "loadType", load.type);
+  });
+}
+
 void PutPowerAndSafety(Json& json, const RobotState& state, const ProtocolTerms& terms) {
   PutObject(json, terms.power, [&] {
-    Put(json, terms.charge, static_cast<double>(state.battery));
+    Put(json, terms.charge, Rounded(state.battery, 10));
     Put(json, "charging", state.charging);
   });
   PutObject(json, "safetyState", [&] {
@@ -120,17 +168,19 @@ void PutPowerAndSafety(Json& json, const RobotState& state, const ProtocolTerms&
 
 std::string Message(const Header& header, std::uint32_t header_id, base::WallTime time,
                     std::string_view body) {
+  std::string timestamp = base::FormatTimestamp(time);
+  if (!header.has_zone) timestamp.pop_back();
   return fmt::format(
       R"({{"headerId":{},"timestamp":"{}","version":{},"manufacturer":{},"serialNumber":{},{}}})",
-      header_id, base::FormatTimestamp(time), base::JsonString(header.version),
-      base::JsonString(header.manufacturer), base::JsonString(header.serial_number), body);
+      header_id, timestamp, base::JsonString(header.version), base::JsonString(header.manufacturer),
+      base::JsonString(header.serial_number), body);
 }
 
 std::string ConnectionBody(std::string_view connection_state) {
   return fmt::format(R"("connectionState":"{}")", connection_state);
 }
 
-std::string StateBody(const RobotState& state, const ProtocolTerms& terms) {
+std::string StateBody(const RobotState& state, const ProtocolTerms& terms, const Faults& faults) {
   base::JsonBuffer buffer;
   Json json(buffer);
   json.StartObject();
@@ -138,19 +188,38 @@ std::string StateBody(const RobotState& state, const ProtocolTerms& terms) {
   Put(json, "orderUpdateId", state.order.update_id);
   Put(json, "lastNodeId", state.last_node_id);
   Put(json, "lastNodeSequenceId", state.last_node_sequence_id);
-  Put(json, "driving", state.Driving());
+  if (state.distance_since_last_node) {
+    Put(json, "distanceSinceLastNode", Rounded(*state.distance_since_last_node, kPerMetre));
+  }
+  Put(json, "driving", state.driving);
   Put(json, "paused", state.paused);
+  Put(json, "newBaseRequest", state.new_base_request);
   Put(json, "operatingMode", state.operating_mode);
   PutLegs(json, "nodeStates", "nodeId", state.order.nodes);
   PutLegs(json, "edgeStates", "edgeId", state.order.edges);
-  PutPosition(json, state.position, terms);
+  PutPosition(json, state.position, terms, faults);
+  PutVelocity(json, state);
   PutMaps(json, state, terms);
   PutRequests(json, state, terms);
-  PutActions(json, state, terms);
+  PutActions(json, state, terms, faults);
   PutPowerAndSafety(json, state, terms);
-  PutErrors(json, state.errors);
-  PutArray(json, "loads", std::vector<int>(), [](int) {});
+  PutErrors(json, state.errors, faults);
+  PutLoads(json, state);
   PutArray(json, "information", std::vector<int>(), [](int) {});
+  json.EndObject();
+  return {buffer.GetString() + 1, buffer.GetSize() - 2};
+}
+
+std::string VisualizationBody(const RobotState& state, const ProtocolTerms& terms,
+                              std::optional<std::uint32_t> state_header_id) {
+  base::JsonBuffer buffer;
+  Json json(buffer);
+  json.StartObject();
+  if (state_header_id && terms.visualization_refers) {
+    Put(json, "referenceStateHeaderId", *state_header_id);
+  }
+  PutPosition(json, state.position, terms, {});
+  PutVelocity(json, state);
   json.EndObject();
   return {buffer.GetString() + 1, buffer.GetSize() - 2};
 }

@@ -2,10 +2,12 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 
 #include "base/time.h"
+#include "simulator/faults.h"
 #include "simulator/protocol_terms.h"
 #include "simulator/robot_state.h"
 
@@ -16,6 +18,7 @@ struct Header {
   std::string version;
   std::string manufacturer;
   std::string serial_number;
+  bool has_zone = true;  ///< the timestamp ends with Z
 };
 
 /// A message with this header; `body` is the rest of its members, as JSON without braces.
@@ -23,6 +26,10 @@ struct Header {
                                   base::WallTime time, std::string_view body);
 
 [[nodiscard]] std::string ConnectionBody(std::string_view connection_state);
-[[nodiscard]] std::string StateBody(const RobotState& state, const ProtocolTerms& terms);
+[[nodiscard]] std::string StateBody(const RobotState& state, const ProtocolTerms& terms,
+                                    const Faults& faults = {});
+/// `state_header_id`: of the state that it goes with, from 3.0.
+[[nodiscard]] std::string VisualizationBody(const RobotState& state, const ProtocolTerms& terms,
+                                            std::optional<std::uint32_t> state_header_id);
 
 }  // namespace fleetpub::simulator

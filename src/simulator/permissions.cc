@@ -59,6 +59,12 @@ bool NeedsRelease(const Value& edge) {
 }
 
 void Ask(Request request, RobotState& state) {
+  const bool is_asked =
+      std::any_of(state.requests.begin(), state.requests.end(), [&](const Request& known) {
+        return known.zone_id == request.zone_id && known.zone_set_id == request.zone_set_id &&
+               known.edge_id == request.edge_id && known.sequence_id == request.sequence_id;
+      });
+  if (is_asked) return;
   request.id = fmt::format("request-{}", ++state.requests_made);
   state.requests.push_back(std::move(request));
 }
@@ -97,7 +103,6 @@ std::string AcceptZoneSet(const Value& message, RobotState& state) {
 }
 
 void AskForPermissions(const Value& order, RobotState& state) {
-  state.requests.clear();
   for (const ZoneSet& set : state.zone_sets) {
     if (!set.enabled) continue;
     for (const ReleaseZone& zone : set.release_zones) {

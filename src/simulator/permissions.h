@@ -16,7 +16,7 @@ namespace fleetpub::simulator {
 /// cannot, or "".
 [[nodiscard]] std::string AcceptZoneSet(const base::JsonValue& message, RobotState& state);
 
-/// Asks for what this order needs, after AcceptOrder.
+/// Asks for what this order or update needs and has not been asked for.
 void AskForPermissions(const base::JsonValue& order, RobotState& state);
 
 /// Carries out the answers. Returns the requestIds that it does not have.

@@ -18,11 +18,12 @@ constexpr ProtocolTerms Up21(Version version, mqtt::Qos connection_qos) {
           .emergency_stop = "eStop",
           .action_descriptor = "actionDescription",
           .action_result = "resultDescription",
+          .visualization_refers = false,
           .own_instant_states = false,
           .invalid_action = "instantActionError",
           .invalid_message = "validationError",
           .no_order = "noOrderToCancel",
-          .invalid_order = "orderError",
+          .failed_action = "actionError",
           .duplicate_map = "duplicateMap",
           .duplicate_zone_set = ""};
 }
@@ -41,11 +42,12 @@ constexpr std::array kTerms = {Up21(Version::k110, mqtt::Qos::kAtMostOnce),
                                              .emergency_stop = "activeEmergencyStop",
                                              .action_descriptor = "actionDescriptor",
                                              .action_result = "actionResult",
+                                             .visualization_refers = true,
                                              .own_instant_states = true,
                                              .invalid_action = "INVALID_INSTANT_ACTION",
                                              .invalid_message = "VALIDATION_FAILURE",
                                              .no_order = "NO_ORDER_TO_CANCEL",
-                                             .invalid_order = "INVALID_ORDER",
+                                             .failed_action = "ACTION_FAILED",
                                              .duplicate_map = "DUPLICATE_MAP",
                                              .duplicate_zone_set = "DUPLICATE_ZONE_SET"}};
 

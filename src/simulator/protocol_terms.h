@@ -22,18 +22,20 @@ struct ProtocolTerms {
   std::string_view emergency_stop;
   std::string_view action_descriptor;
   std::string_view action_result;
-  bool own_instant_states;  ///< `instantActionStates` beside `actionStates`
+  bool visualization_refers;  ///< with the headerId of a state
+  bool own_instant_states;    ///< `instantActionStates` beside `actionStates`
   // errorType
   std::string_view invalid_action;
   std::string_view invalid_message;
   std::string_view no_order;
-  std::string_view invalid_order;
+  std::string_view failed_action;
   std::string_view duplicate_map;
   std::string_view duplicate_zone_set;
 
   [[nodiscard]] bool HasFactsheet() const { return version >= vda5050::Version::k200; }
   [[nodiscard]] bool HasMaps() const { return version >= vda5050::Version::k210; }
   [[nodiscard]] bool HasZoneSets() const { return version >= vda5050::Version::k300; }
+  [[nodiscard]] bool HasTrigger() const { return version >= vda5050::Version::k300; }
   [[nodiscard]] bool HasRetriable() const { return version >= vda5050::Version::k300; }
   /// Up to 2.1 the text says nothing on an action that a robot does not know; from 3.0 it is FAILED
   /// (Table 12).

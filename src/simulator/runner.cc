@@ -26,6 +26,8 @@ constexpr milliseconds kBetweenLooks{1000};  // at the connections that only hol
 // come is read before much of it is answered.
 constexpr std::size_t kMostUnanswered = 100'000;
 constexpr std::size_t kAnsweredAtOnce = 50;
+// A fault: a broker misses nobody for half as long again.
+constexpr std::chrono::seconds kLateKeepAlive{600};
 // In which what we publish comes back to us.
 constexpr milliseconds kEchoPatience{1000};
 
@@ -93,16 +95,18 @@ class Runner final : public Inhabitant {
 
   // With one robot the will is on the connection that everything goes over.
   Status Open() {
+    const bool has_wills = !fleet_.settings().Has(Fault::kNoWill);
     mqtt::ConnectOptions main = options_.connect;
-    if (fleet_.size() == 1) main.will = fleet_.MakeWill(0, Now());
+    if (fleet_.settings().Has(Fault::kLateWill)) main.keep_alive = kLateKeepAlive;
+    if (fleet_.size() == 1 && has_wills) main.will = fleet_.MakeWill(0, Now());
     auto transport = mqtt::ConnectPahoAsRobot(main, &may_heal_);
     if (!transport) return Fail(std::move(transport.error()));
     transport_ = *std::move(transport);
-    if (fleet_.size() == 1 || fleet_.size() > kMostWills) return {};
+    if (fleet_.size() == 1 || fleet_.size() > kMostWills || !has_wills) return {};
     for (std::size_t i = 0; i < fleet_.size(); ++i) {
       wills_.emplace_back();
       if (fleet_.IsGone(i)) continue;
-      mqtt::ConnectOptions aside = options_.connect;
+      mqtt::ConnectOptions aside = main;
       aside.will = fleet_.MakeWill(i, Now());
       if (!aside.client_id.empty()) aside.client_id += fmt::format("-{}", i + 1);
       auto connection = mqtt::ConnectPaho(aside, &may_heal_);

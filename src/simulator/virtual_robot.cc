@@ -6,7 +6,6 @@
 
 #include "base/json.h"
 #include "base/text.h"
-#include "simulator/orders.h"
 #include "simulator/permissions.h"
 
 namespace fleetpub::simulator {
@@ -14,35 +13,58 @@ namespace {
 
 using std::chrono::steady_clock;
 
-constexpr std::size_t kMostErrors = 10;
+// The beginning of the major version's last topic levels: what some robots take for the version.
+std::string MajorLevel(const Header& header) {
+  return "v" + header.version.substr(0, header.version.find('.'));
+}
 
 }  // namespace
 
 VirtualRobot::VirtualRobot(const Shared& shared, Header header)
-    : shared_(shared), header_(std::move(header)), state_(shared.settings.initial) {
+    : shared_(shared),
+      header_(std::move(header)),
+      state_(shared.settings.initial),
+      run_(shared.settings, shared.terms) {
   state_.operating_mode = shared_.settings.operating_mode;
   if (shared_.settings.with_order) state_.order = ExampleOrder();
+  if (Has(Fault::kHeaderVersion)) header_.version = MajorLevel(header_);
+  if (Has(Fault::kHeaderName)) header_.serial_number.clear();
+  header_.has_zone = !Has(Fault::kLocalTime);
 }
 
 Utterance VirtualRobot::Will(const Moment& now) {
-  return {"connection",
-          Message(header_, connection_id_++, now.wall, ConnectionBody(shared_.terms.broken)),
-          shared_.terms.connection_qos, true};
+  std::string_view broken = shared_.terms.broken;
+  if (Has(Fault::kOldBroken)) {
+    broken = broken == "CONNECTIONBROKEN" ? "CONNECTION_BROKEN" : "CONNECTIONBROKEN";
+  }
+  return {"connection", Compose(ConnectionBody(broken), connection_id_, now),
+          Has(Fault::kConnectionQos0) ? mqtt::Qos::kAtMostOnce : shared_.terms.connection_qos,
+          !Has(Fault::kConnectionNotRetained)};
 }
 
+// Without a connection it has driven on (1.1–2.1 §6.2, 3.0 §4.1).
 void VirtualRobot::Start(const Moment& now, Utterances& out) {
   if (gone_) return;
   out_ = &out;
-  SayConnection(hibernating_ ? "HIBERNATING" : "ONLINE", now);
+  if (!is_started_) {
+    started_ = now.steady;
+    if (shared_.settings.visualization_interval.count() > 0) next_visualization_ = now.steady;
+  }
+  CatchUp(now, false);
+  if (!is_started_ || !Has(Fault::kNoOnline)) {
+    SayConnection(hibernating_ ? "HIBERNATING" : "ONLINE", now);
+  }
+  is_started_ = true;
   SayFactsheet(now);
+  NoteLeases(now);
+  if (run_.Advance(state_, now.steady)) changed_ = true;
   SayState(now);
-  Drive(now);
 }
 
 void VirtualRobot::End(const Moment& now, Utterances& out) {
   if (gone_) return;
   out_ = &out;
-  SayConnection("OFFLINE", now);
+  if (!Has(Fault::kNoOffline)) SayConnection("OFFLINE", now);
   gone_ = true;
 }
 
@@ -50,16 +72,18 @@ void VirtualRobot::Receive(std::string_view topic, std::string_view payload, con
                            Utterances& out, const EventCallback& on_event) {
   if (gone_) return;
   out_ = &out;
+  CatchUp(now, true);
   if (topic == "instantActions") ReceiveActions(payload, now, on_event);
   if (topic == "order" && !hibernating_) ReceiveOrder(payload, now, on_event);
   if (topic == "zoneSet" && !hibernating_) ReceiveZoneSet(payload, on_event);
   if (topic == "responses" && !hibernating_) ReceiveResponses(payload, now, on_event);
-  SayStateIfChanged(now);
+  Proceed(now);
 }
 
 void VirtualRobot::Tick(const Moment& now, Utterances& out) {
   if (gone_) return;
   out_ = &out;
+  CatchUp(now, true);
   // An action that ends may begin another one: by index.
   for (std::size_t i = 0; i < running_.size();) {
     if (running_[i].next > now.steady) {
@@ -72,20 +96,49 @@ void VirtualRobot::Tick(const Moment& now, Utterances& out) {
   }
   if (lease_end_ && *lease_end_ <= now.steady) {
     if (ExpireLeases(state_, now.wall)) changed_ = true;
-    Drive(now);
+    NoteLeases(now);
   }
-  if (order_end_ && *order_end_ <= now.steady && !state_.paused) EndOrder();
+  const auto& modes = shared_.settings.mode_changes;
+  while (modes_switched_ < modes.size() && started_ + modes[modes_switched_].after <= now.steady) {
+    ApplyMode(modes[modes_switched_++].mode);
+  }
   if (next_state_ <= now.steady) changed_ = true;
+  Proceed(now);
+  if (next_visualization_ && *next_visualization_ <= now.steady) SayVisualization(now);
+}
+
+// Nodes and actions one by one, each at its time and with its state.
+void VirtualRobot::CatchUp(const Moment& now, bool is_heard) {
+  for (TimePoint due = run_.Due(state_); due <= now.steady; due = run_.Due(state_)) {
+    const Moment then{
+        due, now.wall - std::chrono::duration_cast<base::WallTime::duration>(now.steady - due)};
+    if (is_heard) {
+      Proceed(then);
+    } else {
+      (void)run_.Advance(state_, then.steady);
+    }
+  }
+}
+
+void VirtualRobot::Proceed(const Moment& now) {
+  if (run_.Advance(state_, now.steady)) changed_ = true;
+  if (FinishCancels()) changed_ = true;
   SayStateIfChanged(now);
 }
 
 steady_clock::time_point VirtualRobot::Due() const {
   if (gone_) return steady_clock::time_point::max();
+  const Settings& settings = shared_.settings;
   steady_clock::time_point due = next_state_;
-  if (hibernating_ || shared_.settings.silent) due = steady_clock::time_point::max();
+  if (changed_) due = std::min(due, last_state_ + settings.min_state_interval);
+  if (hibernating_ || settings.silent) due = steady_clock::time_point::max();
   for (const Running& running : running_) due = std::min(due, running.next);
-  if (order_end_ && !state_.paused) due = std::min(due, *order_end_);
+  due = std::min(due, run_.Due(state_));
   if (lease_end_) due = std::min(due, *lease_end_);
+  if (next_visualization_) due = std::min(due, *next_visualization_);
+  if (modes_switched_ < settings.mode_changes.size()) {
+    due = std::min(due, started_ + settings.mode_changes[modes_switched_].after);
+  }
   return due;
 }
 
@@ -98,45 +151,6 @@ void VirtualRobot::RefuseMessage(const Inspection& inspection, std::string_view 
     if (!action.call.id.empty()) error.references.emplace_back("actionId", action.call.id);
   }
   AddError(std::move(error));
-}
-
-void VirtualRobot::ReceiveOrder(std::string_view payload, const Moment& now,
-                                const EventCallback& on_event) {
-  const Inspection inspection = shared_.inspector.Inspect("order", payload);
-  const std::string place = inspection.Place("order");
-  std::string fault = inspection.fault;
-  if (fault.empty()) fault = AcceptOrder(inspection.message, state_, shared_.terms);
-  if (!fault.empty()) {
-    on_event({Event::Kind::kFault, fmt::format("{}: {}", place, fault)});
-    RobotError error{std::string(inspection.fault.empty() ? shared_.terms.invalid_order
-                                                          : shared_.terms.invalid_message),
-                     fault,
-                     {{"topic", "order"}},
-                     Until::kNextOrder};
-    if (!inspection.header_id.empty()) {
-      error.references.emplace_back("headerId", inspection.header_id);
-    }
-    return AddError(std::move(error));
-  }
-  on_event({Event::Kind::kReceived,
-            fmt::format("{}: order {}", place, base::Printable(state_.order.id))});
-  changed_ = true;
-  ForgetErrors(Until::kNextOrder);
-  if (shared_.terms.HasZoneSets()) AskForPermissions(inspection.message, state_);
-  order_end_.reset();
-  Drive(now);
-}
-
-// Towards the end of the order, once everything is granted and nothing holds it.
-void VirtualRobot::Drive(const Moment& now) {
-  const auto expiry = NextExpiry(state_);
-  lease_end_.reset();
-  if (expiry) lease_end_ = now.steady + (*expiry - now.wall);
-  if (!state_.MayDrive()) {
-    order_end_.reset();
-  } else if (state_.order.Active() && shared_.settings.order_time.count() > 0 && !order_end_) {
-    order_end_ = now.steady + shared_.settings.order_time;
-  }
 }
 
 // The message; told as an error when it cannot be used.
@@ -182,59 +196,78 @@ void VirtualRobot::ReceiveResponses(std::string_view payload, const Moment& now,
   }
   on_event({Event::Kind::kReceived, place});
   changed_ = true;
-  Drive(now);
-}
-
-void VirtualRobot::EndOrder() {
-  FinishOrder(state_);
-  order_end_.reset();
-  changed_ = true;
+  NoteLeases(now);
 }
 
 void VirtualRobot::AddError(RobotError error) {
   changed_ = true;
-  std::erase_if(state_.errors, [&](const RobotError& old) {
-    return old.type == error.type && old.references == error.references;
-  });
-  const auto oldest = std::find_if(state_.errors.begin(), state_.errors.end(),
-                                   [](const RobotError& old) { return old.until != Until::kEnd; });
-  const bool is_full = state_.errors.size() >= kMostErrors && oldest != state_.errors.end();
-  if (is_full) state_.errors.erase(oldest);
-  state_.errors.push_back(std::move(error));
+  simulator::AddError(state_, std::move(error));
 }
 
-void VirtualRobot::ForgetErrors(Until until) {
-  std::erase_if(state_.errors, [&](const RobotError& error) { return error.until == until; });
+std::string VirtualRobot::Compose(std::string_view body, std::uint32_t& counter,
+                                  const Moment& now) {
+  std::uint32_t id = Has(Fault::kHeaderIdShared) ? shared_id_++ : counter;
+  ++counter;
+  if (Has(Fault::kHeaderIdZero)) id = 0;
+  if (Has(Fault::kHeaderIdRestart)) id %= 10;
+  return Message(header_, id, now.wall, body);
 }
 
 void VirtualRobot::Say(std::string_view topic, std::string_view body, std::uint32_t& counter,
                        const Moment& now) {
-  out_->push_back({topic, Message(header_, counter++, now.wall, body)});
+  out_->push_back({topic, Compose(body, counter, now)});
 }
 
 void VirtualRobot::SayConnection(std::string_view connection_state, const Moment& now) {
   Say("connection", ConnectionBody(connection_state), connection_id_, now);
-  out_->back().qos = shared_.terms.connection_qos;
-  out_->back().retained = true;
+  if (!Has(Fault::kConnectionQos0)) out_->back().qos = shared_.terms.connection_qos;
+  out_->back().retained = !Has(Fault::kConnectionNotRetained);
 }
 
 void VirtualRobot::SayFactsheet(const Moment& now) {
   if (shared_.factsheet.empty()) return;
   Say("factsheet", shared_.factsheet, factsheet_id_, now);
-  out_->back().retained = true;
+  out_->back().retained = !Has(Fault::kFactsheetNotRetained);
 }
 
 void VirtualRobot::SayState(const Moment& now) {
   changed_ = false;
+  cancels_told_ = true;
   if (!state_.order.Active()) state_.requests.clear();  // they were for the order
+  last_state_ = now.steady;
   next_state_ = now.steady + shared_.settings.state_interval;
   if (shared_.settings.silent || hibernating_) return;
-  Say("state", StateBody(state_, shared_.terms), state_id_, now);
+  run_.Locate(state_, now.steady);
+  if (Has(Fault::kLoseStates) && state_id_ % 3 == 2) {
+    ++state_id_;
+  } else {
+    Say("state", StateBody(state_, shared_.terms, shared_.settings.faults), state_id_, now);
+  }
+  if (Has(Fault::kBriefRejection)) ForgetErrors(state_, Until::kNextOrder);
+  if (Has(Fault::kForgetInstantActions)) {
+    std::erase_if(state_.instant_actions,
+                  [](const ActionState& action) { return IsEnded(action.status); });
+  }
 }
 
-// The last state comes before the robot falls asleep or leaves.
+void VirtualRobot::SayVisualization(const Moment& now) {
+  next_visualization_ = now.steady + shared_.settings.visualization_interval;
+  if (shared_.settings.silent || hibernating_ || Has(Fault::kNoVisualization)) return;
+  run_.Locate(state_, now.steady);
+  const bool refers = !Has(Fault::kVisualizationWithoutReference);
+  Say("visualization",
+      VisualizationBody(state_, shared_.terms,
+                        refers ? std::optional(state_id_ - 1) : std::nullopt),
+      visualization_id_, now);
+}
+
+// The last state comes before the robot falls asleep or leaves. What comes too early for the next
+// one waits for it.
 void VirtualRobot::SayStateIfChanged(const Moment& now) {
-  if (changed_) SayState(now);
+  if (Has(Fault::kNoStateOnChange) && now.steady < next_state_) changed_ = false;
+  const bool is_last = falling_asleep_ || leaving_;
+  const bool is_early = now.steady < last_state_ + shared_.settings.min_state_interval;
+  if (changed_ && (is_last || !is_early)) SayState(now);
   if (falling_asleep_) {
     falling_asleep_ = false;
     hibernating_ = true;

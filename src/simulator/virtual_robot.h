@@ -17,6 +17,7 @@
 #include "simulator/action_handlers.h"
 #include "simulator/inspection.h"
 #include "simulator/messages.h"
+#include "simulator/order_run.h"
 #include "simulator/protocol_terms.h"
 #include "simulator/robot_state.h"
 #include "simulator/settings.h"
@@ -78,6 +79,8 @@ class VirtualRobot {
                const EventCallback& on_event);
   /// To be called at Due() or later.
   void Tick(const Moment& now, Utterances& out);
+  /// Somebody turns the key, or presses a button: what was going on ends as the version says.
+  void SwitchMode(std::string_view mode, const Moment& now, Utterances& out);
   /// The orderly end: OFFLINE.
   void End(const Moment& now, Utterances& out);
 
@@ -100,7 +103,14 @@ class VirtualRobot {
   void ReceiveResponses(std::string_view payload, const Moment& now, const EventCallback& on_event);
   [[nodiscard]] Inspection InspectFor(std::string_view topic, std::string_view payload,
                                       std::string_view error_type, const EventCallback& on_event);
-  void Drive(const Moment& now);
+  void ApplyMode(std::string_view mode);
+  void NoteLeases(const Moment& now);
+  void CatchUp(const Moment& now, bool is_heard);
+  void Proceed(const Moment& now);
+  void Cancel(const ActionCall& call, const Moment& now);
+  [[nodiscard]] bool IsCancelling() const;
+  [[nodiscard]] bool FinishCancels();
+  [[nodiscard]] ActionResult CarryOut(const ActionCall& call);
   void RefuseMessage(const Inspection& inspection, std::string_view topic);
   void Begin(const ReceivedAction& action, const Moment& now);
   [[nodiscard]] std::string ReasonToReject(const ReceivedAction& action) const;
@@ -109,25 +119,31 @@ class VirtualRobot {
   void Complete(const Running& running, const Moment& now);
   void ApplySideEffect(const ActionResult& result, const Moment& now);
   void Retry(const std::string& id, const Moment& now);
-  void EndOrder();
   void AddError(RobotError error);
-  void ForgetErrors(Until until);
   void ForgetOldActions();
   [[nodiscard]] bool IsListFull() const;
   void TellWhetherListIsFull();
   [[nodiscard]] ActionState* Find(std::string_view id);
   void Remember(const std::string& id);
 
+  [[nodiscard]] bool Has(Fault fault) const { return shared_.settings.Has(fault); }
+  [[nodiscard]] std::string Compose(std::string_view body, std::uint32_t& counter,
+                                    const Moment& now);
   void Say(std::string_view topic, std::string_view body, std::uint32_t& counter,
            const Moment& now);
   void SayConnection(std::string_view connection_state, const Moment& now);
   void SayState(const Moment& now);
   void SayFactsheet(const Moment& now);
   void SayStateIfChanged(const Moment& now);
+  void SayVisualization(const Moment& now);
 
   Shared shared_;
   Header header_;
   RobotState state_;
+  OrderRun run_;
+  std::string accepted_order_;        // as it came
+  std::vector<std::string> cancels_;  // cancelOrder actions that run
+  bool cancels_told_ = false;         // in a state
   std::vector<Running> running_;
   std::vector<Running> retriable_;
   std::unordered_set<std::string> known_;
@@ -135,9 +151,15 @@ class VirtualRobot {
   std::uint32_t connection_id_ = 0;
   std::uint32_t state_id_ = 0;
   std::uint32_t factsheet_id_ = 0;
-  std::chrono::steady_clock::time_point next_state_;
-  std::optional<std::chrono::steady_clock::time_point> order_end_;
-  std::optional<std::chrono::steady_clock::time_point> lease_end_;
+  std::uint32_t visualization_id_ = 0;
+  std::uint32_t shared_id_ = 0;  // a fault: for all topics
+  TimePoint started_;
+  TimePoint last_state_;
+  TimePoint next_state_;
+  std::optional<TimePoint> next_visualization_;
+  std::size_t modes_switched_ = 0;  // of the settings' mode_changes
+  std::optional<TimePoint> lease_end_;
+  bool is_started_ = false;
   bool changed_ = false;
   bool hibernating_ = false;
   bool gone_ = false;

@@ -36,7 +36,7 @@ TEST_F(Simulate, IsOnlineWithRetainedConnectionAndFactsheet) {
   EXPECT_THAT(robot->Errors(), HasSubstr("1 robot online at " + broker_.Url()));
   EXPECT_EQ(ConnectionState("vda5050/v3/KIT/0001/connection"), "ONLINE");
   const auto factsheet = Json(Retained("vda5050/v3/KIT/0001/factsheet"));
-  EXPECT_EQ(factsheet["protocolFeatures"]["mobileRobotActions"].Size(), 24U);
+  EXPECT_EQ(factsheet["protocolFeatures"]["mobileRobotActions"].Size(), 29U);
 }
 
 TEST_F(Simulate, DoesNotTakeThePlaceOfARobotThatIsOnline) {

@@ -20,7 +20,7 @@ class Conversation {
   explicit Conversation(Settings settings)
       : settings_(std::move(settings)),
         inspector_(settings_, registry_),
-        factsheet_(FactsheetBody(settings_.version, settings_.state_interval)),
+        factsheet_(FactsheetBody(settings_)),
         robot_({settings_, GetTerms(settings_.version), inspector_, factsheet_},
                {std::string(vda5050::GetFacts(settings_.version).name), "KIT", "0001"}) {
     will_ = robot_.Will(now_).payload;
@@ -49,6 +49,12 @@ class Conversation {
     now_.steady += time;
     now_.wall += time;
     if (robot_.Due() <= now_.steady) robot_.Tick(now_, said_);
+  }
+  /// The connection is lost for so long.
+  void Reconnect(std::chrono::milliseconds after) {
+    now_.steady += after;
+    now_.wall += after;
+    robot_.Start(now_, said_);
   }
   void End() { robot_.End(now_, said_); }
 

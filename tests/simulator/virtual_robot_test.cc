@@ -265,27 +265,6 @@ std::string MakeOrder(vda5050::Version version, const std::string& id, int updat
       vda5050::GetFacts(version).name, id, update);
 }
 
-TEST_P(VirtualRobots, RefuseAnOrderThatDoesNotFitAndKeepTheOneTheyHave) {
-  Conversation robot(Plain());
-  robot.Hear("order", MakeOrder(GetParam(), "o1", 1));
-  const auto refused = [&](const std::string& payload, const std::string& why) {
-    robot.Hear("order", payload);
-    EXPECT_EQ(robot.events().back().kind, Event::Kind::kFault);
-    EXPECT_THAT(robot.events().back().text, HasSubstr(why));
-    const auto state = robot.Last("state");
-    const auto& error = state["errors"][state["errors"].Size() - 1];
-    EXPECT_THAT(base::ToJson(error["errorReferences"]),
-                AllOf(HasSubstr(R"("order")"), HasSubstr(R"("3")")));
-    EXPECT_EQ(robot.At("/orderId"), R"("o1")");
-    EXPECT_EQ(robot.At("/orderUpdateId"), "1");
-  };
-  refused(MakeOrder(GetParam(), "o2", 0), "order o1 is still active");
-  refused(MakeOrder(GetParam(), "o1", 1), "orderUpdateId 1 is not above 1");
-  refused(MakeOrder(GetParam(), "o1", -1), "/orderUpdateId");
-  robot.Hear("order", MakeOrder(GetParam(), "o1", 2));
-  EXPECT_EQ(robot.At("/orderUpdateId"), "2");
-}
-
 TEST_P(VirtualRobots, TakeAnOrderAndFinishIt) {
   Settings settings = Plain();
   settings.order_time = std::chrono::seconds(3);
@@ -301,6 +280,8 @@ TEST_P(VirtualRobots, TakeAnOrderAndFinishIt) {
   robot.Wait(std::chrono::seconds(3));
   EXPECT_EQ(robot.At("/driving"), "false");
   EXPECT_EQ(robot.At("/lastNodeId"), R"("n2")");
+  EXPECT_EQ(robot.Of("a1"), "RUNNING");
+  robot.Wait(kActionTime);
   EXPECT_EQ(robot.Of("a1"), "FINISHED");
 }
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <csignal>
 #include <memory>
 
@@ -15,6 +16,7 @@
 #include "cli/parser/option_set.h"
 #include "cli/parser/subcommand.h"
 #include "config/config_settings.h"
+#include "simulator/faults.h"
 #include "simulator/runner.h"
 #include "simulator/trouble.h"
 #include "vda5050/catalogue/catalogue.h"
@@ -32,6 +34,10 @@ struct Options {
   std::size_t count = 1;
   std::optional<std::chrono::milliseconds> duration;
   std::string mode;
+  unsigned battery = 80;
+  std::vector<std::string> mode_changes;
+  std::vector<std::string> unreachable;
+  std::vector<std::string> hang;
   simulator::Settings settings;
   std::vector<std::string> fail;
   std::vector<std::string> reject;
@@ -106,6 +112,31 @@ app::VdaOptions SpokenBy(const std::vector<RobotAddress>& robots, const Options&
   return vda;
 }
 
+// `10s:MANUAL`
+Result<simulator::ModeChange> ParseModeChange(std::string_view text, Version version) {
+  const std::string_view time = text.substr(0, text.find(':'));
+  const auto after = base::ParseDuration(time, std::chrono::seconds(1));
+  std::string mode(text.substr(std::min(text.size(), time.size() + 1)));
+  std::transform(mode.begin(), mode.end(), mode.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
+  if (after && HasMode(mode, version)) return simulator::ModeChange{*after, mode};
+  return Fail(ErrorKind::kUsage,
+              fmt::format("--mode-change takes TIME:MODE, such as 10s:MANUAL, with a mode of VDA "
+                          "5050 {}, not '{}'",
+                          vda5050::GetFacts(version).name, base::Printable(text)));
+}
+
+Status SetModeChanges(const Options& o, simulator::Settings& settings) {
+  for (const std::string& text : o.mode_changes) {
+    auto change = ParseModeChange(text, settings.version);
+    if (!change) return Fail(std::move(change.error()));
+    settings.mode_changes.push_back(*std::move(change));
+  }
+  std::stable_sort(settings.mode_changes.begin(), settings.mode_changes.end(),
+                   [](const auto& a, const auto& b) { return a.after < b.after; });
+  return {};
+}
+
 Status SetTrouble(const Options& o, Version version, simulator::RobotState& state) {
   if (!simulator::HasEmergencyStop(state.emergency_stop, version)) {
     return Fail(ErrorKind::kUsage,
@@ -124,6 +155,7 @@ Status SetTrouble(const Options& o, Version version, simulator::RobotState& stat
   auto position = simulator::ParsePosition(*o.position);
   if (!position) return Fail(std::move(position.error()));
   state.position = *std::move(position);
+  state.is_placed = true;
   state.maps.front().id = state.position.map_id;
   return {};
 }
@@ -143,6 +175,10 @@ Result<simulator::Settings> MakeSettings(const Options& o, const app::VdaOptions
   AddTypes(o.fail, settings.version, settings.fail);
   AddTypes(o.reject, settings.version, settings.reject);
   AddTypes(o.retriable, settings.version, settings.retriable);
+  AddTypes(o.hang, settings.version, settings.hang);
+  settings.unreachable.insert(o.unreachable.begin(), o.unreachable.end());
+  settings.initial.battery = o.battery;
+  if (auto ok = SetModeChanges(o, settings); !ok) return Fail(std::move(ok.error()));
   if (!settings.retriable.empty() && settings.version < Version::k300) {
     return Fail(ErrorKind::kUsage, "--retriable: RETRIABLE exists from version 3.0.0 on");
   }
@@ -191,8 +227,18 @@ void Show(std::string_view robot, const simulator::Event& event, Output& output)
 bool HasTrouble(const Options& o) {
   const simulator::RobotState usual;
   const simulator::RobotState& state = o.settings.initial;
-  return state.battery != usual.battery || state.emergency_stop != usual.emergency_stop ||
+  return o.battery != Options().battery || state.emergency_stop != usual.emergency_stop ||
          state.field_violation || !state.last_node_id.empty() || !o.errors.empty() || o.position;
+}
+
+bool Drives(const Options& o) {
+  const simulator::Settings usual;
+  const simulator::Settings& s = o.settings;
+  return s.speed != usual.speed || s.time_scale != usual.time_scale ||
+         s.edge_time != usual.edge_time || s.order_time != usual.order_time ||
+         s.order_limit != usual.order_limit || s.min_state_interval != usual.min_state_interval ||
+         s.visualization_interval != usual.visualization_interval || !o.mode_changes.empty() ||
+         !o.unreachable.empty() || !o.hang.empty();
 }
 
 // What only robots have, and was asked of platforms.
@@ -200,7 +246,7 @@ Status RefuseRobotOptions(const Options& o) {
   const Options none;
   const bool any = !o.vda.interface_name.empty() || !o.vda.topic_template.empty() ||
                    !o.vda.actions_key.empty() || o.count != none.count || !o.mode.empty() ||
-                   o.settings.with_order || o.settings.order_time != none.settings.order_time ||
+                   o.settings.with_order || Drives(o) || o.settings.faults.Any() ||
                    o.settings.list_limit != none.settings.list_limit || !o.fail.empty() ||
                    !o.reject.empty() || !o.retriable.empty() || o.force ||
                    o.settings.reject_style != none.settings.reject_style ||
@@ -216,7 +262,7 @@ Result<ExitCode> RunPlatforms(const Options& o, const Context& context) {
   return RunSoarSimulation({.destinations = o.targets,
                             .prefix = o.prefix,
                             .stop_at = o.stop_at,
-                            .delay = o.settings.delay,
+                            .delay = o.settings.delay.value_or(std::chrono::milliseconds(0)),
                             .status_interval = o.settings.state_interval,
                             .duration = o.duration,
                             .silent = o.settings.silent,
@@ -227,7 +273,7 @@ Result<ExitCode> RunPlatforms(const Options& o, const Context& context) {
 
 // A fault of an action that nobody will send shows nothing.
 void WarnOfMisspelt(const Options& o, Output& output) {
-  for (const auto* words : {&o.fail, &o.reject, &o.retriable}) {
+  for (const auto* words : {&o.fail, &o.reject, &o.retriable, &o.hang}) {
     for (const std::string& word : *words) {
       const auto nearest = vda5050::ActionCalled(word) ? std::nullopt : vda5050::ActionMeant(word);
       if (!nearest) continue;
@@ -301,6 +347,37 @@ Result<ExitCode> RunSimulate(const Options& o, const Context& context) {
   return ExitCode::kDone;
 }
 
+ValueKind Decimal(double& value, double least, double most, const char* takes) {
+  return {.type = "N",
+          .store =
+              [&value, least, most](const std::vector<std::string>& texts) {
+                const auto number = ParseBetween<double>(texts.front(), least, most);
+                if (number) value = *number;
+                return number.has_value();
+              },
+          .takes = [takes] { return std::string(takes); }};
+}
+
+ValueKind FaultNames(simulator::Faults& faults) {
+  return {.type = "NAME",
+          .store =
+              [&faults](const std::vector<std::string>& names) {
+                for (const std::string& name : names) {
+                  const auto fault = simulator::FindFault(name);
+                  if (!fault) return false;
+                  faults.Add(*fault);
+                }
+                return true;
+              },
+          .choices =
+              [] {
+                std::vector<std::string_view> names;
+                for (const auto& fault : simulator::ListFaults()) names.push_back(fault.name);
+                return names;
+              },
+          .is_list = true};
+}
+
 void DeclareRobots(OptionSet& set, Options& o) {
   constexpr const char* kRobots = "Robots";
   const auto add = [&](const char* names, ValueKind kind, const char* type, const char* help) {
@@ -326,10 +403,35 @@ void DeclareRobots(OptionSet& set, Options& o) {
   add("--mode", std::move(mode), "MODE", "Their operatingMode [AUTOMATIC]");
   set.AddFlag("--with-order", o.settings.with_order, "They are under way with an order")
       .Group(kRobots);
-  add("--order-time", Duration(o.settings.order_time), "TIME",
-      "An order takes so long [until it is cancelled]");
+  add("--mode-change", Text(o.mode_changes), "TIME:MODE",
+      "Somebody switches them to this mode after that time; repeatable")
+      .OneValueEach();
   add("--for", Duration(o.duration), "TIME", "End after this time [on Ctrl-C]");
   set.AddFlag("--force", o.force, "Take the place of a robot that is ONLINE").Group(kRobots);
+}
+
+void DeclareDriving(OptionSet& set, Options& o) {
+  constexpr const char* kDriving = "Driving";
+  simulator::Settings& settings = o.settings;
+  const auto add = [&](const char* names, ValueKind kind, const char* type, const char* help) {
+    return set.AddOption(names, std::move(kind), help).Type(type).Group(kDriving);
+  };
+  add("--speed", Decimal(settings.speed, 0.001, 1000, "a speed in m/s such as 1.5"), "M/S",
+      "How fast they drive at most, in m/s [1]");
+  add("--time-scale", Decimal(settings.time_scale, 0.001, 1e6, "a number above 0 such as 10"), "N",
+      "Driving, actions and battery go so many times as fast [1]");
+  add("--edge-time", Interval(settings.edge_time), "TIME",
+      "An edge of unknown length takes so long [2s]");
+  add("--order-time", Duration(settings.order_time), "TIME",
+      "All edges of an order take so long, whatever their length [as --speed says]");
+  add("--visualization-interval", Interval(settings.visualization_interval), "TIME",
+      "Time between two messages on visualization [none]");
+  add("--min-state-interval", Duration(settings.min_state_interval), "TIME",
+      "Shortest time between two states [0]");
+  add("--order-limit", WholeNumber(settings.order_limit, 1, 1'000'000), "N",
+      "An order of more nodes is too large for them [any number fits]");
+  add("--unreachable", Text(o.unreachable), "NODE", "No way leads to this node; repeatable")
+      .OneValueEach();
 }
 
 void DeclareTrouble(OptionSet& set, Options& o) {
@@ -338,7 +440,7 @@ void DeclareTrouble(OptionSet& set, Options& o) {
   const auto add = [&](const char* names, ValueKind kind, const char* type, const char* help) {
     return set.AddOption(names, std::move(kind), help).Type(type).Group(kTrouble);
   };
-  add("--battery", WholeNumber(state.battery, 0, 100), "PERCENT", "Their charge [80]");
+  add("--battery", WholeNumber(o.battery, 0, 100), "PERCENT", "Their charge [80]");
   add("--error", Text(o.errors), "TYPE:LEVEL[:TEXT]",
       "They have this error: motorFault:FATAL:'motor 2 hot'; repeatable")
       .OneValueEach();
@@ -347,7 +449,8 @@ void DeclareTrouble(OptionSet& set, Options& o) {
       .Group(kTrouble);
   set.AddFlag("--field-violation", state.field_violation, "Something is in the protective field")
       .Group(kTrouble);
-  add("--position", Text(o.position), "X,Y,THETA[,MAP]", "Where they are [0,0,0,map-1]");
+  add("--position", Text(o.position), "X,Y,THETA[,MAP]",
+      "Where they are [0,0,0,map-1, until an order begins elsewhere]");
   add("--at", Text(state.last_node_id), "NODE", "The last node that they passed");
 }
 
@@ -371,15 +474,21 @@ void DeclareFaults(OptionSet& set, Options& o) {
     set.AddOption(name, types, help).Type("TYPE").OneValueEach().Group(kFaults);
   };
   add("--delay", Duration(o.settings.delay), "TIME",
-      "An action takes so long; a platform, from level to level [0]");
+      "An action takes so long; a platform, from level to level [0; in an order 200ms]");
   add_types("--fail", o.fail, "Actions of this type end FAILED; repeatable");
   add_types("--reject", o.reject, "Actions of this type are refused; repeatable");
+  add_types("--hang", o.hang, "An order's actions of this type never end; repeatable");
   add("--reject-style", OneOf(o.settings.reject_style, kRejectStyles), "STYLE",
       "state: an action state FAILED and an error; error: an error only [state from 3.0]");
   add_types("--retriable", o.retriable, "Actions of this type become RETRIABLE; repeatable");
   add("--list-limit", WholeNumber(o.settings.list_limit, 0, 10'000), "N",
       "So many ended instant actions fit into the list (3.0) [20, then the oldest go]");
   set.AddFlag("--silent", o.settings.silent, "Never report a state; a platform says nothing")
+      .Group(kFaults);
+  set.AddOption("--fault", FaultNames(o.settings.faults),
+                "They break the specification; repeatable. See the manual: {}")
+      .Type("NAME")
+      .OneValueEach()
       .Group(kFaults);
   add("--drop", Percentage(o.settings.drop), "PERCENT", "Ignore this share of the messages [0]");
   add("--seed", WholeNumber(o.settings.drop_seed), "N", "Another choice of what is dropped [1]");
@@ -390,6 +499,7 @@ void DeclareFaults(OptionSet& set, Options& o) {
 Run DeclareSimulate(OptionSet& set) {
   const auto options = std::make_shared<Options>();
   DeclareRobots(set, *options);
+  DeclareDriving(set, *options);
   DeclareTrouble(set, *options);
   DeclareFaults(set, *options);
   DeclarePlatforms(set, *options);

@@ -1,0 +1,220 @@
+#include "simulator/order_plan.h"
+
+#include <algorithm>
+#include <array>
+
+#include "base/json.h"
+#include "base/json_members.h"
+#include "base/text.h"
+#include "simulator/inspection.h"
+
+namespace fleetpub::simulator {
+namespace {
+
+using base::FindArray;
+using base::FindMember;
+using base::StringMember;
+using vda5050::Version;
+using Value = base::JsonValue;
+
+std::uint32_t ReadCount(const Value& object, std::string_view name) {
+  const Value* number = FindMember(object, name);
+  return number != nullptr && number->IsUint() ? number->GetUint() : 0;
+}
+
+std::optional<double> ReadNumber(const Value& object, std::string_view name) {
+  const Value* number = FindMember(object, name);
+  return number != nullptr && number->IsNumber() ? std::optional(number->GetDouble())
+                                                 : std::nullopt;
+}
+
+// Under the first of its names that is there.
+std::optional<double> ReadNumber(const Value& object, std::string_view name,
+                                 std::string_view other) {
+  const auto number = ReadNumber(object, name);
+  return number ? number : ReadNumber(object, other);
+}
+
+bool ReadFlag(const Value& object, std::string_view name) {
+  const Value* flag = FindMember(object, name);
+  return flag != nullptr && flag->IsBool() && flag->GetBool();
+}
+
+Blocking ReadBlocking(const Value& action) {
+  const std::string_view word = StringMember(action, "blockingType");
+  if (word == "NONE") return Blocking::kNone;
+  if (word == "SOFT") return Blocking::kSoft;
+  return word == "SINGLE" ? Blocking::kSingle : Blocking::kHard;
+}
+
+void AddActions(const Value& leg, std::uint32_t sequence_id, const ProtocolTerms& terms,
+                std::vector<OrderAction>& actions) {
+  const Value* array = FindArray(leg, "actions");
+  if (array == nullptr) return;
+  for (const Value& action : array->GetArray()) {
+    OrderAction read;
+    read.id = StringMember(action, "actionId");
+    read.type = StringMember(action, "actionType");
+    read.descriptor = StringMember(action, terms.action_descriptor);
+    read.parameters = ReadParameters(action);
+    read.blocking = ReadBlocking(action);
+    read.is_retriable = terms.HasRetriable() && ReadFlag(action, "retriable");
+    read.sequence_id = sequence_id;
+    actions.push_back(std::move(read));
+  }
+}
+
+Leg ReadLeg(const Value& leg, std::string_view id) {
+  return {std::string(StringMember(leg, id)), ReadCount(leg, "sequenceId"),
+          ReadFlag(leg, "released")};
+}
+
+// A radius up to 2.1, an ellipse from 3.0.
+void ReadDeviation(const Value& position, Place& place) {
+  place.deviation_theta = ReadNumber(position, "allowedDeviationTheta").value_or(0);
+  place.deviation_a = ReadNumber(position, "allowedDeviationXY", "allowedDeviationXy").value_or(0);
+  place.deviation_b = place.deviation_a;
+  const Value* ellipse = FindMember(position, "allowedDeviationXY");
+  if (ellipse == nullptr || !ellipse->IsObject()) return;
+  place.deviation_a = ReadNumber(*ellipse, "a").value_or(0);
+  place.deviation_b = ReadNumber(*ellipse, "b").value_or(0);
+  place.deviation_angle = ReadNumber(*ellipse, "theta").value_or(0);
+}
+
+std::optional<Place> ReadPlace(const Value& node) {
+  const Value* position = FindMember(node, "nodePosition");
+  if (position == nullptr) return std::nullopt;
+  Place place{.x = ReadNumber(*position, "x").value_or(0),
+              .y = ReadNumber(*position, "y").value_or(0),
+              .theta = ReadNumber(*position, "theta"),
+              .map_id = std::string(StringMember(*position, "mapId"))};
+  ReadDeviation(*position, place);
+  return place;
+}
+
+EdgeLeg ReadEdge(const Value& edge, const ProtocolTerms& terms) {
+  EdgeLeg leg{ReadLeg(edge, "edgeId")};
+  leg.max_speed = ReadNumber(edge, "maxSpeed", "maximumSpeed");
+  leg.length = ReadNumber(edge, "length", "distance");
+  leg.orientation = ReadNumber(edge, "orientation");
+  leg.is_global =
+      terms.version == Version::k110 || StringMember(edge, "orientationType") == "GLOBAL";
+  const Value* trajectory = FindMember(edge, "trajectory");
+  const Value* points = trajectory == nullptr ? nullptr : FindArray(*trajectory, "controlPoints");
+  if (points == nullptr) return leg;
+  for (const Value& point : points->GetArray()) {
+    leg.via.push_back({ReadNumber(point, "x").value_or(0), ReadNumber(point, "y").value_or(0)});
+  }
+  return leg;
+}
+
+constexpr vda5050::VersionRange kAll = {Version::k110, Version::k300};
+constexpr vda5050::VersionRange kUpTo21 = {Version::k110, Version::k210};
+constexpr vda5050::VersionRange kFrom20 = {Version::k200, Version::k300};
+constexpr vda5050::VersionRange kFrom21 = {Version::k210, Version::k300};
+constexpr vda5050::VersionRange kFrom30 = {Version::k300, Version::k300};
+
+// It has no mast, no rails, no limit to how fast it turns, and drives forwards.
+constexpr auto kMembers = std::to_array<OptionalMember>({
+    {"order.orderDescription", kFrom30, true},
+    {"order.zoneSetId", kUpTo21, true},
+    {"order.nodes.nodeDescription", kUpTo21, true},
+    {"order.nodes.nodeDescriptor", kFrom30, true},
+    {"order.nodes.nodePosition", kAll, true},
+    {"order.nodes.nodePosition.theta", kAll, true},
+    {"order.nodes.nodePosition.allowedDeviationXY", kAll, true},
+    {"order.nodes.nodePosition.allowedDeviationTheta", kAll, true},
+    {"order.nodes.nodePosition.mapDescription", kUpTo21, true},
+    {"order.nodes.actions.actionDescription", kUpTo21, true},
+    {"order.nodes.actions.actionDescriptor", kFrom30, true},
+    {"order.nodes.actions.actionParameters", kAll, true},
+    {"order.nodes.actions.retriable", kFrom30, true},
+    {"order.edges.edgeDescription", kUpTo21, true},
+    {"order.edges.edgeDescriptor", kFrom30, true},
+    {"order.edges.maxSpeed", kUpTo21, true},
+    {"order.edges.maximumSpeed", kFrom30, true},
+    {"order.edges.maxHeight", kUpTo21, false},
+    {"order.edges.maximumMobileRobotHeight", kFrom30, false},
+    {"order.edges.minHeight", kUpTo21, false},
+    {"order.edges.minimumLoadHandlingDeviceHeight", kFrom30, false},
+    {"order.edges.orientation", kAll, true},
+    {"order.edges.orientationType", kFrom20, true},
+    {"order.edges.direction", kAll, false},
+    {"order.edges.rotationAllowed", kUpTo21, true},
+    {"order.edges.reachOrientationBeforeEntering", kFrom30, false},
+    {"order.edges.maxRotationSpeed", kAll, false},  // 3.0's schema has kept the old name
+    {"order.edges.maximumRotationSpeed", kFrom30, false},
+    {"order.edges.trajectory", kAll, true},
+    {"order.edges.distance", {Version::k110, Version::k110}, true},
+    {"order.edges.length", kAll, true},
+    {"order.edges.corridor", kFrom21, true},
+    {"order.edges.actions.actionDescription", kUpTo21, true},
+    {"order.edges.actions.actionDescriptor", kFrom30, true},
+    {"order.edges.actions.actionParameters", kAll, true},
+    {"order.edges.actions.retriable", kFrom30, true},
+});
+
+// `order.edges.maxSpeed`: the first level is the message, arrays count item by item.
+bool Has(const Value& value, std::string_view path) {
+  const std::string_view name = path.substr(0, path.find('.'));
+  const Value* member = FindMember(value, name);
+  if (member == nullptr || name.size() == path.size()) return member != nullptr;
+  const std::string_view rest = path.substr(name.size() + 1);
+  if (!member->IsArray()) return Has(*member, rest);
+  return std::any_of(member->Begin(), member->End(),
+                     [&](const Value& item) { return Has(item, rest); });
+}
+
+}  // namespace
+
+OrderPlan ReadOrder(const Value& message, const ProtocolTerms& terms) {
+  OrderPlan plan;
+  plan.order.id = StringMember(message, "orderId");
+  plan.order.update_id = ReadCount(message, "orderUpdateId");
+  plan.order.zone_set_id = StringMember(message, "zoneSetId");
+  const Value* nodes = FindArray(message, "nodes");
+  const Value* edges = FindArray(message, "edges");
+  if (nodes == nullptr || edges == nullptr) return plan;
+  for (rapidjson::SizeType i = 0; i < nodes->Size(); ++i) {
+    if (i > 0 && i <= edges->Size()) {
+      plan.order.edges.push_back(ReadEdge((*edges)[i - 1], terms));
+      AddActions((*edges)[i - 1], plan.order.edges.back().sequence_id, terms, plan.actions);
+    }
+    plan.order.nodes.push_back({ReadLeg((*nodes)[i], "nodeId"), ReadPlace((*nodes)[i])});
+    const NodeLeg& node = plan.order.nodes.back();
+    AddActions((*nodes)[i], node.sequence_id, terms, plan.actions);
+    if (node.released) plan.order.decision_point = node;
+  }
+  plan.order.edge_count = plan.order.edges.size();
+  return plan;
+}
+
+Order ExampleOrder() {
+  constexpr double kLong = 1e7;  // m
+  Order order{.id = "order-1",
+              .nodes = {{{"node-1", 2}}, {{"node-2", 4}}},
+              .edges = {{{"edge-1", 1}}, {{"edge-2", 3}}}};
+  for (EdgeLeg& edge : order.edges) edge.length = kLong;
+  order.edge_count = order.edges.size();
+  order.decision_point = order.nodes.back();
+  return order;
+}
+
+std::vector<OptionalMember> ListOptionalMembers(Version version) {
+  std::vector<OptionalMember> members;
+  for (const OptionalMember& member : kMembers) {
+    if (member.versions.Contains(version)) members.push_back(member);
+  }
+  return members;
+}
+
+std::vector<std::string_view> FindUnsupported(const Value& message, Version version) {
+  std::vector<std::string_view> found;
+  for (const OptionalMember& member : ListOptionalMembers(version)) {
+    const std::string_view path = member.path.substr(member.path.find('.') + 1);
+    if (!member.is_supported && Has(message, path)) found.push_back(member.path);
+  }
+  return found;
+}
+
+}  // namespace fleetpub::simulator
