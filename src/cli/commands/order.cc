@@ -262,6 +262,10 @@ Result<OrderTask> MakeTask(OrderKind kind, const Options& o, Output& output) {
   auto site = ReadSite(o, output);
   if (!site) return Fail(std::move(site.error()));
   task.site = *std::move(site);
+  if (task.site == nullptr && !task.path.stops.empty()) {
+    return Fail(ErrorKind::kUsage,
+                "--to needs a layout: --layout FILE, or layout = \"FILE\" in the configuration");
+  }
   return task;
 }
 
@@ -271,9 +275,14 @@ Result<app::Targets> ResolveTarget(const RobotOptions& o, const Context& context
   if (o.target.empty()) {
     return Fail(ErrorKind::kUsage, "which robot? try: fleetpub order KIT/0001 n1 n2");
   }
-  const auto robot = app::ResolveRobot(o.target, context.config);
-  if (!robot) return Fail(robot.error());
-  auto targets = app::ResolveTargets({.words = {robot->ToString()},
+  const auto spec = app::ParseTargetSpec({o.target}, context.config, context.output);
+  if (!spec) return Fail(spec.error());
+  if (spec->robots.size() != 1 || !spec->patterns.empty()) {
+    return Fail(ErrorKind::kUsage,
+                fmt::format("an order is for one robot, and {} may be several: name one",
+                            base::Printable(o.target)));
+  }
+  auto targets = app::ResolveTargets({.words = {spec->robots.front().ToString()},
                                       .patterns = false,
                                       .all = false,
                                       .except = {},

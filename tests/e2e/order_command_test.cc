@@ -1,0 +1,272 @@
+// `fleetpub order` from the shell to a virtual robot that drives, and back.
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+
+#include <map>
+#include <set>
+#include <thread>
+
+#include "base/json.h"
+#include "support/operator.h"
+
+namespace fleetpub::testing {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::Each;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::Not;
+
+// n1 (0,0) → n2 (3,0) → n3 (3,4) → n4 (6,4) → n1; the station dock-3 is at n4.
+std::string Hall() {
+  const std::pair<int, int> places[] = {{0, 0}, {3, 0}, {3, 4}, {6, 4}};
+  std::string nodes;
+  std::string edges;
+  for (int i = 0; i < 4; ++i) {
+    nodes += fmt::format(R"({}{{"nodeId":"n{}","mapId":"map-1","nodePosition":{{"x":{},"y":{}}},)"
+                         R"("vehicleTypeNodeProperties":[{{"vehicleTypeId":"T"}}]}})",
+                         i == 0 ? "" : ",", i + 1, places[i].first, places[i].second);
+    edges += fmt::format(
+        R"({}{{"edgeId":"e{}","startNodeId":"n{}","endNodeId":"n{}","vehicleTypeEdgeProperties":)"
+        R"([{{"vehicleTypeId":"T","rotationAllowed":true}}]}})",
+        i == 0 ? "" : ",", i + 1, i + 1, (i + 1) % 4 + 1);
+  }
+  return fmt::format(
+      R"({{"metaInformation":{{"projectIdentification":"p","creator":"c",)"
+      R"("exportTimestamp":"2026-01-01T00:00:00Z","lifVersion":"1.0.0"}},"layouts":[{{)"
+      R"("layoutId":"hall","layoutVersion":"1","nodes":[{}],"edges":[{}],"stations":[)"
+      R"({{"stationId":"dock-3","interactionNodeIds":["n4"]}}]}}]}})",
+      nodes, edges);
+}
+
+class OrderCommand : public EndToEnd {
+ protected:
+  [[nodiscard]] std::unique_ptr<Process> DrivingRobot(std::vector<std::string> more = {},
+                                                      const char* time_scale = "20") const {
+    std::vector<std::string> arguments = {"KIT/0001", "--at", "n1", "--time-scale", time_scale};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return Robot(std::move(arguments));
+  }
+
+  [[nodiscard]] Finished Order(std::vector<std::string> words) const {
+    words.insert(words.begin(), "order");
+    return Fleetpub(std::move(words));
+  }
+
+  // The orders that were sent, oldest first.
+  [[nodiscard]] std::vector<base::JsonDocument> SentOrders() const {
+    std::vector<base::JsonDocument> orders;
+    const Finished history =
+        Fleetpub({"history", "KIT/0001", "--action", "order", "-n", "0", "-o", "json"});
+    for (const std::string& line : Lines(history.output)) {
+      orders.push_back(Json(Json(line)["payload"].GetString()));
+    }
+    return orders;
+  }
+
+  std::string layout_ = operator_.home().Write("hall.lif.json", Hall()).string();
+};
+
+// `n1+ n2+ n3-`: + is released.
+std::string Nodes(const base::JsonDocument& order) {
+  std::string text;
+  for (const auto& node : order["nodes"].GetArray()) {
+    text += fmt::format("{}{}{}", text.empty() ? "" : " ", node["nodeId"].GetString(),
+                        node["released"].GetBool() ? '+' : '-');
+  }
+  return text;
+}
+
+class OrderInEachVersion : public OrderCommand,
+                           public ::testing::WithParamInterface<const char*> {};
+
+INSTANTIATE_TEST_SUITE_P(Versions, OrderInEachVersion,
+                         ::testing::Values("1.1.0", "2.0.0", "2.1.0", "3.0.0"),
+                         [](const auto& version) { return "V" + std::to_string(version.index); });
+
+TEST_P(OrderInEachVersion, DrivesARobotToAStation) {
+  const auto robot = DrivingRobot({"--vda", GetParam()});
+  const Finished run = Order({"KIT/0001", "--to", "dock-3", "--layout", layout_, "--wait"});
+  EXPECT_EQ(run.exit_code, 0) << run.output << run.errors;
+  EXPECT_THAT(run.output, HasSubstr("KIT/0001  order  FINISHED"));
+  EXPECT_THAT(run.errors, HasSubstr("n1 → n2 → n3 → n4, 10.0 m"));
+  EXPECT_THAT(run.errors, HasSubstr("KIT/0001  n4 (4 of 4)"));
+  const Finished state = Fleetpub({"show", "KIT/0001", "-o", "json"});
+  EXPECT_STREQ(Json(state.output)["state"]["lastNodeId"].GetString(), "n4");
+}
+
+TEST_P(OrderInEachVersion, ReleasesExtendsAndIsFollowed) {
+  const auto robot = DrivingRobot({"--vda", GetParam()});
+  const auto accepted = [&](std::vector<std::string> words) {
+    words.insert(words.end(), {"--layout", layout_, "--wait-for", "accepted"});
+    const Finished run = Order(std::move(words));
+    EXPECT_EQ(run.exit_code, 0) << run.output << run.errors;
+  };
+  accepted({"KIT/0001", "n1", "n2", "n3", "--release", "1"});
+  accepted({"extend", "KIT/0001", "n4"});
+  EXPECT_EQ(Order({"release", "KIT/0001", "2", "--wait-for", "accepted"}).exit_code, 0);
+  EXPECT_EQ(Order({"release", "KIT/0001", "all"}).exit_code, 0);
+  const Finished follow = Order({"follow", "KIT/0001", "-W", "20s"});
+  EXPECT_EQ(follow.exit_code, 0) << follow.errors;
+  EXPECT_THAT(follow.output, HasSubstr("FINISHED"));
+  accepted({"extend", "KIT/0001", "n1"});  // after the end
+
+  const auto orders = SentOrders();
+  std::vector<std::string> nodes;
+  for (std::size_t i = 0; i < orders.size(); ++i) {
+    nodes.push_back(Nodes(orders[i]));
+    EXPECT_EQ(orders[i]["orderUpdateId"].GetUint(), i);
+    EXPECT_STREQ(orders[i]["orderId"].GetString(), orders[0]["orderId"].GetString());
+  }
+  EXPECT_THAT(nodes, ::testing::ElementsAre("n1+ n2- n3-", "n1+ n2- n3- n4-", "n1+ n2+ n3+ n4-",
+                                            "n3+ n4+", "n4+ n1+"));
+  // Unchanged and at its sequenceId: it is where the robot stitches.
+  EXPECT_EQ(base::ToJson(orders[3]["nodes"][0]), base::ToJson(orders[2]["nodes"][2]));
+  EXPECT_EQ(orders[4]["nodes"][0]["sequenceId"].GetInt(), 6);
+}
+
+TEST_F(OrderCommand, KeepsNodesReleasedAheadOfTheRobot) {
+  const auto robot = DrivingRobot();
+  const Finished run = Order({"KIT/0001", "n1", "n2", "n3", "n4", "n1", "n2", "--layout", layout_,
+                              "--release", "2", "--auto-release", "--wait"});
+  EXPECT_EQ(run.exit_code, 0) << run.output << run.errors;
+  EXPECT_THAT(run.output, AllOf(HasSubstr("ACCEPTED"), HasSubstr("FINISHED")));
+  EXPECT_EQ(Nodes(SentOrders().front()), "n1+ n2+ n3- n4- n1- n2-");
+  std::set<unsigned> ids;
+  for (const auto& order : SentOrders()) ids.insert(order["orderUpdateId"].GetUint());
+  EXPECT_EQ(ids.size(), SentOrders().size());
+  EXPECT_GT(ids.size(), 2U);
+}
+
+TEST_F(OrderCommand, TellsTheSecondWhoseOrderIsActive) {
+  const auto robot = DrivingRobot({}, "1");
+  EXPECT_EQ(Order({"KIT/0001", "n1", "n2", "--wait-for", "accepted"}).exit_code, 0);
+  const Finished second = Order({"KIT/0001", "n1", "n3"});
+  EXPECT_EQ(second.exit_code, 7);
+  EXPECT_THAT(second.output,
+              AllOf(HasSubstr("REFUSED"), HasSubstr("sent by"), HasSubstr("order replace")));
+  EXPECT_EQ(SentOrders().size(), 1U);
+}
+
+TEST_F(OrderCommand, IsReplacedOnceTheRobotHasCancelledIt) {
+  const auto robot = DrivingRobot({}, "2");
+  EXPECT_EQ(Order({"KIT/0001", "n1", "n2", "n3", "--layout", layout_, "--wait-for", "accepted"})
+                .exit_code,
+            0);
+  const Finished run = Order({"replace", "KIT/0001", "--to", "n2", "--layout", layout_, "--wait"});
+  EXPECT_EQ(run.exit_code, 0) << run.output << run.errors;
+  EXPECT_THAT(run.output, AllOf(HasSubstr("cancelOrder  FINISHED"), HasSubstr("order  FINISHED")));
+  const Finished idle = Order({"replace", "KIT/0001", "n2", "n3", "--layout", layout_});
+  EXPECT_EQ(idle.exit_code, 0) << idle.output << idle.errors;
+}
+
+TEST_F(OrderCommand, BeginsWhereTheRobotStands) {
+  const auto robot = DrivingRobot();
+  const Finished elsewhere = Order({"KIT/0001", "n3", "n4"});
+  EXPECT_EQ(elsewhere.exit_code, 7);
+  EXPECT_THAT(elsewhere.output, HasSubstr("is at node n1"));
+  const Finished no_way = Order({"KIT/0001", "--to", "nowhere", "--layout", layout_});
+  EXPECT_EQ(no_way.exit_code, 2) << no_way.output << no_way.errors;
+  EXPECT_THAT(SentOrders(), IsEmpty());
+}
+
+TEST_F(OrderCommand, ComesFromTheRowsOfAFile) {
+  const auto robot = DrivingRobot({"--vda", "2.1"});
+  const std::string file = operator_.home()
+                               .Write("tour.csv",
+                                      "node,x,y,map,actions\n"
+                                      "n1,0,0,map-1,\n"
+                                      "n2,2,0,map-1,\n"
+                                      "n3,2,1,map-1,drop loadType=EPAL stationType=floor\n")
+                               .string();
+  const Finished run = Order({"KIT/0001", "--route", file, "--dry-run"});
+  EXPECT_EQ(run.exit_code, 0) << run.errors;
+  EXPECT_THAT(run.errors, HasSubstr("n1 → n2 → n3, 3.0 m, 1 action"));
+  const auto order = Json(run.output);
+  EXPECT_STREQ(order["nodes"][2]["actions"][0]["actionType"].GetString(), "drop");
+  const Finished wrong =
+      Order({"KIT/0001", "--route", operator_.home().Write("bad.csv", "node,x\nn1,0\n").string()});
+  EXPECT_EQ(wrong.exit_code, 3);
+  EXPECT_THAT(wrong.errors, HasSubstr("bad.csv: line 2"));
+}
+
+TEST_F(OrderCommand, RefusesWhatItCannotMean) {
+  const std::vector<std::vector<std::string>> wrong = {
+      {},
+      {"KIT/0001"},
+      {"KIT/0001", "n1", "--to", "n2"},
+      {"KIT/0001", "n1", "--via", "n2"},
+      {"KIT/0001", "--to", "n2"},
+      {"KIT/0001", "n1", "--auto-release"},
+      {"KIT/0001", "n1", "--release", "0"},
+      {"KIT/0001", "n1", "--action", "pick"},
+      {"KIT/0001", "--action", "pick@n1", "n1", "n2"},
+      {"KIT/0001", "n1", "--without", "wheels"},
+      {"KIT/0001", "n1", "--deviation-xy", "-1"},
+      {"KIT/*", "n1", "n2"},
+      {"release", "KIT/0001", "some"},
+      {"follow"},
+  };
+  for (const auto& words : wrong) {
+    const Finished run = Order(words);
+    EXPECT_EQ(run.exit_code, 2) << ::testing::PrintToString(words) << run.output << run.errors;
+    EXPECT_THAT(run.output, IsEmpty());
+  }
+  EXPECT_THAT(SentOrders(), IsEmpty());
+}
+
+TEST_F(OrderCommand, GoesToARobotThatIsNotAskedWhenSomebodySaysSo) {
+  const Subscriber subscriber(broker_, "uagv/v2/KIT/0001/order");
+  const Finished run =
+      Order({"KIT/0001", "a", "b", "--vda", "2.1", "--no-check", "--order-id", "tour-1"});
+  EXPECT_EQ(run.exit_code, 0) << run.errors;
+  const auto messages = subscriber.Await(1);
+  ASSERT_EQ(messages.size(), 1U);
+  const auto order = Json(messages[0].payload);
+  EXPECT_EQ(Nodes(order), "a+ b+");
+  EXPECT_STREQ(order["orderId"].GetString(), "tour-1");
+  EXPECT_STREQ(order["edges"][0]["startNodeId"].GetString(), "a");
+  const Finished again =
+      Order({"KIT/0001", "a", "b", "--vda", "2.1", "--no-check", "--order-id", "tour-1"});
+  EXPECT_EQ(again.exit_code, 7);
+  EXPECT_THAT(again.output, HasSubstr("ids are used once"));
+}
+
+// Between counting and sending a process may end at any moment.
+TEST_F(OrderCommand, NeverRepeatsAnUpdateIdWhateverIsKilled) {
+  const auto robot = DrivingRobot({}, "1");
+  ASSERT_EQ(Order({"KIT/0001", "n1", "n2", "--release", "1", "--wait-for", "accepted"}).exit_code,
+            0);
+  for (int i = 0; i < 12; ++i) {
+    Process process(operator_.Prepare({"order", "extend", "KIT/0001", fmt::format("x{}", i)}));
+    std::this_thread::sleep_for(std::chrono::milliseconds(3 * i));
+    process.Signal(SIGKILL);
+    static_cast<void>(process.Wait());
+  }
+  std::vector<std::unique_ptr<Process>> both;
+  for (const char* node : {"y1", "y2"}) {
+    both.push_back(
+        std::make_unique<Process>(operator_.Prepare({"order", "extend", "KIT/0001", node})));
+  }
+  for (const auto& process : both) static_cast<void>(process->Wait());
+  EXPECT_EQ(Order({"extend", "KIT/0001", "z"}).exit_code, 0);
+  std::set<unsigned> ids;
+  const auto orders = SentOrders();
+  for (const auto& order : orders) {
+    EXPECT_TRUE(ids.insert(order["orderUpdateId"].GetUint()).second) << base::ToJson(order);
+  }
+  EXPECT_GT(orders.size(), 2U);
+}
+
+TEST_F(OrderCommand, EndsOnlyOnWhatTheRobotSays) {
+  const auto robot = DrivingRobot({"--fault", "stuck"});
+  const Finished run = Order({"KIT/0001", "n1", "n2", "--layout", layout_, "--wait", "-W", "1s"});
+  EXPECT_EQ(run.exit_code, 6) << run.output << run.errors;
+  EXPECT_THAT(run.output, HasSubstr("TIMEOUT"));
+  const Finished follow = Order({"follow", "KIT/0001", "-W", "1s"});
+  EXPECT_EQ(follow.exit_code, 6) << follow.output << follow.errors;
+}
+
+}  // namespace
+}  // namespace fleetpub::testing
