@@ -1,8 +1,10 @@
 #include "base/json_place.h"
 
 #include <algorithm>
-#include <charconv>
+#include <map>
+#include <numeric>
 #include <string>
+#include <utility>
 
 #include "base/json.h"
 #include "base/text.h"
@@ -20,6 +22,18 @@ JsonPlace PlaceOf(std::string_view text, std::size_t offset) {
   return {lines + 1, before.size() - begin + 1};
 }
 
+// What pointers name, as a tree.
+struct Wanted {
+  std::map<std::string, Wanted, std::less<>> below;
+  std::vector<std::size_t> pointers;  // that end here
+
+  // What is not there is where its nearest ancestor is.
+  void Place(std::size_t offset, std::vector<std::size_t>& offsets) const {
+    for (const std::size_t pointer : pointers) offsets[pointer] = offset;
+    for (const auto& [token, inner] : below) inner.Place(offset, offsets);
+  }
+};
+
 // Walks over a valid text.
 class Walker {
  public:
@@ -27,27 +41,28 @@ class Walker {
 
   [[nodiscard]] std::size_t at() const { return at_; }
 
-  // To the value of this member, or this element, of the value at which it stands. Where it begins;
-  // nothing when it is not there.
-  std::optional<std::size_t> Descend(const std::string& token) {
+  // Takes what is wanted of the value at which it stands, and goes behind it.
+  void Visit(Wanted& wanted, std::vector<std::size_t>& offsets) {
     const char kind = Now();
-    if (kind != '{' && kind != '[') return std::nullopt;
-    std::size_t index = 0;
-    const auto* const end = token.data() + token.size();
-    const bool is_index = std::from_chars(token.data(), end, index).ptr == end && !token.empty();
+    if ((kind != '{' && kind != '[') || wanted.below.empty()) return SkipValue();
     for (std::size_t i = 0;; ++i) {
       Step();  // behind the bracket or the comma
-      if (Now() == '}' || Now() == ']' || at_ >= text_.size()) return std::nullopt;
+      if (Now() == '}' || Now() == ']' || at_ >= text_.size()) break;
       const std::size_t begin = at_;
-      bool is_it = kind == '[' && is_index && i == index;
-      if (kind == '{') {
-        is_it = ReadName() == token;
-        Step();  // behind the colon
+      std::string token = kind == '{' ? ReadName() : std::to_string(i);
+      if (kind == '{') Step();  // behind the colon
+      const auto found = wanted.below.find(token);
+      if (found == wanted.below.end()) {
+        SkipValue();
+      } else {
+        Wanted below = std::move(found->second);  // of two members of one name the first counts
+        wanted.below.erase(found);
+        below.Place(begin, offsets);
+        Visit(below, offsets);
       }
-      if (is_it) return begin;
-      SkipValue();
-      if (Now() != ',') return std::nullopt;
+      if (Now() != ',') break;
     }
+    Step();
   }
 
  private:
@@ -108,19 +123,44 @@ std::string Unescaped(std::string_view token) {
 
 }  // namespace
 
-JsonPlace FindPlace(std::string_view json, std::string_view pointer) {
+std::vector<JsonPlace> FindPlaces(std::string_view json, std::span<const std::string> pointers) {
   const std::string_view text = WithoutByteOrderMark(json);
-  Walker walker(text);
-  std::size_t place = walker.at();
-  while (pointer.starts_with('/')) {
-    pointer.remove_prefix(1);
-    const std::string_view token = pointer.substr(0, pointer.find('/'));
-    const auto begin = walker.Descend(Unescaped(token));
-    if (!begin) break;
-    place = *begin;
-    pointer.remove_prefix(token.size());
+  Wanted root;
+  for (std::size_t i = 0; i < pointers.size(); ++i) {
+    Wanted* wanted = &root;
+    std::string_view pointer = pointers[i];
+    while (pointer.starts_with('/')) {
+      pointer.remove_prefix(1);
+      const std::string_view token = pointer.substr(0, pointer.find('/'));
+      wanted = &wanted->below[Unescaped(token)];
+      pointer.remove_prefix(token.size());
+    }
+    wanted->pointers.push_back(i);
   }
-  return PlaceOf(text, place);
+  Walker walker(text);
+  std::vector<std::size_t> offsets(pointers.size());
+  root.Place(walker.at(), offsets);
+  walker.Visit(root, offsets);
+
+  std::vector<std::size_t> order(pointers.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::sort(order.begin(), order.end(),
+            [&](std::size_t a, std::size_t b) { return offsets[a] < offsets[b]; });
+  std::vector<JsonPlace> places(pointers.size());
+  JsonPlace place;
+  std::size_t at = 0;
+  for (const std::size_t i : order) {
+    for (; at < std::min(offsets[i], text.size()); ++at) {
+      place =
+          text[at] == '\n' ? JsonPlace{place.line + 1, 1} : JsonPlace{place.line, place.column + 1};
+    }
+    places[i] = place;
+  }
+  return places;
+}
+
+JsonPlace FindPlace(std::string_view json, std::string_view pointer) {
+  return FindPlaces(json, std::vector{std::string(pointer)}).front();
 }
 
 std::optional<JsonPlace> FindFault(std::string_view text) {

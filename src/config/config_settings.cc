@@ -85,6 +85,7 @@ constexpr auto kSettings = std::to_array<Setting>({
     {"no_history", kFlag, "false"},
     {"header_id_start", kText, "zero", CheckOneOf<kHeaderIdStarts>},
     {"schema_dir", kPath, ""},
+    {"layout", kPath, ""},
     {"qos", kWhole, "0", CheckOneOf<kQos>},
     {"tidy", kFlag, "false"},
     {"vda", kText, "auto", CheckVda},

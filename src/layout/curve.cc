@@ -56,7 +56,8 @@ class Span {
   // Gauss-Legendre quadrature with five points.
   [[nodiscard]] double Gauss(double from, double to) const {
     static constexpr std::array<std::pair<double, double>, 3> kNodes = {
-        {{0, 128.0 / 225}, {0.5384693101056831, 0.4786286704993665},
+        {{0, 128.0 / 225},
+         {0.5384693101056831, 0.4786286704993665},
          {0.9061798459386640, 0.2369268850561891}}};
     const double middle = (from + to) / 2;
     const double half = (to - from) / 2;

@@ -20,7 +20,7 @@ enum class Requirement { kRequired, kConditional, kOptional };
 
 struct ActionParameter {
   std::string key;
-  std::string value;  ///< 1.0 has texts only: the factsheet's valueDataType says what is meant
+  std::string value;     ///< 1.0 has texts only: the factsheet's valueDataType says what is meant
   bool is_json = false;  ///< of 2.0: the value is JSON, and sent as it is
 };
 
@@ -103,10 +103,10 @@ enum class Turning { kBoth, kNone, kCcw, kCw };
 
 struct EdgeProperties {
   std::string vehicle_type;
-  std::optional<double> orientation;        ///< rad; nothing: any
-  std::vector<double> other_orientations;   ///< from 2.0: one of which may be chosen instead
-  bool is_tangential = true;          ///< the orientation is relative to the path, else global
-  bool rotation_allowed = false;      ///< while driving along it
+  std::optional<double> orientation;       ///< rad; nothing: any
+  std::vector<double> other_orientations;  ///< from 2.0: one of which may be chosen instead
+  bool is_tangential = true;               ///< the orientation is relative to the path, else global
+  bool rotation_allowed = false;           ///< while driving along it
   Turning turning_at_start = Turning::kBoth;
   Turning turning_at_end = Turning::kBoth;
   std::optional<double> max_speed;           ///< m/s

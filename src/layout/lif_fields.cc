@@ -154,9 +154,8 @@ std::optional<double> Fields::TakeNumber(std::string_view name, bool is_required
 
 void Fields::CheckAngle(std::string_view name, double angle) {
   if (std::abs(angle) <= kMaxAngle) return;
-  log_.Error(At(name),
-             fmt::format("{} is no angle between -π and π{}", angle,
-                         std::abs(angle) > 6.3 ? ": angles are in radians" : ""));
+  log_.Error(At(name), fmt::format("{} is no angle between -π and π{}", angle,
+                                   std::abs(angle) > 6.3 ? ": angles are in radians" : ""));
 }
 
 std::optional<double> Fields::TakeAngle(std::string_view name) {

@@ -31,10 +31,7 @@ constexpr auto kOrientationTypes = std::to_array<base::Choice<bool>>({
     {"GLOBAL", false},
 });
 constexpr auto kBlockingTypes = std::to_array<base::Choice<int>>({
-    {"NONE", 1},
-    {"SOFT", 1},
-    {"HARD", 1},
-    {"SINGLE", 2},  // from 2.0
+    {"NONE", 1}, {"SOFT", 1}, {"HARD", 1}, {"SINGLE", 2},  // from 2.0
 });
 
 template <class T, std::size_t N>
@@ -148,7 +145,8 @@ std::string FaultOfKnots(const Trajectory& curve) {
   std::size_t alike = 1;
   for (std::size_t i = degree + 2; i + degree + 1 < knots.size(); ++i) {
     alike = knots[i] == knots[i - 1] ? alike + 1 : 1;
-    if (alike > degree) return fmt::format("knot {} stands there more than {} times", knots[i], degree);
+    if (alike > degree)
+      return fmt::format("knot {} stands there more than {} times", knots[i], degree);
   }
   // An inner knot that is an outer one makes that one stand there too often.
   for (std::size_t i = degree + 1; i + degree + 1 < knots.size(); ++i) {
@@ -163,8 +161,8 @@ int ReadDegree(Fields& fields) {
   const auto degree = fields.TakeNumber("degree");
   if (!degree) return 1;
   if (*degree != std::floor(*degree) || *degree < 1 || *degree > kMaxDegree) {
-    fields.Error("degree", fmt::format("must be a whole number from 1 to {}, not {}", kMaxDegree,
-                                       *degree));
+    fields.Error("degree",
+                 fmt::format("must be a whole number from 1 to {}, not {}", kMaxDegree, *degree));
     return 1;
   }
   return static_cast<int>(*degree);
@@ -267,8 +265,9 @@ std::vector<Properties> ReadProperties(Fields& element, std::string_view name, c
     }
   });
   if (is_empty && !element.is_faulty()) {
-    element.log().Error(element.At(name), "must not be empty: it says which vehicle types may be "
-                                          "there");
+    element.log().Error(element.At(name),
+                        "must not be empty: it says which vehicle types may be "
+                        "there");
   }
   return all;
 }

@@ -64,9 +64,8 @@ class Reader {
     } else {
       log.Warn(top, "metaInformation is missing");
     }
-    EachLayout(fields, Reading::kOnce, [&](Fields& layout, std::string_view origin) {
-      ReadLayout(layout, origin);
-    });
+    EachLayout(fields, Reading::kOnce,
+               [&](Fields& layout, std::string_view origin) { ReadLayout(layout, origin); });
     fields.Finish();
     // An edge may lead to a node of any layout.
     layout_ = 0;
@@ -80,8 +79,8 @@ class Reader {
   template <class Read>
   void EachLayout(Fields& root, Reading reading, Read read) {
     if (terms_.major == 1) {
-      EachObject(root, "layouts", true, [&](Fields& layout, std::size_t) { read(layout, ""); },
-                 reading);
+      EachObject(
+          root, "layouts", true, [&](Fields& layout, std::size_t) { read(layout, ""); }, reading);
       return;
     }
     const auto read_origin = [&](Fields& origin, std::size_t /*index*/) {
@@ -91,8 +90,9 @@ class Reader {
         origin.Take("originDescriptor");
       }
       const std::string_view text = id != nullptr && id->IsString() ? base::ToView(*id) : "";
-      EachObject(origin, "layouts", reading == Reading::kOnce,
-                 [&](Fields& layout, std::size_t) { read(layout, text); }, reading);
+      EachObject(
+          origin, "layouts", reading == Reading::kOnce,
+          [&](Fields& layout, std::size_t) { read(layout, text); }, reading);
     };
     EachObject(root, "origins", true, read_origin, reading);
   }
@@ -138,8 +138,7 @@ class Reader {
 
   void ReadLayout(Fields& fields, std::string_view origin) {
     Layout layout;
-    static_cast<void>(
-        TakeId(fields, "layoutId", layout_ids_, site_.layouts.size(), layout.id));
+    static_cast<void>(TakeId(fields, "layoutId", layout_ids_, site_.layouts.size(), layout.id));
     layout.name = fields.TakeText("layoutName");
     layout.version = fields.TakeText("layoutVersion", true);
     layout.level = fields.TakeText("layoutLevelId");

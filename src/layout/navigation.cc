@@ -66,9 +66,8 @@ bool ShareMap(const Site& site, const Node& a, const Node& b) {
 bool Admits(const LoadRestriction& load, const Vehicle& vehicle) {
   if (!vehicle.loaded) return load.unloaded;
   if (!load.loaded) return false;
-  return load.load_sets.empty() ||
-         std::find(load.load_sets.begin(), load.load_sets.end(), vehicle.load_set) !=
-             load.load_sets.end();
+  return load.load_sets.empty() || std::find(load.load_sets.begin(), load.load_sets.end(),
+                                             vehicle.load_set) != load.load_sets.end();
 }
 
 std::vector<Arc> ListArcs(const Site& site, const Vehicle& vehicle) {

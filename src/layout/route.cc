@@ -54,8 +54,8 @@ class Explainer {
     std::string first;
     std::size_t count = 0;
     for (std::size_t i = 0; i < way->size(); ++i) {
-      const std::string obstacle = Describe(i == 0 ? nullptr : &search_.arc((*way)[i - 1]),
-                                            (*way)[i]);
+      const std::string obstacle =
+          Describe(i == 0 ? nullptr : &search_.arc((*way)[i - 1]), (*way)[i]);
       if (obstacle.empty()) continue;
       if (count++ == 0) first = obstacle;
     }
@@ -124,9 +124,8 @@ class Explainer {
   // Not even against the edges.
   [[nodiscard]] std::string DescribeGap() const {
     const auto has_edge = [&](std::size_t node) {
-      return std::any_of(site_.edges.begin(), site_.edges.end(), [&](const Edge& edge) {
-        return edge.start == node || edge.end == node;
-      });
+      return std::any_of(site_.edges.begin(), site_.edges.end(),
+                         [&](const Edge& edge) { return edge.start == node || edge.end == node; });
     };
     if (!has_edge(request_.from)) return fmt::format("no edge leaves {}", NodeName(request_.from));
     for (const auto& stop : request_.stops) {
@@ -148,9 +147,8 @@ Error NoRoute(const Site& site, const RouteRequest& request, std::string_view wh
     stops += fmt::format("{}{}", stops.empty() ? " to " : ", ",
                          stop.empty() ? "nowhere" : Printable(site.nodes[stop.front()].id));
   }
-  return {ErrorKind::kPreflight,
-          fmt::format("no route from {}{}: {}", Printable(site.nodes[request.from].id), stops,
-                      why)};
+  return {ErrorKind::kPreflight, fmt::format("no route from {}{}: {}",
+                                             Printable(site.nodes[request.from].id), stops, why)};
 }
 
 // What can be said without a search.
@@ -206,8 +204,8 @@ Result<std::vector<std::size_t>> ResolvePlace(const Site& site, std::string_view
   if (const auto node = site.FindNode(word)) return std::vector{*node};
   if (const Station* const station = site.FindStation(word)) {
     if (!station->nodes.empty()) return station->nodes;
-    return Fail(ErrorKind::kUsage, fmt::format("station '{}' has no node to interact from",
-                                               Printable(word)));
+    return Fail(ErrorKind::kUsage,
+                fmt::format("station '{}' has no node to interact from", Printable(word)));
   }
   std::vector<std::string_view> names;
   std::size_t of_this_name = 0;

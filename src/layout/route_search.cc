@@ -70,9 +70,8 @@ double RouteSearch::Length(std::size_t index) const {
   double& length = lengths_[index];
   if (length < 0) {
     const Arc& arc = arcs_[index];
-    length = arc.properties == nullptr
-                 ? 0
-                 : EdgeLength(site_, site_.edges[arc.edge], *arc.properties);
+    length =
+        arc.properties == nullptr ? 0 : EdgeLength(site_, site_.edges[arc.edge], *arc.properties);
   }
   return length;
 }
@@ -93,22 +92,20 @@ std::size_t RouteSearch::Advance(std::size_t stop, std::size_t node) const {
 // What is in the way between two arcs, or before the first one.
 double RouteSearch::Penalty(const Arc* from, std::size_t to) const {
   const Arc& arc = arcs_[to];
-  const bool may_follow =
-      from == nullptr ? CanStart(request_.heading, arc) : CanFollow(*from, arc);
+  const bool may_follow = from == nullptr ? CanStart(request_.heading, arc) : CanFollow(*from, arc);
   const int obstacles = (IsReversed(to) || arc.barrier != Barrier::kNone ? 1 : 0) +
                         (may_follow ? 0 : 1) + (CanEnd(arc) ? 0 : 1);
   return kPenalty * obstacles;
 }
 
-void RouteSearch::Leave(std::size_t node, const State& state, const Arc* from,
-                        std::size_t before) {
+void RouteSearch::Leave(std::size_t node, const State& state, const Arc* from, std::size_t before) {
   Layer& layer = Open(state.stop);
   for (std::uint32_t i = begins_[node]; i < layer.ends[node];) {
     const std::size_t next = layer.open[i];
     const double penalty = Penalty(from, next);
     const bool is_barred = obstacles_ == Obstacles::kBar && penalty > 0;
-    const double cost = state.cost + penalty +
-                        (request_.cost == RouteCost::kTime ? Seconds(next) : Length(next));
+    const double cost =
+        state.cost + penalty + (request_.cost == RouteCost::kTime ? Seconds(next) : Length(next));
     if (!is_barred && cost < layer.cost[next]) {
       layer.cost[next] = cost;
       layer.before[next] = before;

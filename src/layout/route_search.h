@@ -43,10 +43,10 @@ class RouteSearch {
   };
   // What may still be entered, once for each number of stops that were reached.
   struct Layer {
-    std::vector<std::uint32_t> open;   // arcs by their start node
-    std::vector<std::uint32_t> ends;   // of each node's part
-    std::vector<double> cost;          // of the cheapest way that ends with the arc
-    std::vector<std::size_t> before;   // the state before, as arc + stop · arcs; kNone: the first
+    std::vector<std::uint32_t> open;  // arcs by their start node
+    std::vector<std::uint32_t> ends;  // of each node's part
+    std::vector<double> cost;         // of the cheapest way that ends with the arc
+    std::vector<std::size_t> before;  // the state before, as arc + stop · arcs; kNone: the first
     std::vector<bool> is_done;
   };
 

@@ -54,6 +54,7 @@ constexpr std::string_view kStarter =
 #no_history = false
 #header_id_start = "zero"                 # or "epoch": Unix seconds, for a ledger that may get lost
 #schema_dir = "schemas"
+#layout = "hall.lif.json"                 # where robots drive (LIF)
 
 # VDA 5050: what is spoken to robots that have no table of their own below.
 #vda = "3.0.0"                            # "auto": each robot's own

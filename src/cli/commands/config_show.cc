@@ -31,6 +31,7 @@ struct Options {
   app::VdaOptions vda;
   std::string source;
   std::string prefix;
+  std::string layout;
 };
 
 struct Row {
@@ -172,6 +173,7 @@ Run DeclareConfigShow(OptionSet& set) {
   add("interface", "--interface", Text(options->vda.interface_name), "First topic level")
       .Variable("FLEETPUB_INTERFACE");
   add("topic_template", "--topic-template", Text(options->vda.topic_template), "The topic");
+  set.AddSetting("layout", Text(options->layout));
   DeclareSource(set, options->source);
   DeclarePrefix(set, options->prefix);
   return [options, &set](const Context& context) { return RunConfigShow(set, context); };

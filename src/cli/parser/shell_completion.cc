@@ -13,6 +13,7 @@
 #include "base/text.h"
 #include "cli/output/output.h"
 #include "cli/parser/command_line.h"
+#include "layout/layout.h"
 #include "ledger/postgres/postgres_url.h"
 #include "schema/schema.h"
 #include "vda5050/catalogue/catalogue.h"
@@ -114,6 +115,43 @@ void Parameters(const Typed& typed, Candidates& found) {
   }
 }
 
+// The layout that the command would take: of an option, of its words, or the configuration's.
+std::optional<layout::Site> FindLayout(const Typed& typed) {
+  const OptionSet& set = typed.call.set();
+  std::string file;
+  if (const Option option = set.Find("--layout"); option.exists() && option.IsGiven()) {
+    file = option.texts().front();
+  } else if (const Option word = set.Find("file"); word.exists() && word.IsGiven()) {
+    file = word.texts().front();
+  } else if (const auto* const configured = typed.call.config.Find("layout")) {
+    file = configured->texts.front();
+  }
+  if (file.empty() || file == "-") return std::nullopt;  // standard input is the shell's
+  auto read = layout::ReadLayoutFile(file);
+  if (!read) return std::nullopt;
+  return std::move(read->site);
+}
+
+// Stations first: there are few of them.
+void LayoutPlaces(const Typed& typed, Candidates& found) {
+  const auto site = FindLayout(typed);
+  if (!site) return;
+  for (const auto& station : site->stations) {
+    found.words.push_back({station.id, station.name.empty() ? "station" : station.name});
+  }
+  for (const auto& node : site->nodes) {
+    found.words.push_back({node.id, node.name.empty() ? "node" : node.name});
+  }
+}
+
+void VehicleTypes(const Typed& typed, Candidates& found) {
+  const auto site = FindLayout(typed);
+  if (!site) return;
+  for (const std::string& type : site->VehicleTypes()) {
+    found.words.push_back({type, "vehicle type"});
+  }
+}
+
 struct Slot {
   std::string_view command;  ///< empty: of any command
   std::string_view name;     ///< an option's long name, or a positional one
@@ -125,6 +163,10 @@ constexpr auto kOptionValues = std::to_array<Slot>({
     {"simulate", "reject", ActionTypes},
     {"simulate", "fail", ActionTypes},
     {"simulate", "retriable", ActionTypes},
+    {"layout", "from", LayoutPlaces},
+    {"layout", "to", LayoutPlaces},
+    {"layout", "via", LayoutPlaces},
+    {"layout", "vehicle-type", VehicleTypes},
     {"", "topic", Fixed<vda5050::kTopicNames>},
     {"", "profile", Profiles},
     {"", "target", Robots},

@@ -49,6 +49,9 @@ struct Subcommand {
 [[nodiscard]] Run DeclareHistory(OptionSet& set);
 [[nodiscard]] Run DeclareHistoryPrune(OptionSet& set);
 [[nodiscard]] Run DeclareHistoryShow(OptionSet& set);
+[[nodiscard]] Run DeclareLayoutCheck(OptionSet& set);
+[[nodiscard]] Run DeclareLayoutRoute(OptionSet& set);
+[[nodiscard]] Run DeclareLayoutShow(OptionSet& set);
 [[nodiscard]] Run DeclareLedgerMigrate(OptionSet& set);
 [[nodiscard]] Run DeclareLedgerStatus(OptionSet& set);
 [[nodiscard]] Run DeclareOrder(OptionSet& set);

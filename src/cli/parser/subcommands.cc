@@ -117,6 +117,20 @@ constexpr auto kSubcommands = std::to_array<Subcommand>({
      "validate --schema my.schema.json message.json\n"
      "validate --protocol soar --message-type mission_plan plan.json",
      DeclareValidate},
+    {"layout check", kChecking, "[FILE...]", "all that is wrong or odd in layouts (LIF)",
+     "layout check hall.lif.json\n"
+     "layout check *.lif.json -o json\n"
+     "layout check hall.lif.json --vda 2.1 --factsheet kit.json",
+     DeclareLayoutCheck},
+    {"layout show", kChecking, "[FILE]", "what a layout holds: levels, vehicle types, stations",
+     "layout show hall.lif.json\n"
+     "layout show --profile north -o json",
+     DeclareLayoutShow},
+    {"layout route", kChecking, "[FILE]", "the cheapest way for a vehicle through a layout",
+     "layout route hall.lif.json --from n1 --to dock-3\n"
+     "layout route hall.lif.json --from n1 --via n4 --to dock-3 --vehicle-type KIT.tug --loaded\n"
+     "layout route --from n1 --to dock-3 --by time -o json",
+     DeclareLayoutRoute},
     {"schema list", kChecking, "", "the schemas that there are", "schema list", DeclareSchemaList},
     {"schema show", kChecking, "NAME", "print a schema",
      "schema show vda5050/3.0.0/instantActions\n"
@@ -168,6 +182,7 @@ constexpr auto kSubcommands = std::to_array<Subcommand>({
 
 constexpr auto kFamilies = std::to_array<CommandFamily>({
     {"config", "settings in force, where from, and a first file"},
+    {"layout", "layouts of sites (LIF), and ways through them"},
     {"ledger", "where header ids and history are kept"},
     {"schema", "the schemas that messages are held against"},
     {"soar", "messages of the SoAR backbone"},
