@@ -15,7 +15,7 @@ std::string_view GetName(ActionStatus status) {
   return kNames.at(static_cast<std::size_t>(status));
 }
 
-void Place(Position position, RobotState& state) {
+void PlaceAt(Position position, RobotState& state) {
   state.position = std::move(position);
   state.is_placed = true;
   state.maps.front().id = state.position.map_id;

@@ -226,7 +226,7 @@ struct RobotState {
 };
 
 /// It is there, and has the map of the place.
-void Place(Position position, RobotState& state);
+void PlaceAt(Position position, RobotState& state);
 
 /// In the place of an error that says the same; of too many, the oldest goes.
 void AddError(RobotState& state, RobotError error);

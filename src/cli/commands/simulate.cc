@@ -154,7 +154,7 @@ Status SetTrouble(const Options& o, Version version, simulator::RobotState& stat
   if (!o.position) return {};
   auto position = simulator::ParsePosition(*o.position);
   if (!position) return Fail(std::move(position.error()));
-  simulator::Place(*std::move(position), state);
+  simulator::PlaceAt(*std::move(position), state);
   return {};
 }
 
