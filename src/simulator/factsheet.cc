@@ -21,7 +21,7 @@ using vda5050::Version;
 constexpr std::string_view kUpTo21 =
     R"("typeSpecification":{{"seriesName":"fleetpub virtual robot","agvKinematic":"DIFF",)"
     R"("agvClass":"CARRIER","maxLoadMass":100,"localizationTypes":["NATURAL"],)"
-    R"("navigationTypes":["AUTONOMOUS"]}},)"
+    R"("navigationTypes":["VIRTUAL_LINE_GUIDED"]}},)"
     R"("physicalParameters":{{"speedMin":0.05,"speedMax":{},"accelerationMax":1,)"
     R"("decelerationMax":1,"heightMin":0.3,"heightMax":0.3,"width":0.6,"length":0.9}},)"
     R"("protocolLimits":{{"maxStringLens":{{}},"maxArrayLens":{{{}}},"timing":{{)"
@@ -32,7 +32,7 @@ constexpr std::string_view kUpTo21 =
 constexpr std::string_view kFrom30 =
     R"("typeSpecification":{{"seriesName":"fleetpub virtual robot",)"
     R"("mobileRobotKinematics":"DIFFERENTIAL","mobileRobotClass":"CARRIER","maximumLoadMass":100,)"
-    R"("localizationTypes":["NATURAL"],"navigationTypes":["AUTONOMOUS"]}},)"
+    R"("localizationTypes":["NATURAL"],"navigationTypes":["VIRTUAL_LINE_GUIDED"]}},)"
     R"("physicalParameters":{{"minimumSpeed":0.05,"maximumSpeed":{},"maximumAcceleration":1,)"
     R"("maximumDeceleration":1,"minimumHeight":0.3,"maximumHeight":0.3,"width":0.6,)"
     R"("length":0.9}},)"

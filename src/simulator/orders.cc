@@ -95,14 +95,7 @@ void VirtualRobot::NoteLeases(const Moment& now) {
   if (expiry) lease_end_ = now.steady + (*expiry - now.wall);
 }
 
-void VirtualRobot::SwitchMode(std::string_view mode, const Moment& now, Utterances& out) {
-  if (gone_) return;
-  out_ = &out;
-  CatchUp(now, true);
-  ApplyMode(mode);
-  Proceed(now);
-}
-
+// Somebody turns the key, or presses a button.
 void VirtualRobot::ApplyMode(std::string_view mode) {
   if (state_.operating_mode == mode) return;
   if (EndsOrder(state_.operating_mode, mode, shared_.settings.version)) {

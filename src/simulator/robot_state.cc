@@ -15,6 +15,12 @@ std::string_view GetName(ActionStatus status) {
   return kNames.at(static_cast<std::size_t>(status));
 }
 
+void PlaceAt(Position position, RobotState& state) {
+  state.position = std::move(position);
+  state.is_placed = true;
+  state.maps.front().id = state.position.map_id;
+}
+
 void AddError(RobotState& state, RobotError error) {
   std::erase_if(state.errors, [&](const RobotError& old) {
     return old.type == error.type && old.references == error.references;

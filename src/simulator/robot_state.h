@@ -225,6 +225,9 @@ struct RobotState {
   [[nodiscard]] bool HasWork() const { return order.Active() || HasOpenActions(); }
 };
 
+/// It is there, and has the map of the place.
+void PlaceAt(Position position, RobotState& state);
+
 /// In the place of an error that says the same; of too many, the oldest goes.
 void AddError(RobotState& state, RobotError error);
 void ForgetErrors(RobotState& state, Until until);

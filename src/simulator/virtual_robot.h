@@ -79,8 +79,6 @@ class VirtualRobot {
                const EventCallback& on_event);
   /// To be called at Due() or later.
   void Tick(const Moment& now, Utterances& out);
-  /// Somebody turns the key, or presses a button: what was going on ends as the version says.
-  void SwitchMode(std::string_view mode, const Moment& now, Utterances& out);
   /// The orderly end: OFFLINE.
   void End(const Moment& now, Utterances& out);
 

@@ -1,5 +1,7 @@
 // Each fault shows, and does not show where nobody asked for it.
+#include <fstream>
 #include <functional>
+#include <iterator>
 #include <set>
 
 #include "simulator/conversation.h"
@@ -354,6 +356,14 @@ TEST(DrivingFaults, AllHaveACase) {
 TEST(DrivingFaults, HaveNamesOfTheirOwn) {
   for (const FaultFacts& one : ListFaults()) EXPECT_EQ(FindFault(one.name), one.fault);
   EXPECT_FALSE(FindFault("bad-temper"));
+}
+
+TEST(DrivingFaults, StandInTheManual) {
+  std::ifstream file(FLEETPUB_SOURCE_DIR "/docs/manual.md");
+  const std::string manual{std::istreambuf_iterator<char>(file), {}};
+  for (const FaultFacts& one : ListFaults()) {
+    EXPECT_THAT(manual, ::testing::HasSubstr(fmt::format("- `{}`: {}", one.name, one.does)));
+  }
 }
 
 TEST(DrivingFaults, LetActionsHangOrFail) {

@@ -1,9 +1,7 @@
 // How a robot drives an order, does its actions, and how that is seen in its states.
 #include "simulator/order_run.h"
 
-#include "base/text.h"
-#include "simulator/conversation.h"
-#include "simulator/route.h"
+#include "simulator/order_story.h"
 
 namespace fleetpub::simulator {
 namespace {
@@ -14,62 +12,6 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::SizeIs;
 using vda5050::Version;
-
-constexpr auto kEdge = seconds(2);  // without positions
-
-// What stands in a list of the newest state: `2 4h` are sequenceIds, `h` those of the horizon.
-std::string Ahead(const Conversation& robot, const char* list) {
-  std::string text;
-  const auto state = robot.Last("state");
-  for (const auto& leg : state[list].GetArray()) {
-    if (!text.empty()) text += ' ';
-    text += std::to_string(leg["sequenceId"].GetInt());
-    if (!leg["released"].GetBool()) text += 'h';
-  }
-  return text;
-}
-
-// Those of the order: `a FINISHED, b WAITING`
-std::string Actions(const base::JsonValue& state) {
-  std::vector<std::string> texts;
-  for (const auto& action : state["actionStates"].GetArray()) {
-    const std::string id(base::StringMember(action, "actionId"));
-    if (id.substr(0, 3) == "id-") continue;  // an instant one
-    texts.push_back(id + ' ' + std::string(base::StringMember(action, "actionStatus")));
-  }
-  return base::Join(texts, ", ");
-}
-std::string Actions(const Conversation& robot) { return Actions(robot.Last("state")); }
-
-// All states since the order: last node, what is ahead, whether it drives.
-std::vector<std::string> Story(const Conversation& robot) {
-  std::vector<std::string> story;
-  for (const Utterance& one : robot.said()) {
-    if (one.topic != "state") continue;
-    const auto state = *base::ParseJson(one.payload);
-    if (state["orderId"].GetStringLength() == 0) continue;
-    story.push_back(fmt::format("{}:{} n{} e{} {}", state["lastNodeId"].GetString(),
-                                state["lastNodeSequenceId"].GetInt(), state["nodeStates"].Size(),
-                                state["edgeStates"].Size(),
-                                state["driving"].GetBool() ? "drives" : "stands"));
-  }
-  return story;
-}
-
-class OrderRuns : public EachVersion {
- protected:
-  void Order(Conversation& robot, const Route& route) const {
-    robot.Hear("order", Write(route, GetParam()));
-    EXPECT_EQ(robot.At("/errors"), "[]");
-  }
-  [[nodiscard]] const char* Position() const {
-    return Is30() ? "/mobileRobotPosition" : "/agvPosition";
-  }
-  [[nodiscard]] double Number(const Conversation& robot, const std::string& name) const {
-    const std::string text = robot.At((Position() + ("/" + name)).c_str());
-    return text.empty() ? -99 : std::stod(text);
-  }
-};
 
 INSTANTIATE_TEST_SUITE_P(Versions, OrderRuns, ::testing::ValuesIn(vda5050::kVersions), VersionName);
 
@@ -305,18 +247,6 @@ TEST_P(OrderRuns, ForgetActionsWithANewOrderOnly) {
 
 // ---- Actions ----
 
-// What an order's actions and driving look like, state by state.
-std::vector<std::string> Queue(const Conversation& robot) {
-  std::vector<std::string> story;
-  for (const Utterance& one : robot.said()) {
-    if (one.topic != "state") continue;
-    const auto state = *base::ParseJson(one.payload);
-    if (state["orderId"].GetStringLength() == 0) continue;
-    story.push_back((state["driving"].GetBool() ? "drives: " : "stands: ") + Actions(state));
-  }
-  return story;
-}
-
 TEST_P(OrderRuns, StandForHardAndDriveForNone) {
   Conversation robot(Plain());
   Order(robot,
@@ -436,127 +366,6 @@ TEST_P(OrderRuns, WaitForATrigger) {
   if (!Is30()) return;  // no message triggers it
   robot.Do("trigger");
   EXPECT_EQ(Queue(robot).back(), "drives: w FINISHED");
-}
-
-// ---- Pausing, cancelling, modes ----
-
-TEST_P(OrderRuns, FreezeWhileTheyArePaused) {
-  Conversation robot(Plain());
-  Order(robot, {.stops = {{"n1", true, Act("a", "NONE")}, {"n2"}, {"n3"}}});
-  robot.Wait(milliseconds(100));
-  robot.Do("startPause");
-  EXPECT_EQ(Queue(robot).back(), "stands: a PAUSED");
-  robot.Wait(seconds(29));
-  EXPECT_EQ(robot.At("/lastNodeId"), R"("n1")");
-  robot.Do("stopPause");
-  EXPECT_EQ(Queue(robot).back(), "drives: a RUNNING");
-  robot.Wait(milliseconds(100));
-  EXPECT_EQ(Queue(robot).back(), "drives: a FINISHED");
-  robot.Wait(milliseconds(1799));
-  EXPECT_EQ(robot.At("/lastNodeId"), R"("n1")");
-  robot.Wait(milliseconds(1));
-  EXPECT_EQ(robot.At("/lastNodeId"), R"("n2")");
-}
-
-TEST_P(OrderRuns, TakeOrdersWhilePausedButDoNotDrive) {
-  Conversation robot(Plain());
-  robot.Do("startPause");
-  Order(robot, {.stops = {{"n1", true, Act("a", "NONE")}, {"n2"}}});
-  EXPECT_EQ(Queue(robot).back(), "stands: a WAITING");
-  robot.Do("cancelOrder");
-  EXPECT_EQ(Queue(robot).back(), "stands: a FAILED");
-}
-
-TEST_P(OrderRuns, CancelInSteps) {
-  Conversation robot(Plain());
-  Order(robot, {.stops = {{"n1", true, Act("a", "NONE")}, {"n2", true, Act("b", "HARD")}}});
-  robot.Wait(milliseconds(100));
-  const auto states = robot.Times("state");
-  const auto id = robot.Do("cancelOrder");
-  EXPECT_EQ(robot.Times("state"), states + 2);
-  std::vector<std::string> story;
-  for (auto one = robot.said().end() - 2; one != robot.said().end(); ++one) {
-    const auto state = *base::ParseJson(one->payload);
-    const auto* cancel = base::FindArray(state, Is30() ? "instantActionStates" : "actionStates");
-    story.push_back(std::string(base::StringMember((*cancel)[cancel->Size() - 1], "actionStatus")) +
-                    (state["driving"].GetBool() ? " drives" : " stands"));
-  }
-  EXPECT_THAT(story, ElementsAre("RUNNING stands", "FINISHED stands"));
-  EXPECT_EQ(robot.At("/nodeStates"), "[]");
-  EXPECT_EQ(robot.At("/edgeStates"), "[]");
-  EXPECT_EQ(robot.At("/orderId"), R"("o1")");
-  EXPECT_EQ(robot.At("/lastNodeId"), R"("n1")");
-  EXPECT_EQ(robot.Of("a"), "FAILED");
-  EXPECT_EQ(robot.Of("b"), "FAILED");
-  EXPECT_EQ(robot.Of(id), "FINISHED");
-}
-
-TEST_P(OrderRuns, CancelOnlyAfterALoadIsSafe) {
-  Conversation robot(Plain());
-  Order(robot, {.stops = {{"n1", true, Act("p", "HARD", "pick", R"(,"actionParameters":[
-      {"key":"loadType","value":"EPAL"},{"key":"stationType","value":"floor"}])")},
-                          {"n2"}}});
-  const auto id = robot.Do("cancelOrder");
-  EXPECT_EQ(robot.Of(id), "RUNNING");
-  EXPECT_NE(robot.At("/nodeStates"), "[]");
-  robot.Wait(kActionTime);
-  EXPECT_EQ(robot.Of(id), "FINISHED");
-  EXPECT_EQ(robot.Of("p"), "FINISHED");
-  EXPECT_EQ(robot.At("/nodeStates"), "[]");
-}
-
-TEST_P(OrderRuns, GoOnFromWhereTheyWereCancelled) {
-  const std::string wide =
-      Is30() ? R"(,"allowedDeviationXY":{"a":9,"b":9,"theta":0})" : R"(,"allowedDeviationXY":9)";
-  const std::vector<Stop> starts = {{"here", true, "", At(4, 0)}, {"n1", true, "", At(0, 0, wide)}};
-  for (const Stop& start : starts) {
-    Conversation robot(Plain());
-    Order(robot, {.stops = {{"n1", true, "", At(0, 0)}, {"n2", true, "", At(10, 0)}}});
-    robot.Wait(seconds(4));
-    robot.Do("cancelOrder");
-    EXPECT_DOUBLE_EQ(Number(robot, "x"), 4);
-    Order(robot, {"o2", 0, {start, {"n2", true, "", At(10, 0)}}});
-    robot.Wait(seconds(6));
-    EXPECT_EQ(robot.At("/lastNodeId"), R"("n2")");
-  }
-}
-
-TEST_P(OrderRuns, EndWhenTheModeTakesThemAway) {
-  struct Case {
-    const char* mode;
-    bool ends;
-    bool forgets;
-  };
-  const std::vector<Case> cases =
-      Is30() ? std::vector<Case>{{"MANUAL", true, false},      {"STARTUP", true, false},
-                                 {"SERVICE", true, true},      {"TEACH_IN", true, true},
-                                 {"INTERVENED", false, false}, {"SEMIAUTOMATIC", false, false}}
-             : std::vector<Case>{{"MANUAL", true, false}, {"SEMIAUTOMATIC", false, false}};
-  for (const auto& [mode, ends, forgets] : cases) {
-    SCOPED_TRACE(mode);
-    Settings settings = Plain();
-    settings.mode_changes = {{seconds(1), mode}, {seconds(10), "AUTOMATIC"}};
-    Conversation robot(settings);
-    Order(robot, {.stops = {{"n1"}, {"n2", true, Act("a", "HARD")}}});
-    robot.Wait(seconds(1));
-    EXPECT_EQ(robot.At("/operatingMode"), '"' + std::string(mode) + '"');
-    EXPECT_EQ(robot.At("/nodeStates") == "[]", ends);
-    EXPECT_EQ(robot.Of("a"), ends ? "FAILED" : "WAITING");
-    EXPECT_EQ(robot.At("/orderId"), R"("o1")");
-    EXPECT_EQ(robot.At("/lastNodeId"), forgets ? R"("")" : R"("n1")");
-    robot.Wait(seconds(10));
-    robot.Wait(seconds(10));
-    EXPECT_EQ(robot.Of("a"), ends ? "FAILED" : "FINISHED");
-  }
-}
-
-TEST_P(OrderRuns, DriveTheBaseToItsEndWithoutAConnection) {
-  Conversation robot(Plain());
-  Order(robot, {.stops = {{"n1"}, {"n2"}, {"n3"}, {"n4", false}}});
-  robot.Reconnect(seconds(60));
-  EXPECT_EQ(robot.Connections(), "ONLINE ONLINE");
-  EXPECT_EQ(robot.At("/lastNodeId"), R"("n3")");
-  EXPECT_EQ(Ahead(robot, "nodeStates"), "6h");
 }
 
 // ---- When a state is due ----

@@ -154,9 +154,7 @@ Status SetTrouble(const Options& o, Version version, simulator::RobotState& stat
   if (!o.position) return {};
   auto position = simulator::ParsePosition(*o.position);
   if (!position) return Fail(std::move(position.error()));
-  state.position = *std::move(position);
-  state.is_placed = true;
-  state.maps.front().id = state.position.map_id;
+  simulator::PlaceAt(*std::move(position), state);
   return {};
 }
 
