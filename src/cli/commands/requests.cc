@@ -51,9 +51,10 @@ std::string About(const RobotRequest& request) {
 Result<ExitCode> RunRequests(const FleetDiscoveryOptions& options, const Context& context) {
   auto asked = ParseFleetOptions(options);
   if (!asked) return Fail(asked.error());
-  const auto fleet =
-      app::DiscoverFleet(*std::move(asked), MakeEnvironment(context), {}, context.output);
+  const auto environment = MakeEnvironment(context, options.from, delivery::Play::kLast);
+  const auto fleet = app::DiscoverFleet(*std::move(asked), environment, {}, context.output);
   if (!fleet) return Fail(fleet.error());
+  TellRecording(environment, context.output);
   std::vector<Row> rows;
   for (const app::ListedRobot* robot : fleet->robots()) {
     const auto& [address, entry] = *robot;

@@ -53,6 +53,8 @@ struct Subcommand {
 [[nodiscard]] Run DeclareLedgerStatus(OptionSet& set);
 [[nodiscard]] Run DeclarePing(OptionSet& set);
 [[nodiscard]] Run DeclarePublish(OptionSet& set);
+[[nodiscard]] Run DeclareRecord(OptionSet& set);
+[[nodiscard]] Run DeclareReplay(OptionSet& set);
 [[nodiscard]] Run DeclareRequests(OptionSet& set);
 [[nodiscard]] Run DeclareRespond(OptionSet& set);
 [[nodiscard]] Run DeclareSchemaList(OptionSet& set);
@@ -64,6 +66,7 @@ struct Subcommand {
 [[nodiscard]] Run DeclareSoarObservation(OptionSet& set);
 [[nodiscard]] Run DeclareSoarPlanningConfiguration(OptionSet& set);
 [[nodiscard]] Run DeclareSoarPlatformStatus(OptionSet& set);
+[[nodiscard]] Run DeclareTail(OptionSet& set);
 [[nodiscard]] Run DeclareValidate(OptionSet& set);
 [[nodiscard]] Run DeclareWatch(OptionSet& set);
 
