@@ -51,6 +51,7 @@ std::optional<RobotAddress> FindName(const ReplayOptions& options, const RobotAd
 // A message as it is to be sent.
 struct Part {
   mqtt::Message message;
+  std::string place;  // the robot's connection topic
   std::string topic_name;
   RobotAddress robot;
   bool is_command = false;
@@ -73,6 +74,9 @@ Result<std::optional<Part>> MakePart(const recording::Message& said, const Repla
   auto topic = part.is_mapped ? vda5050::TopicBeside(options.scheme, *levels, levels->topic_name)
                               : Result<std::string>(said.topic);
   if (!topic) return Fail(std::move(topic.error()));
+  auto place = vda5050::TopicBeside(options.scheme, *levels, "connection");
+  if (!place) return Fail(std::move(place.error()));
+  part.place = *std::move(place);
   part.is_command = IsIn(vda5050::kCommandTopics, levels->topic_name);
   part.topic_name = levels->topic_name;
   part.robot = *robot;
@@ -119,8 +123,9 @@ class Player {
  private:
   // What is retained where messages will be left, and whether the robots' places are free.
   Status LookAround() {
-    const std::vector<std::string> topics(plan_.retained.begin(), plan_.retained.end());
-    if (topics.empty()) return {};
+    std::set<std::string> all = plan_.retained;
+    all.insert(plan_.places.begin(), plan_.places.end());
+    const std::vector<std::string> topics(all.begin(), all.end());
     std::size_t left = topics.size();
     auto read = delivery::ReadRetained(transport_, topics, {}, [&](const mqtt::Message& message) {
       if (message.retained) before_[message.topic] = message.payload;
@@ -270,6 +275,7 @@ Result<ReplayPlan> PlanReplay(const ReplayOptions& options) {
     if ((*part)->is_command && !options.commands) continue;
     ++plan.messages;
     plan.robots.insert((*part)->robot);
+    plan.places.insert((*part)->place);
     if (IsRetained((*part)->topic_name)) plan.retained.insert((*part)->message.topic);
     first = first.value_or((*said)->t);
     plan.lasts = std::max(plan.lasts, (*said)->t - *first);

@@ -44,6 +44,7 @@ struct ReplayOptions {
 struct ReplayPlan {
   std::set<vda5050::RobotAddress> robots;  ///< in whose names
   std::set<std::string> retained;          ///< topics on which a message is left
+  std::set<std::string> places;            ///< their connection topics
   std::uint64_t messages = 0;
   std::uint64_t commands = 0;  ///< for robots, whether or not they are sent
   std::uint64_t others = 0;    ///< of other robots and other topics, which are not
@@ -51,8 +52,8 @@ struct ReplayPlan {
   recording::Faults faults;
 };
 
-/// Reads it all. Errors: ErrorKind::kLedger, kInvalid; kUsage: a mapping that finds no robot, or gives a
-/// name that no robot can have; kPreflight: there is nothing to send.
+/// Reads it all. Errors: ErrorKind::kLedger, kInvalid; kUsage: a mapping gives a name that no robot can
+/// have; kPreflight: there is nothing to send.
 [[nodiscard]] Result<ReplayPlan> PlanReplay(const ReplayOptions& options);
 
 struct Replayed {

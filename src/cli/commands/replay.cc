@@ -34,6 +34,10 @@ struct Options {
   app::VdaOptions vda;
 };
 
+std::string Count(std::uint64_t messages) {
+  return fmt::format("{} message{}", messages, messages == 1 ? "" : "s");
+}
+
 ValueKind SpeedKind(double& speed) {
   return {.type = "N",
           .store = internal::StoreOne(
@@ -99,11 +103,11 @@ Result<ExitCode> RunReplay(const Options& o, const Context& context) {
   if (!plan) return Fail(plan.error());
   if (auto agreed = AgreeToCommands(o, *plan, context); !agreed) return Fail(agreed.error());
   if (plan->commands > 0 && !o.commands) {
-    output.Info(fmt::format("{} messages to robots are left out: --commands sends them, too",
-                            plan->commands));
+    output.Info(fmt::format("left out: what robots were told, {} in all. --commands sends it, too",
+                            Count(plan->commands)));
   }
   if (plan->others > 0) {
-    output.Info(fmt::format("{} messages of other robots or topics are left out", plan->others));
+    output.Info(fmt::format("left out: {} of other robots or topics", Count(plan->others)));
   }
   if (plan->faults.unreadable > 0) {
     output.Warn(fmt::format("{} lines could not be read, the first at {}", plan->faults.unreadable,
@@ -115,11 +119,12 @@ Result<ExitCode> RunReplay(const Options& o, const Context& context) {
   const auto transport = mqtt::ConnectPahoAsRobot(*connect);
   if (!transport) return Fail(transport.error());
   const StopSignal stop;
-  output.Info(fmt::format("replaying {} messages of {} robot{} in {} at {}; Ctrl-C ends it",
-                          plan->messages, plan->robots.size(), plan->robots.size() == 1 ? "" : "s",
-                          base::FormatElapsed(std::chrono::duration_cast<std::chrono::nanoseconds>(
-                              plan->lasts / o.speed)),
-                          (*transport)->server().broker.ToString()));
+  output.Info(
+      fmt::format("replaying {} of {} robot{} in {} at {}; Ctrl-C ends it", Count(plan->messages),
+                  plan->robots.size(), plan->robots.size() == 1 ? "" : "s",
+                  base::FormatElapsed(
+                      std::chrono::duration_cast<std::chrono::nanoseconds>(plan->lasts / o.speed)),
+                  (*transport)->server().broker.ToString()));
   const auto replayed = simulator::Replay(*options, *plan, **transport);
   if (!replayed) return Fail(replayed.error());
   (*transport)->Disconnect();

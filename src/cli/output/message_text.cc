@@ -79,10 +79,12 @@ void AddActions(const vda5050::RobotState& state, Statements& said) {
 void AddState(const JsonValue& message, Statements& said) {
   const vda5050::RobotState state = vda5050::ReadState(message);
   const std::string_view next = FindNextNode(message, state);
-  const std::string last = state.last_node_id.empty() ? "" : "at " + Name(state.last_node_id);
-  const std::string place = next.empty() || next == state.last_node_id
-                                ? last
-                                : fmt::format("{} → {}", Name(state.last_node_id), Name(next));
+  const bool has_last = !state.last_node_id.empty();
+  const std::string last = has_last ? "at " + Name(state.last_node_id) : "";
+  const std::string place =
+      next.empty() || next == state.last_node_id
+          ? last
+          : fmt::format("{}→ {}", has_last ? Name(state.last_node_id) + " " : "", Name(next));
   if (!place.empty()) said.push_back({"place", place, ""});
   const bool has_order = !state.order_id.empty() && state.nodes_left.value_or(0) > 0;
   if (has_order) {
