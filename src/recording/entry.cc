@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 
@@ -32,7 +33,7 @@ std::optional<microseconds> ReadSeconds(const JsonValue* value) {
   if (value == nullptr || !value->IsNumber()) return std::nullopt;
   const double seconds = value->GetDouble();
   if (!(std::abs(seconds) < kMost)) return std::nullopt;
-  return microseconds(std::llround(seconds * 1e6));
+  return microseconds(std::llround(std::max(seconds, 0.0) * 1e6));
 }
 
 // Also `2026-01-02T03:04:05.330735Z+0000`, which mosquitto_sub 2.0.11 writes, and `…+0100`.

@@ -64,7 +64,7 @@ std::string Help(std::vector<std::string> words) {
 std::set<std::string> Options() {
   std::string text = Help({}) + Help({"pause"});
   for (const char* command :
-       {"action", "actions", "await", "batch", "fleet", "history", "ping", "publish", "record",
+       {"action", "actions", "await", "batch", "explain", "fleet", "history", "ping", "publish", "record",
         "replay", "requests", "respond", "show", "simulate", "tail", "validate", "watch"}) {
     text += Help({command});
   }

@@ -73,7 +73,7 @@ const World kShow = {.setup =
                          "--emergency-stop --position 1.5,-2,0.5,hall-1 --at n5 --with-order\n"
                          "fleetpub pause KIT/0001 --wait"};
 
-const World kRecordings = {.setup = "online KIT/0001", .changes = {{"--for 8h", "--for 500ms"}}};
+const World kRecordings = {.setup = "online KIT/0001 --with-order", .changes = {{"--for 8h", "--for 500ms"}}};
 
 const World kSoar = {
     .setup =

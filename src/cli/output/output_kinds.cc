@@ -22,6 +22,7 @@ constexpr auto kKinds = std::to_array<Kind>({
     {"config path", "file"},
     {"config profiles", "profile"},
     {"config show", "setting"},
+    {"explain", "explanation"},
     {"fleet", "robot"},
     {"history", "history"},
     {"history prune", "pruned"},
