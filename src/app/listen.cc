@@ -74,13 +74,16 @@ class Choice {
     return WithoutCovered(std::move(filters));
   }
 
-  /// The levels of a robot's topic.
+  /// The levels of a robot's topic. One that tells no manufacturer is of a robot that is named.
   [[nodiscard]] std::optional<TopicLevels> Read(const std::string& topic) const {
     for (const vda5050::TopicScheme& scheme : schemes_) {
-      auto levels = vda5050::ReadTopic(scheme, topic);
-      const auto& names = vda5050::kTopicNames;
-      if (levels && std::find(names.begin(), names.end(), levels->topic_name) != names.end()) {
-        return levels;
+      if (scheme.Names("{manufacturer}")) {
+        if (auto levels = Read(scheme, topic, "")) return levels;
+        continue;
+      }
+      for (const vda5050::RobotAddress& robot : targets_.include.robots) {
+        auto levels = Read(scheme, topic, robot.manufacturer);
+        if (levels && levels->robot == robot) return levels;
       }
     }
     return std::nullopt;
@@ -96,6 +99,16 @@ class Choice {
 
  private:
   explicit Choice(const ListenRequest& request) : request_(&request) {}
+
+  static std::optional<TopicLevels> Read(const vda5050::TopicScheme& scheme,
+                                         const std::string& topic,
+                                         const std::string& manufacturer) {
+    auto levels = vda5050::ReadTopic(scheme, topic, manufacturer);
+    const auto& names = vda5050::kTopicNames;
+    const bool is_one =
+        levels && std::find(names.begin(), names.end(), levels->topic_name) != names.end();
+    return is_one ? levels : std::nullopt;
+  }
 
   [[nodiscard]] Status CheckTopics() const {
     for (const std::string& topic : request_->topics) {

@@ -92,6 +92,16 @@ TEST_F(Record, ListensToTheRobotsThatAreMeant) {
                                          "vda5050/v3/KIT/0002/state {}"}));
 }
 
+TEST_F(Record, ListensWhereTopicsTellNoManufacturer) {
+  const auto recorder = Start(
+      {"KIT/0001", "ACME/7", "--topic-template", "fleet/{serial}/{topic}", "-f", File("a.jsonl")});
+  for (const char* topic : {"fleet/0002/state", "fleet/7/state", "fleet/0001/state"}) {
+    Say(topic, "{}", false);
+  }
+  EXPECT_THAT(Topics(AwaitMessages("a.jsonl", 2)),
+              UnorderedElementsAreArray({"fleet/7/state {}", "fleet/0001/state {}"}));
+}
+
 TEST_F(Record, EndsWithAFootAndASummary) {
   const auto recorder = Start({"-f", File("a.jsonl"), "-o", "json"});
   Say("uagv/v2/KIT/0001/state", "{}", false);
