@@ -6,6 +6,7 @@
 #include <csignal>
 #include <mutex>
 #include <string>
+#include <string_view>
 #include <thread>
 #include <utility>
 
@@ -103,7 +104,7 @@ class Writer::Job {
     return {};
   }
 
-  Status Add(std::string line, const Moment& when, bool is_message) {
+  Status Add(std::string_view line, const Moment& when, bool is_message) {
     const std::lock_guard lock(mutex_);
     if (trouble_) return Fail(*trouble_);
     if (is_message && waiting_.size() + line.size() > files_.most_waiting()) {
