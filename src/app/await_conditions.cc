@@ -76,7 +76,8 @@ Result<std::vector<RobotAddress>> FindRobots(const AwaitRequest& request,
   const auto dialect = ParseDialect(WithConfig(request.vda, environment.config));
   if (!dialect) return Fail(dialect.error());
   const auto is_other = [&](const RobotAddress& robot) { return !pattern.Matches(robot); };
-  auto robots = ListRobots(transport, dialect->topics, {});
+  auto robots = ListRobots(transport, dialect->topics,
+                           environment.recording ? PatientOptions() : delivery::RetainedOptions());
   std::erase_if(robots, is_other);
   if (robots.empty()) {
     const auto expected =
@@ -96,8 +97,12 @@ Result<std::vector<RobotAddress>> FindRobots(const AwaitRequest& request,
 class Awaiter {
  public:
   Awaiter(const AwaitRequest& request, const std::vector<RobotAddress>& robots,
-          const SatisfiedHook& satisfied, steady_clock::time_point start)
-      : request_(request), satisfied_(satisfied), start_(start) {
+          const SatisfiedHook& satisfied, const Environment& environment,
+          steady_clock::time_point start)
+      : request_(request),
+        satisfied_(satisfied),
+        recording_(environment.recording.get()),
+        start_(start) {
     for (const RobotAddress& robot : robots) left_[robot];
   }
 
@@ -111,7 +116,7 @@ class Awaiter {
     auto read = subscription->Read([&](const mqtt::Message& message) {
       const auto robot = FindSender(places.schemes, message.topic);
       if (robot == left_.end() || !Satisfies(message.payload, robot->second)) return false;
-      satisfied_(robot->first, vda5050::ToOneLine(message.payload), steady_clock::now() - start_);
+      satisfied_(robot->first, vda5050::ToOneLine(message.payload), Elapsed());
       left_.erase(robot);
       log.Wait(DescribeLeft(), end);
       return left_.empty();
@@ -125,6 +130,10 @@ class Awaiter {
   }
 
  private:
+  [[nodiscard]] std::chrono::nanoseconds Elapsed() const {
+    return recording_ != nullptr ? recording_->elapsed() : steady_clock::now() - start_;
+  }
+
   [[nodiscard]] std::string DescribeLeft() const {
     if (left_.empty()) return "";
     return "waiting for " + (left_.size() == 1 ? base::Printable(left_.begin()->first.ToString())
@@ -172,15 +181,16 @@ class Awaiter {
   // Of one robot why, of several who.
   [[nodiscard]] std::string InVain(bool connected) const {
     const std::string topic = base::Printable(request_.topic);
-    const std::string time = base::FormatElapsed(request_.timeout);
+    const std::string time =
+        recording_ != nullptr ? "the recording" : base::FormatElapsed(request_.timeout);
     const std::string away = connected ? "" : "; the broker was out of reach at the end";
     const auto& [robot, heard] = *left_.begin();
     const std::string name = base::Printable(robot.ToString());
     const std::string others =
         left_.size() == 1 ? "" : fmt::format("; nor {} others", left_.size() - 1);
     if (!heard.came) {
-      const bool too_soon =
-          request_.topic == "state" && request_.timeout < std::chrono::seconds(30);
+      const bool too_soon = recording_ == nullptr && request_.topic == "state" &&
+                            request_.timeout < std::chrono::seconds(30);
       return fmt::format("{}: no {} message came within {}{}{}{}", name, topic, time,
                          too_soon ? " (robots send one at least every 30 s)" : "", others, away);
     }
@@ -192,6 +202,7 @@ class Awaiter {
 
   const AwaitRequest& request_;
   const SatisfiedHook& satisfied_;
+  const delivery::PlayedRecording* recording_;  // null: a broker
   steady_clock::time_point start_;
   Left left_;
 };
@@ -221,7 +232,7 @@ Status AwaitConditions(const AwaitRequest& request, const Environment& environme
     spec->robots = *std::move(found);
     if (auto ok = add(spec->robots); !ok) return ok;
   }
-  return Awaiter(request, spec->robots, satisfied, start)
+  return Awaiter(request, spec->robots, satisfied, environment, start)
       .Run(*std::move(link), std::move(places), log);
 }
 

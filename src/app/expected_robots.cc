@@ -40,6 +40,7 @@ std::vector<RobotAddress> FindCommanded(const Environment& environment,
 std::vector<ExpectedRobot> FindExpectedRobots(const Environment& environment,
                                               const mqtt::BrokerUrl& broker,
                                               const SchemeHook& scheme_of) {
+  if (environment.recording) return {};
   std::map<RobotAddress, bool> known;  // whether it was commanded
   const config::Config& config = environment.config;
   for (const auto& [robot, table] : config.robots) known[robot];

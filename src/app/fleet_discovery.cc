@@ -27,8 +27,15 @@ Error NoRobot(const mqtt::ServerInfo& server, const std::string& profile, const 
                       FormatSite(server.broker, profile), name == "all" ? "" : " " + name, why)};
 }
 
+Error NoRobotIn(const delivery::PlayedRecording& recording, const Fleet& fleet) {
+  const std::string name = fleet.name();
+  return {ErrorKind::kPreflight,
+          fmt::format("{} has no message of a robot{}", base::Printable(recording.name()),
+                      name == "all" ? "" : " " + name)};
+}
+
 // Who is there and has not said how it is.
-void WarnOfSilent(const Fleet& fleet, bool asked, Log& log) {
+void WarnOfSilent(const Fleet& fleet, const Environment& environment, bool asked, Log& log) {
   const auto state_wait = fleet.targets().state_wait;
   std::size_t seen = 0;
   std::size_t silent = 0;
@@ -40,7 +47,9 @@ void WarnOfSilent(const Fleet& fleet, bool asked, Log& log) {
     if (entry.IsAlive() && !entry.HasSpoken()) ++silent;
     if (Satisfies(fleet.targets(), entry) == Answer::kUnheard) undecided.push_back(robot);
   }
-  if (silent > 0 && state_wait.count() > 0) {
+  if (silent > 0 && environment.recording) {
+    log.Warn(fmt::format("of {} of {} robots the recording has no state", silent, seen));
+  } else if (silent > 0 && state_wait.count() > 0) {
     log.Warn(
         fmt::format("{} of {} robots sent no state within {}; they repeat it at least every 30 s{}",
                     silent, seen, base::FormatElapsed(state_wait),
@@ -69,7 +78,7 @@ void Warn(const Fleet& fleet, const std::vector<ExpectedRobot>& expected,
   for (const ListedRobot* robot : fleet.robots()) found.push_back(robot->first);
   WarnOfEscapedNames(found, log);
   if (directory.abridged() > 0) log.Warn(AbridgedWarning(directory.abridged()));
-  WarnOfSilent(fleet, asked, log);
+  WarnOfSilent(fleet, environment, asked, log);
   if (found.empty()) {
     log.Info(fmt::format("none of the {} robots found is known to be meant by {}",
                          directory.CountSeen(), fleet.name()));
@@ -180,9 +189,10 @@ Result<Fleet> DiscoverFleet(FleetRequest request, const Environment& environment
   auto link = Connect(environment, log);
   if (!link) return Fail(link.error());
   const mqtt::ServerInfo server = link->transport->server();
+  const bool is_recorded = environment.recording != nullptr;
   DiscoveryOptions options{.all = true,
                            .states = true,
-                           .discover = discover,
+                           .discover = is_recorded ? PatientOptions() : discover,
                            .expected = FindExpectedRobots(fleet->targets(), fleet->resolver(),
                                                           environment, server.broker)};
   options.discover.subscribe = link->connection.timeout;
@@ -195,6 +205,7 @@ Result<Fleet> DiscoverFleet(FleetRequest request, const Environment& environment
   if (!ok) return Fail(std::move(ok.error()));
   link->transport->Disconnect();
   if (fleet->directory().CountSeen() == 0) {
+    if (is_recorded) return Fail(NoRobotIn(*environment.recording, *fleet));
     return Fail(NoRobot(server, environment.config.profile, *fleet));
   }
   Warn(*fleet, options.expected, environment, asks, log);

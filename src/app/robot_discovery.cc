@@ -245,7 +245,7 @@ class Discoverer {
       return !is_told || (nobody ? directory_.CountSeen() == 0 : !silent.empty());
     };
     auto next_tick = steady_clock::now();
-    while (steady_clock::now() < end && goes_on()) {
+    while (steady_clock::now() < end && goes_on() && !transport_.HasEnded()) {
       if (options_.tick && steady_clock::now() >= next_tick) {
         options_.tick();
         next_tick = steady_clock::now() + kTick;

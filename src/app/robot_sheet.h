@@ -26,6 +26,7 @@ struct RobotSheet {
   bool is_alive = false;  ///< it may be expected to send one
   /// Looked at as messages come: neither its factsheet nor its commands were asked for.
   bool is_watched = false;
+  bool is_recorded = false;  ///< read from a recording: its commands were not asked for
   std::optional<vda5050::RobotState> state;
   bool state_is_retained = false;      ///< it is the past
   std::string state_fault;             ///< why the last one could not be read; "": it could

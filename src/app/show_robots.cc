@@ -96,7 +96,8 @@ class SheetReader {
 
  private:
   [[nodiscard]] delivery::RetainedOptions MakeRetainedOptions() {
-    delivery::RetainedOptions options = request_.discover;
+    delivery::RetainedOptions options =
+        environment_.recording ? PatientOptions() : request_.discover;
     options.subscribe = link_.connection.timeout;
     options.also = [this](const mqtt::Message& message) { messages_.Take(message); };
     return options;
@@ -143,6 +144,7 @@ class SheetReader {
   }
 
   [[nodiscard]] std::string Site() const {
+    if (environment_.recording) return base::Printable(environment_.recording->name());
     return FormatSite(server_.broker, environment_.config.profile);
   }
 
@@ -226,7 +228,8 @@ class SheetReader {
     }
     const auto end = steady_clock::now() + request_.targets.state_wait;
     log_.Wait("waiting for states", end);
-    while (!silent.empty() && link_.transport != nullptr && steady_clock::now() < end) {
+    while (!silent.empty() && link_.transport != nullptr && !link_.transport->HasEnded() &&
+           steady_clock::now() < end) {
       const auto message = link_.transport->Receive(end);
       if (!message) return Fail(message.error());
       if (!*message) continue;
@@ -252,6 +255,7 @@ class SheetReader {
   [[nodiscard]] RobotSheet MakeSheet(const ListedRobot& robot) const {
     RobotSheet sheet = MakeRobotSheet(robot);
     sheet.waited = request_.targets.state_wait;
+    sheet.is_recorded = environment_.recording != nullptr;
     const auto find_json = [&](std::string_view topic_name) {
       const mqtt::Message* const message = messages_.Find(FindTopic(robot, topic_name));
       return message == nullptr ? "" : vda5050::ToOneLine(message->payload);
@@ -274,6 +278,10 @@ class SheetReader {
   // A ledger that cannot be read hides no robot.
   void AddCommands(std::vector<RobotSheet>& sheets) const {
     if (sheets.empty()) return;
+    if (environment_.recording) {
+      for (RobotSheet& sheet : sheets) sheet.commands_fault = "the ledger was not asked";
+      return;
+    }
     const auto ledger = environment_.ledger(ledger::OpenMode::kReadOnly);
     for (RobotSheet& sheet : sheets) {
       constexpr int kRead = 100;

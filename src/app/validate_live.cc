@@ -52,6 +52,7 @@ class Inspector {
   // retained for a filter with wildcards.
   void LookForConnections(mqtt::Transport* transport) {
     if (unknown_.empty() || transport == nullptr) return;
+    if (transport->HasEnded()) return ReportUnknown();
     std::vector<std::string> topics;
     for (const auto& [topic, robot] : unknown_) topics.push_back(topic);
     auto asked =
@@ -65,12 +66,9 @@ class Inspector {
     if (asked && !topics.empty()) {
       asked = transport->Unsubscribe(topics, steady_clock::now() + kPatience);
     }
-    if (!asked) spoken_.clear();  // the next states ask again
-    for (const auto& [topic, robot] : std::exchange(unknown_, {})) {
-      if (!asked) continue;
-      ++summary_.without_connection;
-      Report({.topic = topic}, conformance_.MissingConnection(robot));
-    }
+    if (asked) return ReportUnknown();
+    spoken_.clear();  // the next states ask again
+    unknown_.clear();
   }
 
   [[nodiscard]] bool IsFull() const { return summary_.all.messages >= count_; }
@@ -78,6 +76,13 @@ class Inspector {
 
  private:
   static constexpr std::chrono::seconds kPatience{10};
+
+  void ReportUnknown() {
+    for (const auto& [topic, robot] : std::exchange(unknown_, {})) {
+      ++summary_.without_connection;
+      Report({.topic = topic}, conformance_.MissingConnection(robot));
+    }
+  }
 
   // Retained messages come again with each new connection.
   bool IsWanted(const mqtt::Message& message) {
@@ -152,7 +157,7 @@ Result<LiveSummary> ValidateLive(LiveRequest request, const Environment& environ
         return inspector.IsFull();
       },
       [&]() -> Result<bool> {
-        inspector.LookForConnections(subscription->transport());
+        if (!environment.recording) inspector.LookForConnections(subscription->transport());
         return observer.GoesOn();
       });
   if (!read) return Fail(read.error());

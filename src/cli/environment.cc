@@ -6,6 +6,7 @@
 #include <chrono>
 #include <utility>
 
+#include "base/text.h"
 #include "base/time.h"
 #include "delivery/first_connection.h"
 #include "mqtt/paho/paho_transport.h"
@@ -55,21 +56,46 @@ Result<std::unique_ptr<mqtt::Transport>> ConnectPatiently(const mqtt::ConnectOpt
       std::chrono::steady_clock::now() + patience);
 }
 
-app::Environment MakeEnvironment(const Context& context, milliseconds patience) {
+app::Environment MakeEnvironment(const Context& context, milliseconds patience, Retained retained) {
   const GlobalOptions& o = context.options;
   return {.config = context.config,
           .schema_directory = o.schema_directory,
           .names_broker = !o.brokers.empty() || !o.host.empty() || o.port.has_value(),
           .site = FormatSite(context),
-          .connection = [context, patience]() -> Result<app::Connection> {
+          .connection = [context, patience, retained]() -> Result<app::Connection> {
             auto options = MakeConnectOptions(context);
             if (!options) return Fail(std::move(options.error()));
+            options->retain_as_published = retained == Retained::kAsPublished;
             const auto timeout = options->connect_timeout;
             const auto version = options->version;
             return app::Connection{timeout, version,
                                    MakeConnectHook(*std::move(options), patience, context.output)};
           },
           .ledger = [context](ledger::OpenMode mode) { return OpenLedger(context, mode); }};
+}
+
+app::Environment MakeEnvironment(const Context& context, const std::string& from,
+                                 delivery::Play play, milliseconds patience) {
+  app::Environment environment = MakeEnvironment(context, patience);
+  if (from.empty()) return environment;
+  const auto recording = std::make_shared<delivery::PlayedRecording>(from, play);
+  environment.recording = recording;
+  environment.site = base::Printable(from);
+  environment.connection = [recording]() -> Result<app::Connection> {
+    return app::Connection{
+        .open = [recording](mqtt::Deadline /*deadline*/) { return recording->Open(); }};
+  };
+  return environment;
+}
+
+void TellRecording(const app::Environment& environment, Output& output) {
+  if (!environment.recording) return;
+  const delivery::PlayedRecording& recording = *environment.recording;
+  const std::string complaint = recording.Complaint();
+  if (!complaint.empty()) output.Warn(complaint);
+  if (output.json()) return;
+  output.PeopleLine(fmt::format("from {}, as of {}", base::Printable(recording.name()),
+                                base::FormatLocal(recording.now())));
 }
 
 }  // namespace fleetpub::cli

@@ -63,6 +63,17 @@ void DeclareStateWait(OptionSet& set, std::optional<milliseconds>& state_wait,
       .Group("Waiting");
 }
 
+void DeclareFrom(OptionSet& set, std::string& from) {
+  set.AddOption("--from", from, "Read a recording (fleetpub record) in the broker's place")
+      .Type("FILE")
+      .Group("Targets");
+}
+
+Error NoTimeFrom(std::string_view option) {
+  return {ErrorKind::kUsage,
+          fmt::format("{} is for a broker: a recording is read to its end", option)};
+}
+
 void DeclareFleetDiscoveryOptions(OptionSet& set, FleetDiscoveryOptions& options) {
   DeclareFleetOptions(set, options.fleet);
   const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(options.state_wait);
@@ -72,6 +83,7 @@ void DeclareFleetDiscoveryOptions(OptionSet& set, FleetDiscoveryOptions& options
   set.AddFlag("--ask", options.ask,
               "Send a stateRequest to robots that are online: their states come at once")
       .Group("Waiting");
+  DeclareFrom(set, options.from);
 }
 
 Result<app::FleetRequest> ParseFleetOptions(const FleetOptions& options) {
@@ -83,6 +95,11 @@ Result<app::FleetRequest> ParseFleetOptions(const FleetOptions& options) {
 Result<app::FleetRequest> ParseFleetOptions(const FleetDiscoveryOptions& options) {
   auto request = ParseFleetOptions(options.fleet);
   if (!request) return request;
+  if (!options.from.empty()) {
+    if (options.ask) return Fail(ErrorKind::kUsage, "--ask needs robots, and --from has none");
+    request->targets.state_wait = app::kUntilItEnds;
+    return request;
+  }
   const bool waits_for_all =
       options.fleet.targets.state_wait || app::Need(request->targets.where, "state");
   if (!waits_for_all) request->targets.state_wait = options.state_wait;

@@ -41,6 +41,11 @@ void DeclareFleetViewOptions(OptionSet& set, FleetViewOptions& options);
 inline constexpr std::chrono::milliseconds kUsualDiscover{300};
 inline constexpr std::chrono::milliseconds kUsualStateWait = std::chrono::seconds(2);
 
+/// `--from`.
+void DeclareFrom(OptionSet& set, std::string& from);
+/// It is over when it ends: this option has no use.
+[[nodiscard]] Error NoTimeFrom(std::string_view option);
+
 /// `--state-wait`. `usual`: what its help says that it is otherwise.
 void DeclareStateWait(OptionSet& set, std::optional<std::chrono::milliseconds>& state_wait,
                       std::string_view usual);
@@ -60,6 +65,7 @@ struct FleetDiscoveryOptions {
   /// Unless somebody says it, or a condition needs states.
   std::chrono::milliseconds state_wait = kUsualStateWait;
   bool ask = false;  ///< robots for their states
+  std::string from;  ///< a recording; empty: the broker
 };
 
 void DeclareFleetDiscoveryOptions(OptionSet& set, FleetDiscoveryOptions& options);

@@ -17,8 +17,8 @@ constexpr milliseconds kGlance{100};       // between two looks at whether to go
 
 Result<Subscription> Subscription::Open(std::unique_ptr<mqtt::Transport> transport,
                                         std::vector<std::string> filters, ReconnectHooks hooks,
-                                        mqtt::Deadline end) {
-  Subscription subscription(std::move(filters), std::move(hooks), end);
+                                        mqtt::Deadline end, mqtt::Qos qos) {
+  Subscription subscription(std::move(filters), std::move(hooks), end, qos);
   auto ok = subscription.Subscribe(*transport, mqtt::Deadline::max());
   if (!ok) return Fail(std::move(ok.error()));
   subscription.transport_ = std::move(transport);
@@ -26,7 +26,7 @@ Result<Subscription> Subscription::Open(std::unique_ptr<mqtt::Transport> transpo
 }
 
 Status Subscription::Subscribe(mqtt::Transport& transport, mqtt::Deadline end) const {
-  return transport.Subscribe(filters_, mqtt::kListeningQos,
+  return transport.Subscribe(filters_, qos_,
                              std::min(end, steady_clock::now() + kSubscribePatience));
 }
 
@@ -39,10 +39,10 @@ Status Subscription::Read(const MessageCallback& take,
       if (!message) break;
       if (take(*message)) return {};
     } while (steady_clock::now() < glance);
-    if (!goes_on) continue;
-    const auto more = goes_on();
+    const bool has_ended = transport_ != nullptr && transport_->HasEnded();
+    const auto more = goes_on ? goes_on() : Result<bool>(true);
     if (!more) return Fail(more.error());
-    if (!*more) return {};
+    if (!*more || has_ended) return {};
   } while (steady_clock::now() < end_);
   return {};
 }

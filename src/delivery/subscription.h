@@ -20,10 +20,12 @@ class Subscription {
   /// subscription failed.
   [[nodiscard]] static Result<Subscription> Open(std::unique_ptr<mqtt::Transport> transport,
                                                  std::vector<std::string> filters,
-                                                 ReconnectHooks hooks, mqtt::Deadline end);
+                                                 ReconnectHooks hooks, mqtt::Deadline end,
+                                                 mqtt::Qos qos = mqtt::kListeningQos);
 
   /// Hands over what comes, retained or not, until `end`, until it was the last that is wanted, or
-  /// until `goes_on`, asked about every 100 ms, says no; that may be empty. Looks once at least. What
+  /// until `goes_on`, asked about every 100 ms, says no; that may be empty. Looks once at least, and
+  /// ends where a recording does. What
   /// was published while there was no connection, and not retained, is missed. Errors: those of
   /// `goes_on`.
   [[nodiscard]] Status Read(const MessageCallback& take,
@@ -41,13 +43,15 @@ class Subscription {
   void Disconnect();
 
  private:
-  Subscription(std::vector<std::string> filters, ReconnectHooks hooks, mqtt::Deadline end)
-      : filters_(std::move(filters)), reconnector_(std::move(hooks)), end_(end) {}
+  Subscription(std::vector<std::string> filters, ReconnectHooks hooks, mqtt::Deadline end,
+               mqtt::Qos qos)
+      : filters_(std::move(filters)), reconnector_(std::move(hooks)), end_(end), qos_(qos) {}
   [[nodiscard]] Status Subscribe(mqtt::Transport& transport, mqtt::Deadline end) const;
 
   std::vector<std::string> filters_;
   Reconnector reconnector_;
   mqtt::Deadline end_;
+  mqtt::Qos qos_;
   std::unique_ptr<mqtt::Transport> transport_;
 };
 

@@ -40,6 +40,7 @@ struct Message {
   /// On a received message: the broker had stored it before we subscribed. Never set on what we
   /// send: a retained command would be obeyed by a robot that reconnects tomorrow.
   bool retained = false;
+  bool duplicate = false;  ///< DUP of a received message: the broker had sent it before
 };
 
 /// What the broker publishes in our name when the connection ends without DISCONNECT (MQTT 3.1.1
@@ -84,6 +85,8 @@ struct ConnectOptions {
   std::string login;  ///< what a refusal says of both, never a secret; may be empty
   std::chrono::seconds keep_alive{60};
   ProtocolVersion version = ProtocolVersion::k311;
+  /// MQTT 5 §3.8.3.1: Message::retained of what is received is then what its publisher said.
+  bool retain_as_published = false;
   PublishProperties properties;
   /// For name lookup, TCP, TLS and CONNACK together, per broker.
   std::chrono::milliseconds connect_timeout{10'000};
@@ -172,6 +175,9 @@ class Transport {
 
   /// The next message of a subscription, in order of arrival; nothing at the deadline.
   [[nodiscard]] virtual Result<std::optional<Message>> Receive(Deadline deadline) = 0;
+
+  /// Whether nothing comes any more, however long one waits: only what plays a recording has an end.
+  [[nodiscard]] virtual bool HasEnded() const { return false; }
 
   /// From now on Receive also returns, with nothing, when one of these descriptors is readable:
   /// who waits for the broker and for something else waits for both. None: the deadline alone.

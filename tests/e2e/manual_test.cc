@@ -64,8 +64,8 @@ std::string Help(std::vector<std::string> words) {
 std::set<std::string> Options() {
   std::string text = Help({}) + Help({"pause"});
   for (const char* command :
-       {"action", "actions", "await", "batch", "fleet", "history", "ping", "publish", "requests",
-        "respond", "show", "simulate", "validate", "watch"}) {
+       {"action", "actions", "await", "batch", "explain", "fleet", "history", "ping", "publish", "record",
+        "replay", "requests", "respond", "show", "simulate", "tail", "validate", "watch"}) {
     text += Help({command});
   }
   text += Help({"history", "show"}) + Help({"history", "prune"});

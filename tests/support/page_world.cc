@@ -73,6 +73,8 @@ const World kShow = {.setup =
                          "--emergency-stop --position 1.5,-2,0.5,hall-1 --at n5 --with-order\n"
                          "fleetpub pause KIT/0001 --wait"};
 
+const World kRecordings = {.setup = "online KIT/0001 --with-order", .changes = {{"--for 8h", "--for 500ms"}}};
+
 const World kSoar = {
     .setup =
         "background fleetpub simulate --protocol soar soar.planet-ocean.ecosub.eco1\n"
@@ -221,6 +223,7 @@ const std::map<std::string, std::map<std::string, World>>& Worlds() {
                  "echo '{\"target\":\"KIT/0001\",\"action\":\"startPause\"}' > commands.jsonl"}},
            {"Fleet, watch, await", kLooking},
            {"Show", kShow},
+           {"Recordings", kRecordings},
            {"SoAR", kSoar},
            {"Validation",
             {.setup = "mkdir orders\n"

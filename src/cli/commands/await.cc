@@ -20,8 +20,13 @@ struct Options {
   std::string topic;
   std::vector<std::string> conditions;  ///< perhaps the topic among them
   bool print = false;
-  std::chrono::milliseconds timeout = std::chrono::minutes(10);
+  std::optional<std::chrono::milliseconds> timeout;
   app::VdaOptions vda;
+  std::string from;
+
+  [[nodiscard]] std::chrono::milliseconds Timeout() const {
+    return from.empty() ? timeout.value_or(std::chrono::minutes(10)) : app::kUntilItEnds;
+  }
 };
 
 bool IsCondition(std::string_view text) {
@@ -42,10 +47,11 @@ Result<app::AwaitRequest> ParseAwaitOptions(const Options& o) {
                 "await needs a robot and what its message must say. try: "
                 "fleetpub await KIT/0001 paused=true");
   }
+  if (o.timeout && !o.from.empty()) return Fail(NoTimeFrom("--timeout"));
   app::AwaitRequest request{.target = o.target,
                             .topic = IsCondition(o.topic) ? "state" : o.topic,
                             .conditions = {},
-                            .timeout = o.timeout,
+                            .timeout = o.Timeout(),
                             .vda = o.vda};
   for (const std::string& text : texts) {
     auto condition = vda5050::ParseCondition(text);
@@ -72,9 +78,10 @@ Result<ExitCode> RunAwait(const Options& o, const Context& context) {
     }
     Output::FlushNow();
   };
-  const auto awaited =
-      app::AwaitConditions(*request, MakeEnvironment(context, o.timeout), show, output);
+  const auto environment = MakeEnvironment(context, o.from, delivery::Play::kAll, o.Timeout());
+  const auto awaited = app::AwaitConditions(*request, environment, show, output);
   if (!awaited) return Fail(awaited.error());
+  TellRecording(environment, output);
   return ExitCode::kDone;
 }
 
@@ -95,6 +102,7 @@ Run DeclareAwait(OptionSet& set) {
       .Variable("FLEETPUB_VDA")
       .Group("VDA 5050");
   DeclareTopicOptions(set, options->vda);
+  DeclareFrom(set, options->from);
   return [options](const Context& context) { return RunAwait(*options, context); };
 }
 

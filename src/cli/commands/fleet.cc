@@ -32,15 +32,14 @@ std::vector<const ListedRobot*> Sorted(const app::Fleet& fleet, SortBy by) {
   return robots;
 }
 
-std::vector<Row> MakeRows(const std::vector<const ListedRobot*>& robots) {
+std::vector<Row> MakeRows(const std::vector<const ListedRobot*>& robots, base::WallTime now) {
   std::vector<Row> rows;
-  const auto now = base::WallTime::clock::now();
   rows.reserve(robots.size());
   for (const ListedRobot* robot : robots) rows.push_back(FleetRow(*robot, now));
   return rows;
 }
 
-void Show(const app::Fleet& fleet, const Options& o, Output& output) {
+void Show(const app::Fleet& fleet, const Options& o, base::WallTime now, Output& output) {
   if (output.json()) {
     for (const ListedRobot* robot : Sorted(fleet, o.view.sort.value_or(SortBy::kName))) {
       output.Line("{" + FleetJson(*robot) + "}");
@@ -48,7 +47,7 @@ void Show(const app::Fleet& fleet, const Options& o, Output& output) {
     return;
   }
   const auto robots = Sorted(fleet, o.view.sort.value_or(SortBy::kTrouble));
-  if (!robots.empty()) PrintTable(FleetColumns(), MakeRows(robots), output);
+  if (!robots.empty()) PrintTable(FleetColumns(), MakeRows(robots, now), output);
 }
 
 // What is known so far, for a person who waits.
@@ -71,7 +70,8 @@ class FillingTable {
     const std::size_t hidden = robots.size() - std::min(room, robots.size());
     robots.resize(robots.size() - hidden);
     const std::size_t width = columns - 1;
-    auto lines = TableLines(FleetColumns(), MakeRows(robots), width, output_, &widths_);
+    const auto shown = MakeRows(robots, base::WallTime::clock::now());
+    auto lines = TableLines(FleetColumns(), shown, width, output_, &widths_);
     const std::string more = hidden == 0 ? "" : fmt::format("{} more; ", hidden);
     const std::string left = fmt::format("{}waiting up to {} for {} state{} (Ctrl-C ends)", more,
                                          base::FormatElapsed(fleet.targets().state_wait), silent,
@@ -93,9 +93,10 @@ Result<ExitCode> RunFleet(const Options& o, const Context& context) {
   request->problems = o.view.problems;
   FillingTable filling(o.view.sort.value_or(SortBy::kTrouble), context.output);
   app::FleetHook progress;
-  if (filling.IsPossible()) progress = [&](const app::Fleet& fleet) { filling.Draw(fleet); };
-  const auto fleet =
-      app::DiscoverFleet(*std::move(request), MakeEnvironment(context), progress, context.output);
+  if (filling.IsPossible() && o.fleet.from.empty())
+    progress = [&](const app::Fleet& fleet) { filling.Draw(fleet); };
+  const auto environment = MakeEnvironment(context, o.fleet.from, delivery::Play::kLast);
+  const auto fleet = app::DiscoverFleet(*std::move(request), environment, progress, context.output);
   context.output.ClearPassing();
   if (!fleet) return Fail(fleet.error());
   for (const ListedRobot* robot : fleet->robots()) {
@@ -105,7 +106,8 @@ Result<ExitCode> RunFleet(const Options& o, const Context& context) {
                                     base::Printable(address.ToString()),
                                     base::Printable(entry.place), base::Printable(entry.AlsoAt())));
   }
-  Show(*fleet, o, context.output);
+  Show(*fleet, o, environment.Now(), context.output);
+  TellRecording(environment, context.output);
   return ExitCode::kDone;
 }
 

@@ -48,11 +48,20 @@ std::string About(const RobotRequest& request) {
   return fmt::format("edge {}{}", Shown(request.edge_id), place);
 }
 
+void ShowRequests(const std::vector<Row>& rows, Output& output) {
+  if (output.json()) return;
+  if (rows.empty()) return output.PeopleLine("no robot that sent a state asks for anything");
+  constexpr std::array kColumns = {Column{.name = "ROBOT", .least = 16}, Column{.name = "REQUEST"},
+                                   Column{.name = "TYPE", .rank = 1},
+                                   Column{.name = "ABOUT", .least = 16}, Column{.name = "STATUS"}};
+  PrintTable(kColumns, rows, output);
+}
+
 Result<ExitCode> RunRequests(const FleetDiscoveryOptions& options, const Context& context) {
   auto asked = ParseFleetOptions(options);
   if (!asked) return Fail(asked.error());
-  const auto fleet =
-      app::DiscoverFleet(*std::move(asked), MakeEnvironment(context), {}, context.output);
+  const auto environment = MakeEnvironment(context, options.from, delivery::Play::kLast);
+  const auto fleet = app::DiscoverFleet(*std::move(asked), environment, {}, context.output);
   if (!fleet) return Fail(fleet.error());
   std::vector<Row> rows;
   for (const app::ListedRobot* robot : fleet->robots()) {
@@ -71,15 +80,8 @@ Result<ExitCode> RunRequests(const FleetDiscoveryOptions& options, const Context
       }
     }
   }
-  if (context.output.json()) return ExitCode::kDone;
-  if (rows.empty()) {
-    context.output.PeopleLine("no robot that sent a state asks for anything");
-    return ExitCode::kDone;
-  }
-  constexpr std::array kColumns = {Column{.name = "ROBOT", .least = 16}, Column{.name = "REQUEST"},
-                                   Column{.name = "TYPE", .rank = 1},
-                                   Column{.name = "ABOUT", .least = 16}, Column{.name = "STATUS"}};
-  PrintTable(kColumns, rows, context.output);
+  ShowRequests(rows, context.output);
+  TellRecording(environment, context.output);
   return ExitCode::kDone;
 }
 

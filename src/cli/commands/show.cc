@@ -20,23 +20,25 @@ struct Options {
   app::VdaOptions vda;
   bool no_ask = false;
   std::chrono::milliseconds discover = kUsualDiscover;
+  std::string from;
 };
 
 Result<app::ShowRequest> MakeRequest(const Options& o, const Context& context) {
   auto request = ParseTargetOptions(o.targets);
   if (!request) return Fail(std::move(request.error()));
+  if (!o.from.empty()) request->state_wait = app::kUntilItEnds;
   auto targets = app::ResolveTargets(*std::move(request), context.config, context.output);
   if (!targets) return Fail(std::move(targets.error()));
   auto resolver = app::DialectResolver::Make(o.vda, context.config);
   if (!resolver) return Fail(std::move(resolver.error()));
   return app::ShowRequest{.targets = *std::move(targets),
                           .resolver = *std::move(resolver),
-                          .ask = !o.no_ask,
+                          .ask = !o.no_ask && o.from.empty(),
                           .discover = MakeRetainedOptions(o.discover)};
 }
 
-void Show(const std::vector<app::RobotSheet>& sheets, bool is_one, Output& output) {
-  const auto now = base::WallTime::clock::now();
+void Show(const std::vector<app::RobotSheet>& sheets, bool is_one, base::WallTime now,
+          Output& output) {
   const std::size_t width = TerminalWidth(STDOUT_FILENO);
   for (const app::RobotSheet& sheet : sheets) {
     if (output.json()) {
@@ -54,10 +56,12 @@ void Show(const std::vector<app::RobotSheet>& sheets, bool is_one, Output& outpu
 Result<ExitCode> RunShow(const Options& o, const Context& context) {
   const auto request = MakeRequest(o, context);
   if (!request) return Fail(request.error());
-  const auto shown = app::ShowRobots(*request, MakeEnvironment(context), context.output);
+  const auto environment = MakeEnvironment(context, o.from, delivery::Play::kLast);
+  const auto shown = app::ShowRobots(*request, environment, context.output);
   if (!shown) return Fail(shown.error());
   const bool is_one = shown->sheets.size() + shown->unknown.size() == 1;
-  Show(shown->sheets, is_one, context.output);
+  Show(shown->sheets, is_one, environment.Now(), context.output);
+  TellRecording(environment, context.output);
   if (shown->unknown.empty()) return ExitCode::kDone;
   for (const Error& error : std::span(shown->unknown).subspan(1)) {
     context.output.PrintError(error);
@@ -76,6 +80,7 @@ Run DeclareShow(OptionSet& set) {
   set.AddFlag("--no-ask", options->no_ask,
               "Send no stateRequest: wait for the states that robots send anyway")
       .Group("Waiting");
+  DeclareFrom(set, options->from);
   DeclareVdaOptions(set, options->vda);
   return [options](const Context& context) { return RunShow(*options, context); };
 }

@@ -219,7 +219,7 @@ Result<ExitCode> RunLive(const Options& options, const Context& context) {
 }
 
 Result<ExitCode> RunValidate(const Options& options, const Context& context) {
-  if (options.live.live) return RunLive(options, context);
+  if (options.live.live || !options.live.from.empty()) return RunLive(options, context);
   if (options.live.AreGiven()) {
     return Fail(ErrorKind::kUsage,
                 "--for, --count and the options that choose robots belong to --live");

@@ -125,6 +125,7 @@ void DeclareLive(OptionSet& set, LiveOptions& options) {
       .Group(kLive);
   DeclareSelectionFlags(set, options.targets);
   DeclareTopicOptions(set, options.vda);
+  DeclareFrom(set, options.from);
 }
 
 Result<ExitCode> ValidateLive(const LiveOptions& options, const Context& context) {
@@ -132,14 +133,17 @@ Result<ExitCode> ValidateLive(const LiveOptions& options, const Context& context
   if (!conformance) return Fail(std::move(conformance.error()));
   auto robots = ParseFleetOptions(FleetOptions{.targets = options.targets, .vda = options.vda});
   if (!robots) return Fail(std::move(robots.error()));
+  if (options.duration && !options.from.empty()) return Fail(NoTimeFrom("--for"));
+  const auto environment = MakeEnvironment(context, options.from, delivery::Play::kAll);
   Printer printer(context.output);
   const auto summary = app::ValidateLive({.robots = *std::move(robots),
                                           .conformance = *std::move(conformance),
                                           .end = FindEnd(options.duration),
                                           .count = options.count.value_or(SIZE_MAX)},
-                                         MakeEnvironment(context), printer, context.output);
+                                         environment, printer, context.output);
   if (!summary) return Fail(summary.error());
   ShowSummary(*summary, context.output);
+  TellRecording(environment, context.output);
   if (summary->all.messages == 0) {
     return Fail(ErrorKind::kUnconfirmed, "no message came: nothing was checked");
   }

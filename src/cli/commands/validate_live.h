@@ -21,6 +21,7 @@ struct LiveOptions {
   std::optional<std::size_t> count;
   TargetOptions targets;
   app::VdaOptions vda;  ///< interface and topic template
+  std::string from;     ///< a recording; empty: the broker
 
   /// What belongs to `--live` alone was given.
   [[nodiscard]] bool AreGiven() const {

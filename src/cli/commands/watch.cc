@@ -35,11 +35,13 @@ struct Options {
   FleetOptions fleet;
   FleetViewOptions view;
   std::optional<std::chrono::milliseconds> duration;
+  std::string from;
 };
 
 class LineDisplay final : public app::FleetDisplay {
  public:
-  explicit LineDisplay(Output& output) : output_(output) {}
+  LineDisplay(const app::Environment& environment, Output& output)
+      : environment_(environment), output_(output) {}
 
   // Only what is shown counts: a robot repeats its state every few seconds.
   void Changed(const ListedRobot& robot) override {
@@ -49,10 +51,11 @@ class LineDisplay final : public app::FleetDisplay {
     const auto [last, is_first] = sums_.try_emplace(robot.first, sum);
     if (!is_first && std::exchange(last->second, sum) == sum) return;
     if (is_first) app::WarnOfEscapedNames({&robot.first, 1}, output_);
-    const auto now = base::WallTime::clock::now();
+    const auto now = environment_.Now();
     output_.Line(json ? fmt::format(R"({{"time":"{}",{}}})", base::FormatTimestamp(now), line)
                       : fmt::format("{}  {}", base::FormatLocal(now), line));
-    Output::FlushNow();  // a signal may end us before the next Refresh()
+    if (!environment_.recording)
+      Output::FlushNow();  // a signal may end us before the next Refresh()
   }
 
   void Lost(const Error& error) override { output_.Lost(error); }
@@ -67,6 +70,7 @@ class LineDisplay final : public app::FleetDisplay {
   }
 
  private:
+  const app::Environment& environment_;
   Output& output_;
   std::map<vda5050::RobotAddress, std::size_t> sums_;  // of the last line; the lines are long
   bool has_warned_ = false;
@@ -168,11 +172,13 @@ class ScreenDisplay final : public app::FleetDisplay {
 
 std::unique_ptr<app::FleetDisplay> MakeDisplay(const Options& o, const mqtt::BrokerUrl& broker,
                                                const Fleet& fleet, app::AskHook ask,
+                                               const app::Environment& environment,
                                                const Context& context) {
-  // A trace on standard error would run over the screen.
-  if (context.output.json() || !context.options.debug.empty() || !Screen::IsPossible()) {
+  // A trace on standard error would run over the screen; a recording is over at once.
+  if (environment.recording || context.output.json() || !context.options.debug.empty() ||
+      !Screen::IsPossible()) {
     EndQuietlyOnSignals();
-    return std::make_unique<LineDisplay>(context.output);
+    return std::make_unique<LineDisplay>(environment, context.output);
   }
   return std::make_unique<ScreenDisplay>(fmt::format("{}   {}", broker.ToString(), fleet.name()),
                                          o.view.sort.value_or(SortBy::kTrouble), std::move(ask),
@@ -183,13 +189,16 @@ Result<ExitCode> RunWatch(const Options& o, const Context& context) {
   auto request = ParseFleetOptions(o.fleet);
   if (!request) return Fail(request.error());
   request->problems = o.view.problems;
+  if (o.duration && !o.from.empty()) return Fail(NoTimeFrom("--for"));
+  const auto environment = MakeEnvironment(context, o.from, delivery::Play::kAll);
   const auto watched = app::WatchFleet(
-      *std::move(request), FindEnd(o.duration), MakeEnvironment(context),
+      *std::move(request), FindEnd(o.duration), environment,
       [&](const mqtt::BrokerUrl& broker, const Fleet& fleet, app::AskHook ask) {
-        return MakeDisplay(o, broker, fleet, std::move(ask), context);
+        return MakeDisplay(o, broker, fleet, std::move(ask), environment, context);
       },
       context.output);
   if (!watched) return Fail(watched.error());
+  TellRecording(environment, context.output);
   return ExitCode::kDone;
 }
 
@@ -199,6 +208,7 @@ Run DeclareWatch(OptionSet& set) {
   const auto options = std::make_shared<Options>();
   DeclareFleetOptions(set, options->fleet);
   DeclareFleetViewOptions(set, options->view);
+  DeclareFrom(set, options->from);
   set.AddOption("--for", Duration(options->duration), "End after this time [on q or Ctrl-C]")
       .Group("Waiting");
   return [options](const Context& context) { return RunWatch(*options, context); };

@@ -22,6 +22,7 @@ constexpr auto kKinds = std::to_array<Kind>({
     {"config path", "file"},
     {"config profiles", "profile"},
     {"config show", "setting"},
+    {"explain", "explanation"},
     {"fleet", "robot"},
     {"history", "history"},
     {"history prune", "pruned"},
@@ -33,6 +34,8 @@ constexpr auto kKinds = std::to_array<Kind>({
     {"ledger status", "ledger"},
     {"ping", "ping"},
     {"publish", "result"},
+    {"record", "recording"},
+    {"replay", "replay"},
     {"requests", "request"},
     {"respond", "result"},
     {"schema list", "schema"},
@@ -42,6 +45,7 @@ constexpr auto kKinds = std::to_array<Kind>({
     {"soar observation", "result"},
     {"soar planning-configuration", "result"},
     {"soar platform-status", "result"},
+    {"tail", "message"},
     {"validate", "validation"},
     {"watch", "robot"},
 });
@@ -58,7 +62,10 @@ std::string FindOutputSchema(std::string_view command, std::span<const std::stri
   } else if (vda5050::ActionCalled(command)) {
     kind = "result";
   }
-  const bool is_live = std::find(arguments.begin(), arguments.end(), "--live") != arguments.end();
+  const bool is_live =
+      std::any_of(arguments.begin(), arguments.end(), [](const std::string& argument) {
+        return argument == "--live" || argument == "--from" || argument.starts_with("--from=");
+      });
   if (kind == "validation" && is_live) kind = "violation";
   return kind.empty() ? std::string() : "fleetpub/output/" + std::string(kind);
 }

@@ -132,6 +132,7 @@ std::string DescribeSilence(const RobotSheet& robot) {
     return "not known: its state cannot be read: " + Shown(robot.state_fault);
   }
   if (!robot.is_alive) return "not known: it is away, and left none behind";
+  if (robot.is_recorded) return "not known: the recording has none";
   if (robot.is_watched) return "not known yet: a robot repeats it at least every 30 s";
   return fmt::format(
       "not known: none came within {}; a robot repeats it at least every 30 s. try: --state-wait "
@@ -358,7 +359,7 @@ void AddFactsheet(const RobotSheet& robot, Sheet& sheet) {
 
 void AddCommands(const RobotSheet& robot, Sheet& sheet) {
   constexpr std::string_view kName = "commands";
-  if (robot.is_watched) return;
+  if (robot.is_watched || robot.is_recorded) return;
   if (!robot.commands_fault.empty()) {
     return sheet.Add(kName, "not known: " + base::Printable(robot.commands_fault), Tone::kBad);
   }

@@ -45,6 +45,7 @@ struct Subcommand {
 [[nodiscard]] Run DeclareConfigProfiles(OptionSet& set);
 [[nodiscard]] Run DeclareConfigInit(OptionSet& set);
 [[nodiscard]] Run DeclareConfigShow(OptionSet& set);
+[[nodiscard]] Run DeclareExplain(OptionSet& set);
 [[nodiscard]] Run DeclareFleet(OptionSet& set);
 [[nodiscard]] Run DeclareHistory(OptionSet& set);
 [[nodiscard]] Run DeclareHistoryPrune(OptionSet& set);
@@ -61,6 +62,8 @@ struct Subcommand {
 [[nodiscard]] Run DeclareOrderReplace(OptionSet& set);
 [[nodiscard]] Run DeclarePing(OptionSet& set);
 [[nodiscard]] Run DeclarePublish(OptionSet& set);
+[[nodiscard]] Run DeclareRecord(OptionSet& set);
+[[nodiscard]] Run DeclareReplay(OptionSet& set);
 [[nodiscard]] Run DeclareRequests(OptionSet& set);
 [[nodiscard]] Run DeclareRespond(OptionSet& set);
 [[nodiscard]] Run DeclareSchemaList(OptionSet& set);
@@ -72,6 +75,7 @@ struct Subcommand {
 [[nodiscard]] Run DeclareSoarObservation(OptionSet& set);
 [[nodiscard]] Run DeclareSoarPlanningConfiguration(OptionSet& set);
 [[nodiscard]] Run DeclareSoarPlatformStatus(OptionSet& set);
+[[nodiscard]] Run DeclareTail(OptionSet& set);
 [[nodiscard]] Run DeclareValidate(OptionSet& set);
 [[nodiscard]] Run DeclareWatch(OptionSet& set);
 

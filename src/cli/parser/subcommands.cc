@@ -93,6 +93,22 @@ constexpr auto kSubcommands = std::to_array<Subcommand>({
      "await KIT/0001 connection connectionState=ONLINE\n"
      "await 'KIT/*' paused=true",
      DeclareAwait},
+    {"tail", kLooking, "[TARGET...]", "what robots and fleet controls say, a line per message",
+     "tail 'KIT/*' --topic state --changes\n"
+     "tail KIT/0001 -o json\n"
+     "tail --filter 'soar/#'\n"
+     "tail KIT/0001 --from shift.jsonl",
+     DeclareTail},
+    {"record", kLooking, "[TARGET...]", "write down what is said, byte for byte",
+     "record 'KIT/*' -f shift.jsonl --for 8h\n"
+     "record -f hall.jsonl.zst --rotate 1h\n"
+     "record --filter 'soar/#' -f sea.jsonl",
+     DeclareRecord},
+    {"explain", kLooking, "TARGET", "what became of an order or action, from a recording",
+     "explain KIT/0001 --from shift.jsonl\n"
+     "explain KIT/0001 --order o-17 --from shift.jsonl -o json\n"
+     "explain KIT/0001 --action a-3 --from shift.jsonl",
+     DeclareExplain},
     {"actions", kLooking, "[NAME]", "the predefined actions, or all about one of them",
      "actions\n"
      "actions initPosition\n"
@@ -143,6 +159,10 @@ constexpr auto kSubcommands = std::to_array<Subcommand>({
      "simulate KIT/0001 --battery 15 --error motorFault:FATAL --emergency-stop\n"
      "simulate --protocol soar soar.planet-ocean.ecosub.eco1 --delay 3s",
      DeclareSimulate},
+    {"replay", kChecking, "FILE", "say again what robots of a recording said",
+     "replay shift.jsonl --map KIT/0001=TEST/0001\n"
+     "replay shift.jsonl --speed 4 --restamp --map KIT/0001=TEST/0001",
+     DeclareReplay},
     {"config show", kChecking, "", "the settings in force, and where each comes from",
      "config show\n"
      "config show --profile north -o json",

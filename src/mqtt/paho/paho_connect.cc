@@ -279,6 +279,7 @@ Attempted Attempt(const BrokerUrl& broker, const ConnectOptions& options,
                                               broker.UsesTls() && options.tls.verify);
   connection.server.broker = broker;
   connection.server.version = options.version;
+  connection.retain_as_published = options.retain_as_published;
 
   MQTTClient_createOptions create = MQTTClient_createOptions_initializer;
   create.MQTTVersion = options.version == ProtocolVersion::k5 ? MQTTVERSION_5 : MQTTVERSION_3_1_1;

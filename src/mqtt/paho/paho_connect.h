@@ -21,6 +21,7 @@ struct PahoConnection {
   std::unique_ptr<PahoInput> input;
   ServerInfo server;
   int receive_maximum = 65'535;  ///< MQTT 5 §3.2.2.3.3
+  bool retain_as_published = false;
 };
 
 /// The code in an MQTTResponse. Paho puts -1 into its enum of reason codes, which C++ may not even

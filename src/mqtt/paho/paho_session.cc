@@ -221,6 +221,7 @@ bool PahoSession::Keep(char* topic, int topic_length, void* opaque) {
                         static_cast<std::size_t>(message->payloadlen));
     kept.qos = static_cast<Qos>(message->qos);
     kept.retained = message->retained != 0;
+    kept.duplicate = message->dup != 0;
     const auto properties = static_cast<std::size_t>(message->properties.length);
     connection_.input->check().Release(PacketCheck::CostOfProperties(properties));
   }
@@ -353,8 +354,11 @@ int PahoSession::PahoSubscribe(const std::vector<char*>& names, std::vector<int>
   if (connection_.server.version != ProtocolVersion::k5) {
     return MQTTClient_subscribeMany(connection_.client, count, names.data(), codes.data());
   }
+  MQTTSubscribe_options option = MQTTSubscribe_options_initializer;
+  option.retainAsPublished = connection_.retain_as_published ? 1 : 0;
+  std::vector<MQTTSubscribe_options> options(names.size(), option);
   const MQTTResponse response = MQTTClient_subscribeMany5(connection_.client, count, names.data(),
-                                                          codes.data(), nullptr, nullptr);
+                                                          codes.data(), options.data(), nullptr);
   const int first = ReasonCode(response);
   int result = first < 0 ? first : MQTTCLIENT_SUCCESS;
   if (result == MQTTCLIENT_SUCCESS && response.reasonCodeCount != count)

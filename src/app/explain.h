@@ -1,0 +1,60 @@
+// What became of one order or action of a robot, as a recording shows it.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "app/dialect_resolver.h"
+#include "app/environment.h"
+#include "app/observer.h"
+#include "base/result.h"
+#include "base/time.h"
+#include "recording/reader.h"
+#include "vda5050/model/robot_address.h"
+
+namespace fleetpub::app {
+
+struct ExplainRequest {
+  vda5050::RobotAddress robot;
+  VdaOptions vda;
+  std::string order;   ///< its id
+  std::string action;  ///< its id; both empty: the last order that the recording knows
+  std::filesystem::path file;
+};
+
+struct TimelineEntry {
+  base::WallTime at;
+  std::string text;  ///< printable
+};
+
+/// kInconclusive: the recording cannot show it.
+enum class Verdict { kPass, kFail, kInconclusive };
+
+/// `PASS`
+[[nodiscard]] std::string_view GetName(Verdict verdict);
+
+/// One obligation of VDA 5050, and whether the robot kept it.
+struct ExplainFinding {
+  std::string_view id;      ///< `taken`
+  std::string_view clause;  ///< of 3.0, then of 2.1 where that is another: `6.6 / 6.10`
+  Verdict verdict = Verdict::kInconclusive;
+  std::string text;                   ///< printable
+  std::vector<std::string> evidence;  ///< `state headerId 17`
+};
+
+struct Explanation {
+  std::string order;
+  std::string action;
+  std::vector<TimelineEntry> timeline;
+  std::vector<ExplainFinding> findings;
+  recording::Faults faults;
+};
+
+/// Errors: ErrorKind::kUsage, kLedger, kInvalid; kUnconfirmed: the recording has nothing of it. A ledger
+/// that cannot be read hides only who sent it.
+[[nodiscard]] Result<Explanation> Explain(const ExplainRequest& request,
+                                          const Environment& environment, Log& log);
+
+}  // namespace fleetpub::app

@@ -1,0 +1,179 @@
+// `fleetpub replay`: what was said, again, and what is never said by itself.
+#include <gmock/gmock.h>
+
+#include <cmath>
+
+#include "support/operator.h"
+
+namespace fleetpub::testing {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::Not;
+using ::testing::SizeIs;
+
+class Replay : public EndToEnd {
+ protected:
+  static std::string Line(double t, const std::string& topic, const std::string& payload,
+                          bool retain = false) {
+    std::string escaped;
+    for (const char c : payload) escaped += c == '"' ? "\\\"" : std::string(1, c);
+    return fmt::format(
+        R"({{"t":{},"at":"2026-03-04T05:06:07.000Z","topic":"uagv/v2/KIT/{}","qos":0,"retain":{},"payload":"{}"}})"
+        "\n",
+        t, topic, retain, escaped);
+  }
+  static std::string Said(int id) {
+    return fmt::format(
+        R"({{"headerId":{},"timestamp":"2026-03-04T05:06:07.000Z","version":"2.1.0","manufacturer":"KIT","serialNumber":"0001","x":1.50}})",
+        id);
+  }
+  void Write(const std::string& text) { operator_.home().Write("shift.jsonl", text); }
+  [[nodiscard]] Finished Play(std::vector<std::string> arguments) const {
+    arguments.insert(arguments.begin(), {"replay", (operator_.home() / "shift.jsonl").string()});
+    return Fleetpub(std::move(arguments));
+  }
+};
+
+TEST_F(Replay, KeepsOrderBytesAndGaps) {
+  std::string text;
+  const std::vector<double> times = {10, 10.02, 10.02, 10.07, 10.3};
+  for (std::size_t i = 0; i < times.size(); ++i) {
+    text += Line(times[i], "0001/state", Said(static_cast<int>(7 + i)));
+  }
+  Write(text);
+  Process listener({{"mosquitto_sub", "-h", "127.0.0.1", "-p", std::to_string(broker_.port()), "-t",
+                     "#", "-F", "%U %t %p"}});
+  ASSERT_TRUE(broker_.AwaitSubscription("# (QoS 0)"));
+  const Finished run = Play({"-o", "json"});
+  EXPECT_EQ(run.exit_code, 0) << run.errors;
+  EXPECT_LT(Json(run.output)["latestMs"].GetDouble(), 5 * kSlowness);
+  ASSERT_TRUE(listener.AwaitOutput("\"headerId\":11"));
+  const auto lines = Lines(listener.Output());
+  ASSERT_THAT(lines, SizeIs(5));
+  const double start = std::stod(lines[0]);
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    EXPECT_THAT(lines[i], HasSubstr(" uagv/v2/KIT/0001/state " + Said(static_cast<int>(7 + i))));
+    EXPECT_NEAR(std::stod(lines[i]) - start, times[i] - times[0], 0.02 * kSlowness);
+  }
+}
+
+TEST_F(Replay, GivesRobotsOtherNamesAndCountsAnew) {
+  Write(Line(0, "0001/state", Said(7)) + Line(1, "0002/state", Said(7)) +
+        Line(4, "0001/state", Said(9)));
+  const Subscriber listener(broker_);
+  const Finished run =
+      Play({"--map", "KIT/0001=TEST/9", "--restamp", "--speed", "100", "-o", "json"});
+  EXPECT_EQ(run.exit_code, 0) << run.errors;
+  EXPECT_EQ(Json(run.output)["othersLeftOut"].GetInt(), 1);
+  const auto heard = listener.Await(2);
+  ASSERT_THAT(heard, SizeIs(2));
+  for (std::size_t i = 0; i < heard.size(); ++i) {
+    EXPECT_EQ(heard[i].topic, "uagv/v2/TEST/9/state");
+    const auto json = Json(heard[i].payload);
+    EXPECT_STREQ(json["manufacturer"].GetString(), "TEST");
+    EXPECT_STREQ(json["serialNumber"].GetString(), "9");
+    EXPECT_EQ(json["headerId"].GetUint(), i);
+    EXPECT_STRNE(json["timestamp"].GetString(), "2026-03-04T05:06:07.000Z");
+    EXPECT_EQ(json["x"].GetDouble(), 1.5);
+  }
+}
+
+TEST_F(Replay, GivesAllRobotsOfAMakerAnother) {
+  Write(Line(0, "0001/state", Said(1)) + Line(0, "0002/state", Said(1)));
+  const Subscriber listener(broker_);
+  EXPECT_EQ(Play({"--map", "KIT/*=TEST/*"}).exit_code, 0);
+  const auto heard = listener.Await(2);
+  ASSERT_THAT(heard, SizeIs(2));
+  EXPECT_EQ(heard[0].topic, "uagv/v2/TEST/0001/state");
+  EXPECT_EQ(heard[1].topic, "uagv/v2/TEST/0002/state");
+}
+
+TEST_F(Replay, CommandsNobodyWithoutConsent) {
+  Write(Line(0, "0001/order", Said(1)) + Line(0, "0001/instantActions", Said(2)) +
+        Line(0, "0001/zoneSet", Said(3)) + Line(0, "0001/responses", Said(4)) +
+        Line(0, "0001/state", Said(5)));
+  const Subscriber listener(broker_);
+  const Finished plain = Play({"-o", "json"});
+  EXPECT_EQ(plain.exit_code, 0) << plain.errors;
+  EXPECT_EQ(Json(plain.output)["commandsLeftOut"].GetInt(), 4);
+  EXPECT_EQ(Json(plain.output)["messages"].GetInt(), 1);
+  const Finished asked = Play({"--commands"});
+  EXPECT_EQ(asked.exit_code, 2);
+  EXPECT_THAT(asked.errors, HasSubstr("--yes"));
+  EXPECT_EQ(Play({"--yes"}).exit_code, 2);
+  const Finished agreed = Play({"--commands", "--yes", "-o", "json"});
+  EXPECT_EQ(agreed.exit_code, 0) << agreed.errors;
+  EXPECT_THAT(listener.Await(6), SizeIs(6));
+}
+
+TEST_F(Replay, PutsBackWhatWasRetained) {
+  Say("uagv/v2/TEST/0001/factsheet", "{\"old\":1}", true);
+  const std::string online = R"({"headerId":1,"connectionState":"ONLINE"})";
+  Write(Line(0, "0001/connection", online) + Line(0, "0001/factsheet", "{}") +
+        Line(0, "0001/state", Said(1)));
+  {
+    const Subscriber live(broker_);
+    EXPECT_EQ(Play({"--map", "KIT/0001=TEST/0001"}).exit_code, 0);
+    EXPECT_THAT(live.Await(6), SizeIs(6));
+  }
+  const Subscriber later(broker_);
+  const auto left = later.Await(1);
+  ASSERT_THAT(left, SizeIs(1));
+  EXPECT_EQ(left[0].payload, "{\"old\":1}");
+  EXPECT_EQ(Play({"--map", "KIT/0001=TEST/0002", "--keep"}).exit_code, 0);
+  const Subscriber kept(broker_, "uagv/v2/TEST/0002/#");
+  const auto retained = kept.Await(2);
+  ASSERT_THAT(retained, SizeIs(2));
+  EXPECT_TRUE(retained[0].retained && retained[1].retained);
+}
+
+TEST_F(Replay, TakesNobodysPlace) {
+  Say("uagv/v2/KIT/0001/connection", R"({"connectionState":"ONLINE"})", true);
+  Write(Line(0, "0001/connection", R"({"connectionState":"OFFLINE"})") +
+        Line(0, "0001/state", Said(1)));
+  const Finished run = Play({});
+  EXPECT_EQ(run.exit_code, 7);
+  EXPECT_THAT(run.errors, AllOf(HasSubstr("nothing was sent"), HasSubstr("--map")));
+  EXPECT_EQ(Play({"--force"}).exit_code, 0);
+}
+
+TEST_F(Replay, TakesNobodysPlaceThatItOnlySendsStatesOf) {
+  Say("uagv/v2/KIT/0001/connection", R"({"connectionState":"ONLINE"})", true);
+  Write(Line(0, "0001/state", Said(1)));
+  EXPECT_EQ(Play({}).exit_code, 7);
+}
+
+TEST_F(Replay, EndsAtOnceAndTidiesUp) {
+  Write(Line(0, "0001/connection", R"({"connectionState":"ONLINE"})") +
+        Line(60, "0001/state", Said(1)));
+  Process player(operator_.Prepare({"replay", (operator_.home() / "shift.jsonl").string()}));
+  const Subscriber listener(broker_);
+  ASSERT_THAT(listener.Await(1), SizeIs(1));
+  player.Signal(SIGINT);
+  EXPECT_EQ(player.Wait(), 130) << player.Errors();
+  ASSERT_THAT(listener.Await(2), SizeIs(2));
+  EXPECT_THAT(listener.Await(2)[1].payload, IsEmpty());
+}
+
+TEST_F(Replay, RefusesWhatItCannotPlay) {
+  Write(Line(0, "0001/state", Said(1)));
+  for (const std::vector<std::string>& arguments : {std::vector<std::string>{"--map", "KIT/0001"},
+                                                    {"--map", "KIT/0001=TEST"},
+                                                    {"--map", "KIT/0001=TEST/+"},
+                                                    {"--map", "KIT/0001=/1"},
+                                                    {"--speed", "0"},
+                                                    {"--speed", "fast"}}) {
+    EXPECT_EQ(Play(arguments).exit_code, 2) << arguments.back();
+  }
+  EXPECT_EQ(Play({"--map", "ACME/1=TEST/1"}).exit_code, 7);
+  EXPECT_EQ(Fleetpub({"replay"}).exit_code, 2);
+  EXPECT_EQ(Fleetpub({"replay", "-"}).exit_code, 2);
+  EXPECT_EQ(Fleetpub({"replay", "none.jsonl"}).exit_code, 8);
+}
+
+}  // namespace
+}  // namespace fleetpub::testing
