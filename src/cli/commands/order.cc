@@ -11,6 +11,7 @@
 #include "base/text.h"
 #include "cli/environment.h"
 #include "cli/instant_sending.h"
+#include "cli/layout_file.h"
 #include "cli/listening.h"
 #include "cli/output/sending_observer.h"
 #include "cli/parser/option_set.h"
@@ -93,6 +94,7 @@ void DeclarePath(OptionSet& set, Options& o) {
       .Group(kWay);
   set.AddOption("--layout", o.layout_file, "The layout, a LIF file [of the configuration]")
       .Type("FILE")
+      .Key("layout")
       .Group(kWay);
   set.AddOption("--by", OneOf(o.cost, kCosts), "What the way is short in: {} [length]")
       .Type("WORD")
@@ -219,18 +221,11 @@ Result<std::set<std::string>> ParseWithout(const Options& o) {
 }
 
 // Null: there is none, and none is needed.
-Result<std::shared_ptr<const layout::Site>> ReadSite(const Options& o, Output& output) {
+Result<std::shared_ptr<const layout::Site>> ReadSite(const Options& o, const Context& context) {
   if (o.layout_file.empty()) return nullptr;
-  auto read = layout::ReadLayoutFile(o.layout_file);
-  if (!read) return Fail(std::move(read.error()));
-  const auto errors = std::count_if(
-      read->findings.begin(), read->findings.end(),
-      [](const auto& finding) { return finding.level == layout::LayoutFinding::Level::kError; });
-  if (errors > 0) {
-    output.Warn(fmt::format("{} has {} error{}. try: fleetpub layout check {}", o.layout_file,
-                            errors, errors == 1 ? "" : "s", o.layout_file));
-  }
-  return std::make_shared<const layout::Site>(std::move(read->site));
+  auto site = LoadLayout(o.layout_file, context.output);
+  if (!site) return Fail(std::move(site.error()));
+  return std::make_shared<const layout::Site>(*std::move(site));
 }
 
 Result<std::optional<std::size_t>> ParseReleaseWord(const std::string& word) {
@@ -243,7 +238,7 @@ Result<std::optional<std::size_t>> ParseReleaseWord(const std::string& word) {
                           base::Printable(word)));
 }
 
-Result<OrderTask> MakeTask(OrderKind kind, const Options& o, Output& output) {
+Result<OrderTask> MakeTask(OrderKind kind, const Options& o, const Context& context) {
   OrderTask task{
       .kind = kind, .path = {}, .site = {}, .order_id = o.order_id, .release = o.release};
   task.check = !o.waiting.no_check;
@@ -259,7 +254,7 @@ Result<OrderTask> MakeTask(OrderKind kind, const Options& o, Output& output) {
   auto without = ParseWithout(o);
   if (!without) return Fail(std::move(without.error()));
   task.without = *std::move(without);
-  auto site = ReadSite(o, output);
+  auto site = ReadSite(o, context);
   if (!site) return Fail(std::move(site.error()));
   task.site = *std::move(site);
   if (task.site == nullptr && !task.path.stops.empty()) {
@@ -318,7 +313,7 @@ Result<ExitCode> Follow(const app::FollowRequest& request, const Context& contex
 // --- Sending
 
 Result<ExitCode> SendOrder(OrderKind kind, const Options& o, const Context& context) {
-  auto task = MakeTask(kind, o, context.output);
+  auto task = MakeTask(kind, o, context);
   if (!task) return Fail(std::move(task.error()));
   auto targets = ResolveTarget(o, context);
   if (!targets) return Fail(std::move(targets.error()));
@@ -361,7 +356,7 @@ Result<ExitCode> SendOrder(OrderKind kind, const Options& o, const Context& cont
 
 // What it drives ends first: orders that come while it cancels are cancelled too.
 Result<ExitCode> ReplaceOrder(const Options& o, const Context& context) {
-  if (auto task = MakeTask(OrderKind::kNew, o, context.output); !task) return Fail(task.error());
+  if (auto task = MakeTask(OrderKind::kNew, o, context); !task) return Fail(task.error());
   if (o.sending.dry_run) return SendOrder(OrderKind::kNew, o, context);
   InstantSendingOptions cancel;
   cancel.targets.words = {o.target};
