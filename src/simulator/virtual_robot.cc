@@ -13,7 +13,7 @@ namespace {
 
 using std::chrono::steady_clock;
 
-// The beginning of the major version's last topic levels: what some robots take for the version.
+// The topic level of the major version, which some robots take for the version.
 std::string MajorLevel(const Header& header) {
   return "v" + header.version.substr(0, header.version.find('.'));
 }
@@ -123,6 +123,9 @@ void VirtualRobot::CatchUp(const Moment& now, bool is_heard) {
 void VirtualRobot::Proceed(const Moment& now) {
   if (run_.Advance(state_, now.steady)) changed_ = true;
   if (FinishCancels()) changed_ = true;
+  SayStateIfChanged(now);
+  if (!FinishCancels()) return;
+  changed_ = true;
   SayStateIfChanged(now);
 }
 

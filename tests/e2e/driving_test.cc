@@ -60,8 +60,9 @@ TEST_F(Driving, StartsOnlyWhereTheRobotIs) {
 }
 
 TEST_F(Driving, GetsStuckOnDemandAndCanBeCancelled) {
-  const auto robot = Robot({"KIT/0001", "--position", "1,2,0", "--time-scale", "50", "--fault",
-                            "stuck", "--visualization-interval", "50ms"});
+  const auto robot =
+      Robot({"KIT/0001", "--position", "1,2,0", "--time-scale", "50", "--fault", "stuck",
+             "--visualization-interval", "50ms", "--state-interval", "200ms"});
   const Subscriber shown(broker_, "vda5050/v3/KIT/0001/visualization");
   EXPECT_EQ(Fleetpub({"publish", "order", "KIT/0001", "-f", OrderFile(), "--wait"}).exit_code, 0);
   EXPECT_EQ(Fleetpub({"await", "KIT/0001", "state", "driving=false", "lastNodeId=n1",

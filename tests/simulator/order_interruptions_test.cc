@@ -64,6 +64,19 @@ TEST_P(Interruptions, CancelInSteps) {
   EXPECT_EQ(robot.Of(id), "FINISHED");
 }
 
+TEST_P(Interruptions, TellThatTheyCancelHoweverRarelyTheySpeak) {
+  Settings settings = Plain();
+  settings.min_state_interval = seconds(1);
+  Conversation robot(settings);
+  robot.Wait(seconds(1));
+  Order(robot, {.stops = {{"n1"}, {"n2"}, {"n3"}}});
+  const auto id = robot.Do("cancelOrder");
+  robot.Wait(seconds(1));
+  EXPECT_EQ(robot.Of(id), "RUNNING");
+  robot.Wait(seconds(1));
+  EXPECT_EQ(robot.Of(id), "FINISHED");
+}
+
 TEST_P(Interruptions, CancelOnlyAfterALoadIsSafe) {
   Conversation robot(Plain());
   Order(robot, {.stops = {{"n1", true, Act("p", "HARD", "pick", R"(,"actionParameters":[
