@@ -145,11 +145,19 @@ class Reader {
     layout.description = fields.TakeText(terms_.layout_description);
     layout.origin = origin;
     layout.place = fields.place().ToString();
+    Reserve(fields.Take("nodes"), node_ids_, site_.nodes);
+    Reserve(fields.TakeArray("edges", true), edge_ids_, site_.edges);
+    fields.Take("stations");
     EachObject(fields, "nodes", true,
                [&](Fields& node, std::size_t index) { ReadNode(node, index); });
-    static_cast<void>(fields.TakeArray("edges", true));
-    static_cast<void>(fields.TakeArray("stations", false));
     site_.layouts.push_back(std::move(layout));
+  }
+
+  template <class Elements>
+  static void Reserve(const JsonValue* array, Ids& ids, Elements& elements) {
+    if (array == nullptr || !array->IsArray()) return;
+    ids.reserve(ids.size() + array->Size());
+    elements.reserve(elements.size() + array->Size());
   }
 
   void ReadNode(Fields& fields, std::size_t index) {

@@ -5,6 +5,7 @@
 #include <fstream>
 #include <sstream>
 
+#include "layout/layouts.h"
 #include "support/free_port.h"
 #include "support/mosquitto.h"
 #include "support/operator.h"
@@ -117,14 +118,18 @@ TEST(DocsWalkthroughs, SetUpASiteWhereNobodyBecomesMoreThanTheAuthoritySaid) {
 TEST(DocsWalkthroughs, TellRecipesThatWork) {
   const std::string commands = ReadCommands("recipes.md");
   ASSERT_THAT(commands, HasSubstr("fleetpub fleet\n"));
+  const std::string hall = FileText({NodeText("n1", 0, 0), NodeText("dock-3", 5, 0)},
+                                    {EdgeText("n1", "dock-3"), EdgeText("dock-3", "n1")});
   const Mosquitto broker;
-  const Finished run = RunPage("export FLEETPUB_BROKER=" + broker.Url() +
-                               "\nfleetpub simulate KIT/0001 --count 3 --state-interval 1s &\n"
-                               "fleetpub await KIT/0003 connection connectionState=ONLINE\n" +
-                               commands);
+  const Finished run =
+      RunPage("echo '" + hall + "' > hall.lif.json\nexport FLEETPUB_BROKER=" + broker.Url() +
+              "\nfleetpub simulate KIT/0001 --count 3 --state-interval 1s &\n"
+              "fleetpub await KIT/0003 connection connectionState=ONLINE\n" +
+              commands);
   EXPECT_EQ(run.exit_code, 0) << run.output << run.errors;
   EXPECT_THAT(run.output, HasSubstr("KIT/0099 is not there; nothing was sent\ngo and look"));
   EXPECT_THAT(run.output, HasSubstr("\"status\":\"FINISHED\"\n\"status\":\"FINISHED\"\n"));
+  EXPECT_THAT(run.output, HasSubstr("n1 → dock-3, 5.0 m"));
   EXPECT_THAT(run.output, HasSubstr("CI/0001  startPause  FINISHED"));
   EXPECT_THAT(run.output, HasSubstr("KIT/0001  order  ACCEPTED"));
 }

@@ -70,6 +70,7 @@ std::set<std::string> Options() {
   }
   text += Help({"history", "show"}) + Help({"history", "prune"});
   text += Help({"config", "show"}) + Help({"config", "init"});
+  for (const char* command : {"check", "show", "route"}) text += Help({"layout", command});
   text += Help({"schema", "list"}) + Help({"schema", "show"});
   for (const char* command : {"mission-plan", "planning-configuration", "acknowledge",
                               "observation", "platform-status"}) {

@@ -11,11 +11,13 @@
 #include "base/text.h"
 #include "base/time.h"
 #include "cli/commands/soar_simulate.h"
+#include "cli/layout_file.h"
 #include "cli/options/soar_options.h"
 #include "cli/options/vda_options.h"
 #include "cli/parser/option_set.h"
 #include "cli/parser/subcommand.h"
 #include "config/config_settings.h"
+#include "layout/route.h"
 #include "simulator/faults.h"
 #include "simulator/runner.h"
 #include "simulator/trouble.h"
@@ -44,6 +46,7 @@ struct Options {
   std::vector<std::string> retriable;
   std::vector<std::string> errors;
   std::optional<std::string> position;
+  std::string layout_file;
   bool force = false;
 
   bool is_soar = false;
@@ -137,7 +140,23 @@ Status SetModeChanges(const Options& o, simulator::Settings& settings) {
   return {};
 }
 
-Status SetTrouble(const Options& o, Version version, simulator::RobotState& state) {
+// Where the layout has the node of --at.
+Status PlaceOnLayout(const Options& o, simulator::RobotState& state, Output& output) {
+  if (state.last_node_id.empty()) {
+    return Fail(ErrorKind::kUsage, "--layout needs a node to stand on: --at NODE");
+  }
+  const auto site = LoadLayout(o.layout_file, output);
+  if (!site) return Fail(site.error());
+  const auto places = layout::ResolvePlace(*site, state.last_node_id);
+  if (!places) return Fail(places.error());
+  const layout::Node& node = site->nodes[places->front()];
+  const double theta = node.properties.empty() ? 0 : node.properties.front().theta.value_or(0);
+  state.last_node_id = node.id;
+  simulator::PlaceAt({.x = node.x, .y = node.y, .theta = theta, .map_id = node.map_id}, state);
+  return {};
+}
+
+Status SetTrouble(const Options& o, Version version, simulator::RobotState& state, Output& output) {
   if (!simulator::HasEmergencyStop(state.emergency_stop, version)) {
     return Fail(ErrorKind::kUsage,
                 fmt::format("--emergency-stop: VDA 5050 {} has MANUAL, REMOTE and NONE, not {}",
@@ -151,6 +170,9 @@ Status SetTrouble(const Options& o, Version version, simulator::RobotState& stat
   if (!base::IsUtf8(state.last_node_id)) {
     return Fail(ErrorKind::kUsage, "--at: the text is not valid UTF-8");
   }
+  if (!o.layout_file.empty()) {
+    if (auto ok = PlaceOnLayout(o, state, output); !ok) return ok;
+  }
   if (!o.position) return {};
   auto position = simulator::ParsePosition(*o.position);
   if (!position) return Fail(std::move(position.error()));
@@ -158,7 +180,8 @@ Status SetTrouble(const Options& o, Version version, simulator::RobotState& stat
   return {};
 }
 
-Result<simulator::Settings> MakeSettings(const Options& o, const app::VdaOptions& vda) {
+Result<simulator::Settings> MakeSettings(const Options& o, const app::VdaOptions& vda,
+                                         Output& output) {
   const auto dialect = app::ParseDialect(vda);
   if (!dialect) return Fail(dialect.error());
   simulator::Settings settings = o.settings;
@@ -184,7 +207,7 @@ Result<simulator::Settings> MakeSettings(const Options& o, const app::VdaOptions
     return Fail(ErrorKind::kUsage,
                 "--list-limit: ended actions stay until they are cleared from version 3.0.0 on");
   }
-  if (auto ok = SetTrouble(o, settings.version, settings.initial); !ok) {
+  if (auto ok = SetTrouble(o, settings.version, settings.initial, output); !ok) {
     return Fail(std::move(ok.error()));
   }
   return settings;
@@ -226,7 +249,8 @@ bool HasTrouble(const Options& o) {
   const simulator::RobotState usual;
   const simulator::RobotState& state = o.settings.initial;
   return o.battery != Options().battery || state.emergency_stop != usual.emergency_stop ||
-         state.field_violation || !state.last_node_id.empty() || !o.errors.empty() || o.position;
+         state.field_violation || !state.last_node_id.empty() || !o.errors.empty() || o.position ||
+         !o.layout_file.empty();
 }
 
 bool Drives(const Options& o) {
@@ -302,7 +326,7 @@ Result<ExitCode> RunSimulate(const Options& o, const Context& context) {
   Output& output = context.output;
   const auto robots = Robots(o, context);
   if (!robots) return Fail(robots.error());
-  auto settings = MakeSettings(o, SpokenBy(*robots, o, context.config));
+  auto settings = MakeSettings(o, SpokenBy(*robots, o, context.config), context.output);
   if (!settings) return Fail(std::move(settings.error()));
   const vda5050::TopicScheme topics = settings->topics;
   const std::string_view version = vda5050::GetFacts(settings->version).name;
@@ -450,6 +474,7 @@ void DeclareTrouble(OptionSet& set, Options& o) {
   add("--position", Text(o.position), "X,Y,THETA[,MAP]",
       "Where they are [0,0,0,map-1, until an order begins elsewhere]");
   add("--at", Text(state.last_node_id), "NODE", "The last node that they passed");
+  add("--layout", Text(o.layout_file), "FILE", "A layout (LIF), which says where that node is");
 }
 
 void DeclarePlatforms(OptionSet& set, Options& o) {
