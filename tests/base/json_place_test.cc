@@ -28,6 +28,15 @@ TEST(JsonPlace, IsWhereAMembersNameOrAnElementBegins) {
   }
 }
 
+TEST(JsonPlace, IsFoundForManyAtOnceInAnyOrder) {
+  const std::vector<std::string> pointers = {"/b/1", "", "/a", "/b/1", "/b/0/x", "/c/d"};
+  std::vector<std::string> places;
+  for (const JsonPlace& place : FindPlaces("{\"a\":1,\n\"b\":[{\"x\":0},\n2]}", pointers)) {
+    places.push_back(Written(place));
+  }
+  EXPECT_EQ(places, (std::vector<std::string>{"3:1", "1:1", "1:2", "3:1", "2:7", "1:1"}));
+}
+
 TEST(JsonPlace, KnowsAnEscapedName) {
   EXPECT_EQ(Written(FindPlace("{\"x\":1,\n \"\\u0061\":2}", "/a")), "2:2");
 }
