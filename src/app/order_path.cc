@@ -155,7 +155,7 @@ class PathPlanner {
     if (!found) return Fail(found.error());
     for (const std::size_t node : found->nodes) AddNode(site_->nodes[node]);
     for (const layout::RouteEdge& edge : found->edges)
-      AddEdge(site_->edges[edge.edge], edge.length);
+      AddEdge(site_->edges[edge.edge], edge.length, edge.orientation);
     TellMapChanges();
     return {};
   }
@@ -174,7 +174,7 @@ class PathPlanner {
     path().nodes.push_back(std::move(out));
   }
 
-  void AddEdge(const layout::Edge& edge, std::optional<double> length) {
+  void AddEdge(const layout::Edge& edge, double length, std::optional<double> orientation) {
     const layout::EdgeProperties& p = *edge.Find(type_);
     const layout::Node& start = site_->nodes[edge.start];
     const layout::Node& end = site_->nodes[edge.end];
@@ -184,7 +184,7 @@ class PathPlanner {
                   .max_rotation_speed = p.max_rotation_speed,
                   .max_height = p.max_height,
                   .min_height = p.min_height,
-                  .orientation = p.orientation,
+                  .orientation = orientation,
                   .is_tangential = p.is_tangential,
                   .rotation_allowed = p.rotation_allowed,
                   .length = length,
@@ -210,8 +210,10 @@ class PathPlanner {
                       .parameters = {}};
     for (const layout::ActionParameter& parameter : action.parameters) {
       out.parameters.push_back(
-          {parameter.key, vda5050::ToParameterValue(robot_.factsheet, action.type, parameter.key,
-                                                    parameter.value)});
+          {parameter.key, parameter.is_json
+                              ? parameter.value
+                              : vda5050::ToParameterValue(robot_.factsheet, action.type,
+                                                          parameter.key, parameter.value)});
     }
     return out;
   }
@@ -274,7 +276,8 @@ class PathPlanner {
     for (std::size_t i = 1; i < nodes.size(); ++i) {
       const layout::Edge* edge = FindEdge(nodes[i - 1].id, nodes[i].id);
       if (edge != nullptr) {
-        AddEdge(*edge, layout::EdgeLength(*site_, *edge, *edge->Find(type_)));
+        const layout::EdgeProperties& properties = *edge->Find(type_);
+        AddEdge(*edge, layout::EdgeLength(*site_, *edge, properties), properties.orientation);
         continue;
       }
       const bool are_known = nodes[i - 1].position && nodes[i].position;
