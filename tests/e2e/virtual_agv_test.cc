@@ -63,6 +63,33 @@ TEST_P(VirtualAgv, AnswersAStateRequest) {
   EXPECT_EQ(Command({"stateRequest", "LIB/0001"}).exit_code, 0);
 }
 
+TEST_P(VirtualAgv, DrivesAnOrderOfOursToItsEnd) {
+  const auto rows = [&](const char* name, const char* text) {
+    return operator_.home().Write(name, text).string();
+  };
+  const Finished order =
+      Command({"order", "LIB/0001", "--route",
+               rows("tour.csv",
+                    "node,x,y,map,actions\n0,0,0,local,\nn1,1,0,local,noop duration:=0.1\n"
+                    "n2,1,0.5,local,\nn3,2,0.5,local,\n"),
+               "--release", "3", "--wait-for", "accepted"});
+  EXPECT_EQ(order.exit_code, 0) << order.output << order.errors;
+  const Finished release = Command({"order", "release", "LIB/0001"});
+  EXPECT_EQ(release.exit_code, 0) << release.output << release.errors;
+  EXPECT_THAT(release.errors, HasSubstr("n3 (4 of 4)"));
+  const Finished extend =
+      Command({"order", "extend", "LIB/0001", "--route",
+               rows("more.csv", "node,x,y,map\nn3,2,0.5,local\nn4,2,0,local\n")});
+  EXPECT_EQ(extend.exit_code, 0) << extend.output << extend.errors;
+  EXPECT_THAT(extend.output, HasSubstr("order  FINISHED"));
+}
+
+TEST_P(VirtualAgv, RefusesAnOrderThatItCannotDrive) {
+  const Finished run = Command({"order", "LIB/0001", "0", "n1", "--no-check"});
+  EXPECT_EQ(run.exit_code, 5) << run.output << run.errors;
+  EXPECT_THAT(run.output, HasSubstr("REJECTED"));
+}
+
 TEST_P(VirtualAgv, RefusesAnActionThatItDoesNotKnow) {
   const Finished run = Command({"action", "beep", "LIB/0001", "--no-check"});
   EXPECT_EQ(run.exit_code, 5);
