@@ -58,9 +58,9 @@ class OrderCommand : public EndToEnd {
   [[nodiscard]] std::vector<base::JsonDocument> SentOrders() const {
     std::vector<base::JsonDocument> orders;
     const Finished history =
-        Fleetpub({"history", "KIT/0001", "--action", "order", "-n", "0", "-o", "json"});
+        Fleetpub({"history", "KIT/0001", "--action", "order", "--limit", "0", "-o", "json"});
     for (const std::string& line : Lines(history.output)) {
-      orders.push_back(Json(Json(line)["payload"].GetString()));
+      orders.push_back(Json(base::ToJson(Json(line)["payload"])));
     }
     return orders;
   }

@@ -202,7 +202,7 @@ TEST_P(OrderRefusals, AreToldInTheRobotsWords) {
 
 TEST_P(OrderRefusals, AreNoneOfTheSameMessageSentAgain) {
   const char* version = kVersions.at(GetParam());
-  const auto robot = Robot({"KIT/0001", "--vda", version});
+  const auto robot = Robot({"KIT/0001", "--vda", version, "--state-interval", "1s"});
   EXPECT_EQ(Publish(kLong, version, "accepted").exit_code, 0);
   const Finished again = Publish(kLong, version, "accepted");
   EXPECT_EQ(again.exit_code, 0) << again.output;
