@@ -99,7 +99,7 @@ constexpr auto kSubcommands = std::to_array<Subcommand>({
      "validate --schema my.schema.json message.json\n"
      "validate --protocol soar --message-type mission_plan plan.json",
      DeclareValidate},
-    {"schema list", kChecking, "", "the schemas that there are", "schema list", DeclareSchemaList},
+    {"schema list", kChecking, "", "all schemas, by name", "schema list", DeclareSchemaList},
     {"schema show", kChecking, "NAME", "print a schema",
      "schema show vda5050/3.0.0/instantActions\n"
      "schema show output/result",
@@ -151,7 +151,7 @@ constexpr auto kSubcommands = std::to_array<Subcommand>({
 constexpr auto kFamilies = std::to_array<CommandFamily>({
     {"config", "settings in force, where from, and a first file"},
     {"ledger", "where header ids and history are kept"},
-    {"schema", "the schemas that messages are held against"},
+    {"schema", "the schemas that messages are checked against"},
     {"soar", "messages of the SoAR backbone"},
 });
 
