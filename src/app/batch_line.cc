@@ -105,7 +105,7 @@ tl::unexpected<Error> UnknownMember(std::string_view name) {
   std::transform(kMembers.begin(), kMembers.end(), names.begin(),
                  [](const Member& member) { return member.name; });
   const auto nearest = base::Nearest(name, names);
-  return Wrong(fmt::format("'{}' is not understood: {}", Printable(name),
+  return Wrong(fmt::format("unknown member '{}': {}", Printable(name),
                            nearest ? fmt::format("did you mean {}?", *nearest)
                                    : fmt::format("a line has {}", fmt::join(names, ", "))));
 }
@@ -159,13 +159,13 @@ Status CheckMembers(const Value& line, const Shape& shape) {
   }
   const int kinds = int{shape.action} + int{shape.message} + int{shape.soar};
   if (kinds > 1) return Wrong("action, topic and soar exclude each other");
-  if (kinds == 0) return Wrong("there is neither an action, nor a topic, nor soar");
+  if (kinds == 0) return Wrong("the action, the topic or soar is missing");
   if (!shape.action && FindMember(line, "payload") == nullptr) {
     return Wrong(fmt::format("{} needs a payload beside it", shape.soar ? "soar" : "topic"));
   }
   if (FindMember(line, "target") == nullptr) {
-    return Wrong(shape.soar ? "there is no target: name the destination, or broadcast"
-                            : "there is no target: name the robot as manufacturer/serialNumber");
+    return Wrong(shape.soar ? "the target is missing: name the destination, or \"broadcast\""
+                            : "the target is missing: name the robot as manufacturer/serialNumber");
   }
   return {};
 }
@@ -317,7 +317,7 @@ struct SoarRequest {
       if (base::ToView(key) != "message_type") {
         members.push_back({std::string(base::ToView(key)), base::ToJson(value)});
       } else if (value != soar::GetName(type).data()) {
-        return Wrong("the payload's message_type is another one than soar");
+        return Wrong("the payload's message_type is not the type that soar names");
       }
     }
     payload = soar::BuildPayload(type, members);
@@ -407,7 +407,8 @@ Result<LineCommands> LineParser::ForEach(const Value& line, const Request& reque
       const bool waits = command->wait_for.has_value();
       if (auto ok = owners_.Add(robot, dialect->topics, waits); !ok) return Fail(ok.error());
     }
-    const bool is_asked_first = !command->command && (defaults_.check || command->robot.automatic);
+    const bool looks = defaults_.check || defaults_.online || command->robot.automatic;
+    const bool is_asked_first = !command->command && looks;
     if (!is_asked_first) {
       if (auto ok = Build(*command); !ok) return Fail(std::move(ok.error()));
       if (auto ok = Validate(*command->command, result.warnings); !ok) {

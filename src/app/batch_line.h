@@ -26,6 +26,7 @@ struct LineDefaults {
   /// Which robot a target's word means, and how it is spoken to. Errors: ErrorKind::kUsage.
   std::function<Result<AddressedRobot>(std::string_view word)> address = AsWritten;
   bool check = true;                         ///< robots are checked before they are commanded
+  bool online = false;                       ///< robots that are offline are left out
   std::optional<vda5050::WaitFor> wait_for;  ///< nothing: do not wait
   /// Somebody has named the end to wait for; else an order is done when the robot has it.
   bool names_end = false;

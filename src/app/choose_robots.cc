@@ -139,8 +139,8 @@ Error NobodyChosen(mqtt::Transport& transport, const Targets& targets,
                                  FormatRobotList(all))
       : transport.server().KeepsNothing()
           ? std::string(kNothingRetained)
-          : "it knows no robot: none has left a connection message, or the broker has nothing "
-            "retained for patterns, as RabbitMQ: name the robots";
+          : "it knows no robot: none has left a connection message, or the broker hands out "
+            "nothing for patterns, as RabbitMQ: name the robots";
   return {ErrorKind::kPreflight,
           fmt::format("{}: {}{}", nobody, heard,
                       targets.except.set.empty() && targets.except.robots.empty()

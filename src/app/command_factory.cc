@@ -190,7 +190,7 @@ PreflightFindings CommandFactory::FindingsOn(const ListedRobot& robot,
   PreflightFindings findings;
   if (entry.automatic && !entry.own) {
     findings.refusals.emplace_back(
-        "it speaks a version of VDA 5050 that fleetpub does not: try one with --vda");
+        "it speaks a version of VDA 5050 that fleetpub does not: state one with --vda");
   } else if (look_->check) {
     findings = message.Check(address, *entry.Spoken(), entry.Known());
   } else if (auto rival = vda5050::RivalText(address, entry.Known())) {

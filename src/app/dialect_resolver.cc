@@ -57,6 +57,11 @@ Result<vda5050::Dialect> ParseDialect(const VdaOptions& o) {
       return Fail(ErrorKind::kUsage, "--header-...: the text is not valid UTF-8");
     }
   }
+  if (!o.interface_name.empty()) {
+    if (auto ok = vda5050::CheckInterface(o.interface_name); !ok) {
+      return Fail(std::move(ok.error()));
+    }
+  }
   dialect.topics.interface_name = o.interface_name;
   if (!o.topic_template.empty()) dialect.topics.topic_template = o.topic_template;
   dialect.actions_key = o.actions_key;

@@ -80,8 +80,8 @@ void Warn(const Fleet& fleet, const std::vector<ExpectedRobot>& expected,
   if (directory.abridged() > 0) log.Warn(AbridgedWarning(directory.abridged()));
   WarnOfSilent(fleet, environment, asked, log);
   if (found.empty()) {
-    log.Info(fmt::format("none of the {} robots found is known to be meant by {}",
-                         directory.CountSeen(), fleet.name()));
+    log.Info(fmt::format("{} robot{} found, none matches {}", directory.CountSeen(),
+                         directory.CountSeen() == 1 ? "" : "s", fleet.name()));
   }
 }
 
@@ -108,8 +108,7 @@ Status AskFleet(const Fleet& fleet, Link& link, const Environment& environment, 
   AskForStates(robots, fleet.targets().state_wait, link, environment, log);
   if (link.transport != nullptr) return {};
   return Fail(ErrorKind::kBroker,
-              "the connection was lost while robots were asked for their states. try: without "
-              "--ask");
+              "the connection was lost while robots were asked for their states: leave out --ask");
 }
 
 }  // namespace
@@ -175,8 +174,8 @@ std::string Fleet::name() const {
 
 std::string AbridgedWarning(std::size_t robots) {
   return fmt::format(
-      "robots say more than is kept: of {} of them the worst error is shown, texts are cut with "
-      "…, and requests are left out. try: fewer TARGETs",
+      "robots say more than is kept: of {} of them only the worst error is shown, texts are cut "
+      "with …, and requests are left out; name fewer robots to see all",
       robots);
 }
 

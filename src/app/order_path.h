@@ -1,4 +1,4 @@
-// The way of an order: from words, a route over a layout or the rows of a file to nodes and edges
+// The way of an order: from words, a route over a layout or the rows of a file (app/path_file) to nodes and edges
 // with their actions.
 #pragma once
 
@@ -62,15 +62,6 @@ struct PlannedPath {
   std::optional<double> length;       ///< m; nothing: some place is not known
   std::vector<std::string> warnings;  ///< one line each
 };
-
-/// `TYPE@PLACE` with its parameters as `-P` takes them. Errors: ErrorKind::kUsage.
-[[nodiscard]] Result<PlacedAction> ParsePlacedAction(std::string_view word,
-                                                     const std::vector<std::string>& parameters);
-
-/// Rows `node,x,y,theta,map,actions`: theta and actions may be left out, and of a node that needs no
-/// position x, y and map too. Actions are separated by semicolons: `pick loadType=EPAL; beep`.
-/// Errors: ErrorKind::kInvalid, `line 3: …`.
-[[nodiscard]] Result<std::vector<PathPoint>> ParsePathFile(std::string_view text);
 
 /// `site` may be null: there is no layout. Errors: ErrorKind::kUsage (a place that is none, an action
 /// whose place is not on the way), kPreflight (no route, the robot is elsewhere).

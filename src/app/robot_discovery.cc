@@ -84,18 +84,13 @@ class Discoverer {
     if (ok && finds) ok = ReadFound();
     if (options_.states) {
       if (ok) ok = ReadByName();
-      if (ok && options_.ask) {
-        ok = ReadFactsheets();
-        if (ok) ok = options_.ask();
-        if (!ok) return ok;
-        end = steady_clock::now() + targets_.state_wait;
-      }
+      if (ok && options_.ask) ok = Ask(end);
       if (ok) ok = ReceiveStates(end);
-    } else if (ok && (finds || AnyMissing())) {
+    } else if (ok) {
       ok = ListenForLife();
     }
     if (ok && finds && !handed_out_.any) ok = ReadConnections();
-    if (ok && NeedsFactsheets() && !options_.ask) ok = ReadFactsheets();
+    if (ok && NeedsFactsheets()) ok = ReadFactsheets();
     if (ok && !options_.states && Need(targets_.where, "state")) ok = AwaitStates(end);
     return ok;
   }
@@ -118,12 +113,6 @@ class Discoverer {
   static bool IsThere(const RobotEntry& entry) {
     const bool hibernates = entry.connection && entry.connection->connection_state == "HIBERNATING";
     return hibernates || entry.IsAlive();
-  }
-  [[nodiscard]] bool AnyMissing() const {
-    const auto& robots = directory_.robots();
-    return std::any_of(robots.begin(), robots.end(), [this](const auto& listed) {
-      return IsWanted(listed.second) && !IsDecided(listed.second);
-    });
   }
 
   const RobotEntry* Take(const mqtt::Message& message) {
@@ -161,19 +150,26 @@ class Discoverer {
     return Read(filters.Take(), std::move(waiting), options_.discover, IsDecided);
   }
 
-  // Connection messages, with states only where they are waited for: with large ones the broker's
-  // queue would run over sooner. In the order in which a broker hands them out, so that the state of
-  // a robot is mostly there when its connection is.
+  // Connection messages, with states at once only where they are waited for: with large ones the
+  // broker's queue would run over sooner. In the order in which a broker hands them out, so that the
+  // state of a robot is mostly there when its connection is. Else states come behind, and one silence
+  // ends both: of robots that send states live, whatever their connection messages say or whether
+  // there are any.
   Status ReadFound() {
+    constexpr std::array<std::string_view, 1> kState = {"state"};
     std::vector<std::string_view> topics;
     if (options_.states) topics.emplace_back("state");
     topics.emplace_back("connection");
     Filters filters;
+    Filters behind;
     if (auto ok = filters.Add(targets_, directory_, topics); !ok) return ok;
+    if (auto ok = behind.Add(targets_, directory_, kState); !ok) return ok;
+    auto options = options_.discover;
+    if (!options_.states) options.behind = behind.Take();
     auto handed_out = ReadWholeFleet(
         transport_,
         {.schemes = directory_.schemes(), .filters = filters.Take(), .expected = options_.expected},
-        options_.discover, [&](const mqtt::Message& message) { Take(message); },
+        options, [&](const mqtt::Message& message) { Take(message); },
         [&] { return directory_.robots().size(); });
     if (!handed_out) return Fail(std::move(handed_out.error()));
     handed_out_ = *handed_out;
@@ -181,8 +177,8 @@ class Discoverer {
     return {};
   }
 
-  // Robots that send states live, whatever their connection messages say or whether there are any.
-  // RabbitMQ moreover has nothing retained for a filter with wildcards: the same by full names.
+  // Robots that are not ONLINE may send states all the same. RabbitMQ moreover has nothing retained
+  // for a filter with wildcards: the same by full names.
   Status ListenForLife() {
     constexpr std::array<std::string_view, 1> kState = {"state"};
     std::vector<std::string_view> topics;
@@ -198,13 +194,16 @@ class Discoverer {
       if (entry.WasHeard()) continue;
       if (auto ok = filters.Add(vda5050::SpecifiedTopics(scheme, robot, topics)); !ok) return ok;
     }
-    if (auto ok = filters.Add(targets_, directory_, kState); !ok) return ok;
     if (auto ok = AddUnheard(filters); !ok) return ok;
+    const bool finds = !targets_.include.patterns.empty();
+    const bool is_late = !missing.empty() || (finds && !handed_out_.any);
+    if (is_late) {
+      if (auto ok = filters.Add(targets_, directory_, kState); !ok) return ok;
+    }
     auto options = options_.discover;
-    if (!missing.empty() || !handed_out_.any)
-      options.quiet = options.most = kLifeFactor * options.quiet;
+    if (is_late) options.quiet = options.most = kLifeFactor * options.quiet;
     // Those of whom nothing is known may be found until the end.
-    if (!targets_.include.patterns.empty()) missing.insert(nullptr);
+    if (finds) missing.insert(nullptr);
     return Read(filters.Take(), std::move(missing), options, IsDecided);
   }
 
@@ -308,9 +307,18 @@ class Discoverer {
     return filters.Add(std::vector<std::string>{*std::move(topic)});
   }
 
-  // Each by its own topic, beside the one at which the robot lives. No broker promises that it comes
+  // Who can be asked, their factsheets tell.
+  Status Ask(mqtt::Deadline& end) {
+    auto ok = ReadFactsheets();
+    if (ok) ok = options_.ask();
+    end = steady_clock::now() + targets_.state_wait;
+    return ok;
+  }
+
+  // Once. Each by its own topic, beside the one at which the robot lives. No broker promises that it comes
   // before or with the connection message.
   Status ReadFactsheets() {
+    if (std::exchange(has_read_factsheets_, true)) return {};
     Filters filters;
     std::set<const RobotEntry*> waiting;
     for (const auto& [robot, entry] : directory_.robots()) {
@@ -344,7 +352,7 @@ class Discoverer {
     }
     if (robots.empty()) return;
     const std::string text =
-        fmt::format("not held against {}: {}", robots.size() == 1 ? "a factsheet" : "factsheets",
+        fmt::format("not checked against {}: {}", robots.size() == 1 ? "a factsheet" : "factsheets",
                     FormatRobotList(robots));
     if (answered) {
       log_.Info(text + ": the broker has none");
@@ -386,6 +394,7 @@ class Discoverer {
   Log& log_;
   HandedOut handed_out_;        // for filters with wildcards
   std::string retained_topic_;  // of the last connection message that was retained
+  bool has_read_factsheets_ = false;
 };
 
 // Of those who have left a connection message under these filters.

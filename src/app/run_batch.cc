@@ -76,7 +76,7 @@ class Batch {
     }
     if (held_) {
       for (const LineCommand& line : held_->commands) {
-        ReportNotSent(line, {ErrorKind::kBroker, "nothing is sent any more"});
+        ReportNotSent(line, {ErrorKind::kBroker, "the batch has ended"});
       }
     }
     end_.all_read = input_.ended();
@@ -89,7 +89,8 @@ class Batch {
     auto dry_run = DryRun::Open(environment_.ledger);
     if (!dry_run) return Fail(std::move(dry_run.error()));
     std::optional<Link> link;
-    const bool looks = !request_.settings.offline && environment_.names_broker;
+    const bool looks =
+        request_.defaults.online || (!request_.settings.offline && environment_.names_broker);
     while (!input_.ended() && !(request_.stop_on_error && has_error_)) {
       input_.Await();
       held_ = input_.Take(send_.batch);
@@ -155,7 +156,8 @@ class Batch {
   LineGroup TakeLines() {
     const auto now = steady_clock::now();
     // What the check refuses is an error, too: then nothing behind it may leave.
-    const bool one_by_one = request_.stop_on_error && request_.defaults.check;
+    const bool looks = request_.defaults.check || request_.defaults.online;
+    const bool one_by_one = request_.stop_on_error && looks;
     const std::size_t batch = one_by_one ? 1 : send_.batch;
     const std::size_t most = std::min(request_.settings.rate.Available(now), batch);
     LineGroup group = input_.Take(most);
@@ -206,7 +208,7 @@ class Batch {
       factsheets = factsheets || line.message->NeedsFactsheet();
       stops_only = stops_only && line.message->IsOnlyStartPause();
     }
-    const DiscoveryOptions options{.all = request_.defaults.check,
+    const DiscoveryOptions options{.all = request_.defaults.check || request_.defaults.online,
                                    .factsheets = request_.defaults.check && factsheets,
                                    .discover = request_.discover};
     auto ok = DiscoverRobots(transport, {}, options, directory_, log_);
@@ -233,6 +235,7 @@ class Batch {
 
   void Build(const LineCommand& line, std::vector<Command>& commands) {
     const ListedRobot robot = Find(line);
+    if (request_.defaults.online && !robot.second.IsAlive()) return ReportAway(line, robot);
     CommandFactory::Built built;
     const auto ok = factory_.Build(robot, RequestFor(line), built);
     if (!ok) {
@@ -250,6 +253,22 @@ class Batch {
       command.reference = line.reference;
       commands.push_back(std::move(command));
     }
+  }
+
+  // By --online: who is offline is left out, which is no error. Of whom nothing is known, nobody can
+  // say it.
+  void ReportAway(const LineCommand& line, const ListedRobot& robot) {
+    using enum message::CommandStatus;
+    const bool is_known = robot.second.WasHeard();
+    const auto& connection = robot.second.connection;
+    message::Report report = CommandFactory::ReportOn(
+        robot, RequestFor(line), is_known ? kOffline : kRefused, ErrorKind::kPreflight,
+        !is_known    ? "not sent: the broker has no message of it, so --online cannot be decided"
+        : connection ? "not sent, by --online: " + vda5050::ConnectionText(*connection)
+                     : "not sent, by --online: it is offline");
+    if (is_known) report.error.reset();
+    report.reference = line.reference;
+    Report(report);
   }
 
   // Lines may state different versions for one robot.

@@ -43,7 +43,9 @@ class Warnings {
   void TellRest() const {
     for (const auto& [words, count] : told_) {
       if (count <= kTold) continue;
-      log_.Warn(fmt::format("the same of {} more robots{}", count - kTold, words));
+      const std::size_t more = count - kTold;
+      log_.Warn(fmt::format("the same for {} more robot{}{}{}", more, more == 1 ? "" : "s",
+                            words.starts_with(":") ? "" : ":", words));
     }
   }
 
@@ -56,7 +58,7 @@ class Warnings {
 std::string WhyUnheard(const vda5050::RobotEntry& robot, milliseconds state_wait) {
   if (!robot.state_fault.empty()) return "its state cannot be read: " + robot.state_fault;
   if (robot.WasHeard()) return "it sent no state within " + base::FormatElapsed(state_wait);
-  return "no message of it is at the broker";
+  return "the broker has no message of it";
 }
 
 class CommandSender final : private delivery::CommandSource {

@@ -89,7 +89,9 @@ class SheetReader {
     for (const ListedRobot* robot : chosen_) shown.sheets.push_back(MakeSheet(*robot));
     AddCommands(shown.sheets);
     if (messages_.is_full()) {
-      log_.Warn("robots say more than is kept: some messages are not shown. try: fewer TARGETs");
+      log_.Warn(
+          "robots say more than is kept: some messages are not shown; name fewer robots to see "
+          "all");
     }
     return shown;
   }
@@ -155,8 +157,8 @@ class SheetReader {
     });
     if (found > 0) {
       return {ErrorKind::kPreflight,
-              fmt::format("of {} robot{} found at {}, none is known to satisfy every --where",
-                          found, found == 1 ? "" : "s", Site())};
+              fmt::format("{} robot{} found at {}, none satisfies every --where", found,
+                          found == 1 ? "" : "s", Site())};
     }
     return {ErrorKind::kPreflight,
             fmt::format("{} knows no such robot: {}. try: fleetpub fleet", Site(),

@@ -50,14 +50,13 @@ Result<std::vector<RobotAddress>> ResolveWord(const std::string& word,
   auto robot = vda5050::ParseRobotAddress(word);
   if (robot) return std::vector{*std::move(robot)};
   if (word == "all") {
-    return Fail(ErrorKind::kUsage, "'all' is no target: --all means every robot of the broker");
+    return Fail(ErrorKind::kUsage, "'all' is not a target: --all means every robot of the broker");
   }
   if (word.find('/') == std::string::npos && !config.aliases.empty()) {
     const std::string hint = Nearby(word, ListNames(config.aliases), "");
-    return Fail(
-        ErrorKind::kUsage,
-        fmt::format("target '{}': there is no robot with this alias{}", base::Printable(word),
-                    hint.empty() ? ": name it as manufacturer/serialNumber" : hint));
+    return Fail(ErrorKind::kUsage,
+                fmt::format("no robot has the alias '{}'{}", base::Printable(word),
+                            hint.empty() ? ": name it as manufacturer/serialNumber" : hint));
   }
   return Fail(std::move(robot.error()));
 }
@@ -125,7 +124,7 @@ class WordReader {
       }
     }
     if (any) return {};
-    return Fail(ErrorKind::kUsage, "standard input names no target: one per line is expected");
+    return Fail(ErrorKind::kUsage, "standard input names no target: write one per line");
   }
 
   TargetSpec Take() { return std::move(words_); }
@@ -235,7 +234,7 @@ Result<Targets> ResolveTargets(TargetRequest request, const config::Config& conf
                 "such as 'KIT/*' in quotation marks, or --all, means several");
   }
   if (request.all && !request.words.empty()) {
-    return Fail(ErrorKind::kUsage, "--all means every robot: name none beside it");
+    return Fail(ErrorKind::kUsage, "--all means every robot: name no others");
   }
   Targets targets;
   if (auto ok = CheckConditions(request.where, log); !ok) return Fail(std::move(ok.error()));

@@ -71,7 +71,7 @@ class Census {
 }  // namespace
 
 Result<HandedOut> ReadWholeFleet(mqtt::Transport& transport, const FleetQuery& query,
-                                 const delivery::RetainedOptions& options,
+                                 delivery::RetainedOptions options,
                                  const std::function<void(const mqtt::Message&)>& take,
                                  const std::function<std::size_t()>& known) {
   Census census(query);
@@ -85,6 +85,7 @@ Result<HandedOut> ReadWholeFleet(mqtt::Transport& transport, const FleetQuery& q
         known);
   };
   if (auto ok = read(query.filters); !ok) return Fail(std::move(ok.error()));
+  options.behind.clear();
   HandedOut handed_out{.any = census.any()};
   const std::size_t limit = census.size();
   if (!LooksLikeALimit(limit)) return handed_out;
@@ -102,11 +103,11 @@ Result<HandedOut> ReadWholeFleet(mqtt::Transport& transport, const FleetQuery& q
 
 void WarnOfLimit(const HandedOut& handed_out, Log& log) {
   if (handed_out.limit == 0) return;
-  log.Warn(fmt::format(
-      "the broker has handed out just {} robots, which looks like a limit of its own: more may be "
-      "there. try: its configuration (ejabberd hands out 1,000 for a subscription, mosquitto "
-      "queues as many over WebSockets), or --expect N",
-      handed_out.limit));
+  log.Warn(
+      fmt::format("the broker has handed out exactly {} robots, which looks like a limit of its "
+                  "own: there may be more. Raise it (ejabberd hands out 1,000 for a subscription, "
+                  "mosquitto queues as many over WebSockets), or add --expect N",
+                  handed_out.limit));
 }
 
 }  // namespace fleetpub::app

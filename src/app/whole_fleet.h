@@ -32,7 +32,7 @@ struct HandedOut {
 /// asks again for smaller parts of the fleet, by interface, version and manufacturer, until nobody new
 /// comes. `known` tells of how many robots there are. Errors: as ReadAllRetained.
 [[nodiscard]] Result<HandedOut> ReadWholeFleet(
-    mqtt::Transport& transport, const FleetQuery& query, const delivery::RetainedOptions& options,
+    mqtt::Transport& transport, const FleetQuery& query, delivery::RetainedOptions options,
     const std::function<void(const mqtt::Message&)>& take,
     const std::function<std::size_t()>& known);
 

@@ -142,7 +142,7 @@ std::string_view WordsFor(rapidjson::ParseErrorCode code) {
     case rapidjson::kParseErrorDocumentEmpty:
       return "nothing is there";
     case rapidjson::kParseErrorDocumentRootNotSingular:
-      return "there is something after its end";
+      return "something follows after its end";
     case rapidjson::kParseErrorValueInvalid:
       return "a value is expected here: write a text in quotation marks";
     case rapidjson::kParseErrorObjectMissName:
@@ -183,7 +183,7 @@ Error ParseError(std::string_view text, const Generator& generator) {
   if (generator.inexact) {
     return {ErrorKind::kInvalid,
             fmt::format("not accepted at {}: a whole number of more than 64 bits would be sent as "
-                        "another one. try: a text, or an exponent (1.5e22)",
+                        "another one: write a text, or an exponent (1.5e22)",
                         place)};
   }
   const bool by_guard = generator.result.Code() == rapidjson::kParseErrorTermination;
@@ -368,7 +368,7 @@ Result<JsonDocument> ParseJson(std::string_view text, JsonLimits limits) {
   document.Populate(generator);
   if (generator.result.IsError()) return Fail(ParseError(text, generator));
   if (const std::string name = FindRepeatedName(document); !name.empty()) {
-    return Fail(ErrorKind::kInvalid, fmt::format("{} stands there twice", name));
+    return Fail(ErrorKind::kInvalid, fmt::format("{} appears twice", name));
   }
   return document;
 }

@@ -72,7 +72,7 @@ constexpr LoginSetting kLogin[] = {
     {"cert", kOwnCertificate, true},
     {"key", kOwnCertificate, true},
     {"key_password_file", kOwnCertificate, true},
-    {"insecure", "say --insecure if anyone may be that one", true},
+    {"insecure", "add --insecure if anyone may be that one", true},
 };
 
 }  // namespace
@@ -84,11 +84,11 @@ Status CheckSite(const Context& context, std::span<const mqtt::BrokerUrl> broker
   Texts own;
   AddBrokers(context.config.profiles.find(profile)->second, own);
   if (own.empty() || FindStranger(brokers, own) == nullptr) return {};
-  return Fail(ErrorKind::kUsage,
-              fmt::format("profile {} has the broker {}, and {} another: leave that out, or say "
-                          "which with --broker",
-                          base::Printable(profile), base::Printable(base::Join(own, ", ")),
-                          WhoNamesTheBroker(o)));
+  return Fail(
+      ErrorKind::kUsage,
+      fmt::format(
+          "profile {} has the broker {}, but {} another: leave that out, or name one with --broker",
+          base::Printable(profile), base::Printable(base::Join(own, ", ")), WhoNamesTheBroker(o)));
 }
 
 Status CheckLogin(const Context& context, std::span<const mqtt::BrokerUrl> brokers) {

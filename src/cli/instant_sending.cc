@@ -41,9 +41,9 @@ Status CheckOneSpot(const InstantSendingOptions& options, std::string_view type,
   const bool may_be_many =
       targets.AreFound() ? targets.expect.value_or(2) > 1 : targets.include.robots.size() > 1;
   if (!is_position || !may_be_many || options.force || options.sending.dry_run) return {};
-  return Fail(ErrorKind::kUsage,
-              "nothing was sent: several robots cannot be at one position: name one robot, or say "
-              "initPosition --force");
+  return Fail(
+      ErrorKind::kUsage,
+      "nothing was sent: several robots cannot be at one position: name one robot, or add --force");
 }
 
 }  // namespace
@@ -54,7 +54,7 @@ Result<ExitCode> SendInstantAction(const InstantSendingOptions& options, std::st
   const auto waiting = ParseWaitingOptions(options.waiting);
   if (!waiting) return Fail(waiting.error());
   if (options.if_any && !waiting->wait_for) {
-    return Fail(ErrorKind::kUsage, "--if-any belongs to waiting: add --wait");
+    return Fail(ErrorKind::kUsage, "--if-any needs --wait");
   }
   auto target_request = ParseTargetOptions(options.targets);
   if (!target_request) return Fail(std::move(target_request.error()));

@@ -78,9 +78,9 @@ bool IsMeantAsHost(const std::vector<std::string>& arguments) {
 ExitCode PrintHelp(OptionSet::Asked asked, const CommandLine& call,
                    const std::vector<std::string>& arguments) {
   if (IsMeantAsHost(arguments)) {
-    return EndBefore({ErrorKind::kUsage,
-                      "-h asks for help and takes no word behind it: the broker's host is --host"},
-                     arguments, {});
+    return EndBefore(
+        {ErrorKind::kUsage, "-h shows the help and takes no value: the broker's host is --host"},
+        arguments, {});
   }
   const SubcommandMatch& match = call.match;
   if (asked == OptionSet::Asked::kHelp && FormatOfErrors(arguments, {}) == Format::kJson) {
@@ -174,14 +174,13 @@ int Main(int argc, char** argv, const BuildInfo& build) {
   } catch (const std::bad_alloc&) {
     std::fputs(
         "fleetpub: error: memory ran out, and whether anything was sent is not known (fleetpub "
-        "history tells): allow it more (ulimit -v), or give it less at a time\n",
+        "history shows it): allow more (ulimit -v), or send less at a time\n",
         stderr);
   } catch (const std::exception& error) {
     Print(stderr,
-          fmt::format(
-              "fleetpub: error: nobody foresaw this, and whether anything was sent is not known "
-              "(see fleetpub history): please report it\nfleetpub: detail: {}\n",
-              base::Printable(error.what())));
+          fmt::format("fleetpub: error: unexpected, and whether anything was sent is not known "
+                      "(fleetpub history shows it): please report this\nfleetpub: detail: {}\n",
+                      base::Printable(error.what())));
   }
   std::fflush(stdout);
   // Nothing is left to do, and the libraries' own clean-up costs more than the command did.

@@ -71,8 +71,7 @@ void AddHeader(vda5050::Version version, base::JsonDocument& message) {
 Status MessageValidator::Prepare() {
   if (options_.body && (options_.is_soar || !options_.schema_file.empty())) {
     return Fail(ErrorKind::kUsage,
-                "--body goes with the built-in schemas of VDA 5050: a payload of SoAR stands alone "
-                "with --message-type");
+                "--body is for VDA 5050: a SoAR payload is checked alone with --message-type");
   }
   if (!options_.schema_file.empty()) return LoadFile();
   if (auto right = CheckCombinations(); !right || options_.is_soar) return right;
@@ -112,10 +111,10 @@ Findings MessageValidator::Check(std::string_view text) {
 
 Status MessageValidator::CheckCombinations() const {
   if (!options_.is_soar && options_.message_type) {
-    return Fail(ErrorKind::kUsage, "--message-type belongs to --protocol soar");
+    return Fail(ErrorKind::kUsage, "--message-type needs --protocol soar");
   }
   if (options_.is_soar && !options_.topic.empty()) {
-    return Fail(ErrorKind::kUsage, "--topic belongs to VDA 5050: name a --message-type");
+    return Fail(ErrorKind::kUsage, "--topic is for VDA 5050: name a --message-type");
   }
   return {};
 }
@@ -171,8 +170,7 @@ Result<std::string> MessageValidator::FindTopic(const base::JsonValue& message) 
   for (const auto& [member, topic] : kMarks) {
     if (base::FindMember(message, member) != nullptr) return std::string(topic);
   }
-  return Fail(ErrorKind::kInvalid,
-              "it cannot be told which topic it belongs to: name it with --topic");
+  return Fail(ErrorKind::kInvalid, "its content does not tell its topic: name it with --topic");
 }
 
 }  // namespace fleetpub::cli

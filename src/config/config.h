@@ -5,6 +5,7 @@
 // both.
 #pragma once
 
+#include <functional>
 #include <map>
 #include <optional>
 #include <string>
@@ -80,8 +81,13 @@ using Mistakes = std::vector<Error>;
 /// robots, a group's unknown member.
 [[nodiscard]] Status Resolve(const std::optional<std::string>& asked, Config& config);
 
+/// Whether a key may have these texts, by what only its user knows. May be empty.
+using ValueCheck =
+    std::function<Status(std::string_view key, const std::vector<std::string>& texts)>;
+
 /// The same, going on behind a mistake.
-void ReadConfig(std::string_view text, const std::string& file, Config& config, Mistakes& mistakes);
+void ReadConfig(std::string_view text, const std::string& file, Config& config, Mistakes& mistakes,
+                const ValueCheck& check = {});
 void Resolve(const std::optional<std::string>& asked, Config& config, Mistakes& mistakes);
 
 }  // namespace fleetpub::config

@@ -163,14 +163,15 @@ std::vector<fs::path> ListConfigFiles(const std::optional<std::string>& file) {
 }
 
 Mistakes CheckConfig(const std::optional<std::string>& file,
-                     const std::optional<std::string>& profile, Config& config) {
+                     const std::optional<std::string>& profile, const ValueCheck& check,
+                     Config& config) {
   Mistakes mistakes;
   for (const fs::path& each : ListConfigFiles(file)) {
     auto text = ReadText(each.string(), file ? Missing::kIsAnError : Missing::kIsAllowed);
     if (!text) {
       mistakes.push_back(std::move(text.error()));
     } else if (*text) {
-      ReadConfig(**text, each.string(), config, mistakes);
+      ReadConfig(**text, each.string(), config, mistakes, check);
     }
   }
   Resolve(profile, config, mistakes);

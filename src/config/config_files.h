@@ -34,10 +34,11 @@ enum class Missing { kIsAllowed, kIsAnError };
 [[nodiscard]] std::vector<std::filesystem::path> ListConfigFiles(
     const std::optional<std::string>& file);
 
-/// All that is wrong in those files, instead of what stops the reading first. `config` has what is
-/// right.
+/// All that is wrong in those files, instead of what stops the reading first; of a file that is not
+/// TOML only where that shows. `config` has what is right.
 [[nodiscard]] Mistakes CheckConfig(const std::optional<std::string>& file,
-                                   const std::optional<std::string>& profile, Config& config);
+                                   const std::optional<std::string>& profile,
+                                   const ValueCheck& check, Config& config);
 
 /// The `file` (of --config), else the host's and the user's, which need not be there.
 [[nodiscard]] Result<Config> LoadConfig(const std::optional<std::string>& file,

@@ -81,8 +81,8 @@ bool IsSecret(std::string_view key) {
 
 class Reader {
  public:
-  Reader(const std::string& file, Config& config, Mistakes& mistakes)
-      : file_(file), config_(config), mistakes_(mistakes) {}
+  Reader(const std::string& file, Config& config, Mistakes& mistakes, const ValueCheck& check)
+      : file_(file), config_(config), mistakes_(mistakes), check_(check) {}
 
   void Read(const TomlValue& document) {
     ConfigSection own;
@@ -193,6 +193,11 @@ class Reader {
     } else if (auto ok = add(member.value); !ok) {
       return ok;
     }
+    if (check_) {
+      if (auto ok = check_(setting.key, value.texts); !ok) {
+        return Fail(ErrorAt(value.place, ok.error().message));
+      }
+    }
     section[member.name] = std::move(value);
     return {};
   }
@@ -285,12 +290,13 @@ class Reader {
   const std::string& file_;
   Config& config_;
   Mistakes& mistakes_;
+  const ValueCheck& check_;
 };
 
 }  // namespace
 
-void ReadConfig(std::string_view text, const std::string& file, Config& config,
-                Mistakes& mistakes) {
+void ReadConfig(std::string_view text, const std::string& file, Config& config, Mistakes& mistakes,
+                const ValueCheck& check) {
   const auto document = ParseToml(text);
   if (!document) {
     mistakes.push_back({ErrorKind::kUsage,
@@ -300,7 +306,7 @@ void ReadConfig(std::string_view text, const std::string& file, Config& config,
   }
   config.files.push_back(file);
   const std::size_t before = mistakes.size();
-  Reader(file, config, mistakes).Read(*document);
+  Reader(file, config, mistakes, check).Read(*document);
   // As they stand in the file, not by name.
   const auto line = [&](const Error& error) {
     return std::atoi(error.message.c_str() + base::Printable(file).size() + 1);

@@ -9,6 +9,7 @@
 #include "base/time.h"
 #include "ledger/postgres/postgres_url.h"
 #include "mqtt/broker_url.h"
+#include "vda5050/model/robot_address.h"
 #include "vda5050/model/version.h"
 
 namespace fleetpub::config {
@@ -40,6 +41,17 @@ Status CheckVda(const std::string& value) {
   if (value == "auto") return {};
   if (auto version = vda5050::ParseVersion(value); !version) return Fail(version.error());
   return {};
+}
+
+Status CheckInterface(const std::string& value) {
+  return value.empty() ? Status() : vda5050::CheckInterface(value);
+}
+
+Status CheckTemplate(const std::string& value) {
+  if (value.empty()) return {};
+  const auto topic = vda5050::TopicFor({.topic_template = value}, vda5050::Version::k300,
+                                       {"KIT", "0001"}, "state");
+  return topic ? Status() : Fail(topic.error());
 }
 
 Status CheckDuration(const std::string& value) {
@@ -89,8 +101,8 @@ constexpr auto kSettings = std::to_array<Setting>({
     {"qos", kWhole, "0", CheckOneOf<kQos>},
     {"tidy", kFlag, "false"},
     {"vda", kText, "auto", CheckVda},
-    {"interface", kText, "uagv up to 2.x, vda5050 from 3.0"},
-    {"topic_template", kText, "{interface}/{major}/{manufacturer}/{serial}/{topic}"},
+    {"interface", kText, "uagv up to 2.x, vda5050 from 3.0", CheckInterface},
+    {"topic_template", kText, "{interface}/{major}/{manufacturer}/{serial}/{topic}", CheckTemplate},
     {"soar_source", kText, "fleetpub"},
     {"soar_prefix", kText, "soar"},
 });
@@ -98,8 +110,8 @@ constexpr auto kSettings = std::to_array<Setting>({
 constexpr auto kRobotSettings = std::to_array<Setting>({
     {"alias", kText, "", CheckTargetName},
     {"vda", kText, "", CheckVda},
-    {"interface", kText, ""},
-    {"topic_template", kText, ""},
+    {"interface", kText, "", CheckInterface},
+    {"topic_template", kText, "", CheckTemplate},
     {"actions_key", kText, "", CheckOneOf<kActionsKeys>},
     {"header_version", kText, ""},
     {"header_manufacturer", kText, ""},

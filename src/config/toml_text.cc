@@ -230,8 +230,8 @@ std::string_view WordsFor(std::string_view description) {
       {"expected '='", "a = is missing after the key"},
       {"expected value", "a value is missing after the ="},
       {"not representable", "a number is too large"},
-      {"parsing date", "a date that is none"},
-      {"parsing time", "a time that is none"},
+      {"parsing date", "not a date"},
+      {"parsing time", "not a time"},
   }};
   const auto fault = std::find_if(kFaults.begin(), kFaults.end(), [&](const Fault& known) {
     return description.find(known.part) != std::string_view::npos;

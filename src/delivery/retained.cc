@@ -1,6 +1,7 @@
 #include "delivery/retained.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace fleetpub::delivery {
 
@@ -28,6 +29,10 @@ Status ReadBurst(mqtt::Transport& transport, mqtt::Deadline end, const MessageCa
   return {};
 }
 
+// A tenth of a silence may be a pause in what a broker hands out: then what follows comes while the
+// filters behind are listened to.
+constexpr int kPausesInASilence = 10;
+
 // Decides what is the end of what a broker has retained.
 class Silence {
  public:
@@ -41,6 +46,11 @@ class Silence {
     Renew(now);
   }
 
+  void Begin() {
+    most_ += steady_clock::now() - start_;
+    Renew(steady_clock::now());
+  }
+
   void Hear(const mqtt::Message& message) {
     if (!message.retained) return;
     const auto now = steady_clock::now();
@@ -51,9 +61,12 @@ class Silence {
     Renew(now);
   }
   [[nodiscard]] mqtt::Deadline end() const { return end_; }
+  /// The end of a pause.
+  [[nodiscard]] mqtt::Deadline pause() const { return std::min(end_, pause_); }
 
  private:
   void Renew(mqtt::Deadline now) {
+    pause_ = now + quiet_ / kPausesInASilence;
     end_ = marked_ ? std::min(now + quiet_, most_)
                    : std::min(now + std::max<steady_clock::duration>(options_.subscribe, quiet_),
                               start_ + kMaxReadTime);
@@ -64,6 +77,7 @@ class Silence {
   bool marked_;
   mqtt::Deadline start_ = steady_clock::now();
   mqtt::Deadline most_;
+  mqtt::Deadline pause_;
   mqtt::Deadline end_;
 };
 
@@ -87,13 +101,20 @@ Status ReadInto(mqtt::Transport& transport, std::span<const std::string> filters
     }
   }
   Silence silence(options, round_trip);
+  bool is_all = options.behind.empty();
   while (true) {
-    const auto message = transport.Receive(silence.end());
+    const auto message = transport.Receive(is_all ? silence.end() : silence.pause());
     if (!message) return Fail(message.error());
-    if (!*message) return {};
-    if (take(**message)) return ReadBurst(transport, steady_clock::now() + options.quiet, take);
-    silence.Hear(**message);
-    if (steady_clock::now() >= silence.end()) return {};
+    if (*message) {
+      if (take(**message)) return ReadBurst(transport, steady_clock::now() + options.quiet, take);
+      silence.Hear(**message);
+      if (steady_clock::now() < (is_all ? silence.end() : silence.pause())) continue;
+    }
+    if (std::exchange(is_all, true)) return {};
+    auto ok = transport.Subscribe(options.behind, mqtt::kListeningQos,
+                                  steady_clock::now() + options.subscribe);
+    if (!ok) return ok;
+    silence.Begin();
   }
 }
 
@@ -124,6 +145,7 @@ Status ReadAllRetained(mqtt::Transport& transport, std::span<const std::string> 
       return false;
     });
     if (!ok || messages < kBrokersQueue || known() == before) return ok;
+    options.behind.clear();
   }
 }
 

@@ -7,6 +7,7 @@
 #include <functional>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "base/result.h"
 #include "mqtt/transport.h"
@@ -24,6 +25,9 @@ struct RetainedOptions {
   /// One of the filters, the last: a topic of which a message is known to be retained. Until it has
   /// come a silence is the network's, and lasts as long as a SUBACK may take. Empty: none.
   std::string marker = {};
+  /// Subscribed to when the others seem to have brought all, some milliseconds later; the silence
+  /// begins anew then, and ends both. Not for filters of which what is retained counts.
+  std::vector<std::string> behind = {};
   /// Gets every message too: whoever waits for others on the same connection. May be empty.
   std::function<void(const mqtt::Message&)> also;
 };

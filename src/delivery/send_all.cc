@@ -30,7 +30,7 @@ Status SendAll(CommandSource& source, CommandSession& session, SendAllOptions op
     if (is_stopped()) {
       source.GiveUp({ErrorKind::kUnconfirmed, "interrupted"});
       session.EndAll(message::CommandStatus::kInterrupted,
-                     {ErrorKind::kUnconfirmed, "sent, and no longer waited for"});
+                     {ErrorKind::kUnconfirmed, "sent; no longer waiting"});
       break;
     }
     const auto now = steady_clock::now();

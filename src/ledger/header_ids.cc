@@ -25,10 +25,11 @@ Result<std::uint32_t> ChooseId(const Draft& draft, std::optional<std::uint32_t> 
   if (!draft.header_id) return NextId(last, start);
   constexpr auto kHighest = std::numeric_limits<std::uint32_t>::max();
   if (!last || *last == kHighest || *draft.header_id > *last) return *draft.header_id;
-  return Fail(ErrorKind::kUsage,
-              fmt::format("header id {} is not above {}, the last one on topic {}: ask for a "
-                          "higher one, or for none",
-                          *draft.header_id, *last, draft.topic));
+  return Fail(
+      ErrorKind::kUsage,
+      fmt::format(
+          "header id {} is not above {}, the last one on topic {}: give a higher one, or none",
+          *draft.header_id, *last, draft.topic));
 }
 
 }  // namespace fleetpub::ledger

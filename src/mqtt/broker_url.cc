@@ -281,9 +281,11 @@ Status ParsePath(const Pieces& pieces, BrokerUrl& url) {
   }
   if (!url.UsesWebSocket()) {
     if (pieces.path.empty() || pieces.path == "/") return {};
-    return Fail(ErrorKind::kUsage, fmt::format("the path{} does not belong into an mqtt:// or "
-                                               "mqtts:// URL, only into ws:// and wss://",
-                                               pieces.Quoted(pieces.path)));
+    return Fail(
+        ErrorKind::kUsage,
+        fmt::format(
+            "the path{} does not belong in an mqtt:// or mqtts:// URL, only into ws:// and wss://",
+            pieces.Quoted(pieces.path)));
   }
   const bool plain = std::all_of(pieces.path.begin(), pieces.path.end(), [](char c) {
     return c > ' ' && c < 0x7F && std::string_view("\"<>\\^`{|}").find(c) == std::string_view::npos;

@@ -93,8 +93,13 @@ Result<HttpProxy> ParseHttpProxy(std::string_view text) {
   return proxy;
 }
 
+bool IsPassing(std::string_view http_status) {
+  return http_status.starts_with('5') || http_status == "408" || http_status == "429";
+}
+
 Status OpenTunnel(int descriptor, const HttpProxy& proxy, const std::string& host,
-                  std::uint16_t port, Deadline deadline) {
+                  std::uint16_t port, Deadline deadline, bool& may_heal) {
+  may_heal = true;
   const bool v6 = host.find(':') != std::string::npos;
   const std::string target = fmt::format("{}{}{}:{}", v6 ? "[" : "", host, v6 ? "]" : "", port);
   std::string request = fmt::format("CONNECT {0} HTTP/1.1\r\nHost: {0}\r\n", target);
@@ -112,11 +117,19 @@ Status OpenTunnel(int descriptor, const HttpProxy& proxy, const std::string& hos
   const std::string status =
       answer->starts_with("HTTP/1.") && answer->size() > 12 ? answer->substr(9, 3) : "";
   if (status == "200") return {};
-  if (status == "407")
-    return ProxyFailed("the proxy wants a user name and password (FLEETPUB_PROXY)");
-  if (status.empty()) return ProxyFailed("what answers as the proxy is none (--proxy)");
-  return ProxyFailed(
-      fmt::format("the proxy refuses the connection (HTTP status {})", base::Printable(status)));
+  may_heal = IsPassing(status);
+  if (status.empty()) return ProxyFailed("what answers there is no HTTP proxy: check --proxy");
+  if (status == "407" && proxy.credentials.empty()) {
+    return ProxyFailed(
+        "the proxy wants a user name and a password: set FLEETPUB_PROXY to "
+        "http://user:password@host:port");
+  }
+  if (status == "407") {
+    return ProxyFailed("the proxy refuses the user name or the password in FLEETPUB_PROXY");
+  }
+  return ProxyFailed(fmt::format("the proxy {} {} (HTTP status {})",
+                                 may_heal ? "does not reach" : "refuses", target,
+                                 base::Printable(status)));
 }
 
 }  // namespace fleetpub::mqtt

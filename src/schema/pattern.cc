@@ -112,7 +112,7 @@ std::string Reason(const re2::RE2& expression) {
     case re2::RE2::ErrorPatternTooLarge:
       return "is too large";
     default:
-      return fmt::format("has a part that is not understood: {}", argument);
+      return fmt::format("has a part that cannot be read: {}", argument);
   }
 }
 

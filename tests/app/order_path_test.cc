@@ -4,6 +4,8 @@
 
 #include <numbers>
 
+#include "app/path_file.h"
+
 namespace fleetpub::app {
 namespace {
 

@@ -22,10 +22,12 @@ class ForgetfulBroker : public testing::FakeTransport {
   }
 
   int asked = 0;
+  std::vector<std::string> filters;
 
-  Status Subscribe(std::span<const std::string> /*filters*/, mqtt::Qos /*qos*/,
+  Status Subscribe(std::span<const std::string> wanted, mqtt::Qos /*qos*/,
                    mqtt::Deadline /*deadline*/) override {
     ++asked;
+    filters.insert(filters.end(), wanted.begin(), wanted.end());
     for (std::size_t i = 0; i < std::min(queue_, robots_.size()); ++i) {
       incoming_.push_back({.topic = robots_.front(), .retained = true});
       robots_.push_back(robots_.front());
@@ -61,6 +63,28 @@ TEST(ReadAllRetained, AsksAgainAsLongAsSomebodyNewTurnsUp) {
   ForgetfulBroker broker(journal, 3'500, 1'200);
   EXPECT_THAT(Collected(broker), SizeIs(3'500));
   EXPECT_EQ(broker.asked, 4);
+}
+
+// What one filter brings is there before another one may fill the broker's queue.
+TEST(ReadRetained, AsksForWhatComesBehindOnce) {
+  testing::Journal journal;
+  ForgetfulBroker broker(journal, 1'500, 1'200);
+  std::vector<std::size_t> taken;  // by the time of each asking
+  RetainedOptions options;
+  options.behind = {"+/state"};
+  std::set<std::string> known;
+  const std::vector<std::string> filters = {"+/connection"};
+  ASSERT_TRUE(ReadAllRetained(
+      broker, filters, options,
+      [&](const mqtt::Message& message) {
+        known.insert(message.topic);
+        taken.resize(static_cast<std::size_t>(broker.asked));
+        ++taken.back();
+      },
+      [&] { return known.size(); }));
+  EXPECT_THAT(known, SizeIs(1'500));
+  EXPECT_EQ(taken.front(), 1'200U);
+  EXPECT_THAT(broker.filters, ::testing::ElementsAre("+/connection", "+/state", "+/connection"));
 }
 
 TEST(ReadRetained, EndsManySubscriptionsAndLeavesAFew) {

@@ -107,6 +107,33 @@ TEST_F(Batching, WaitsForRobotsAndTellsTheWorst) {
   EXPECT_THAT(run.output, AllOf(HasSubstr("FINISHED"), HasSubstr("ACCEPTED"), HasSubstr("FAILED")));
 }
 
+TEST_F(Batching, LeavesOutWhoIsOfflineWithoutFailing) {
+  const auto robots = Simulate({"KIT/0001"});
+  Say("vda5050/v3/KIT/0002/connection",
+      R"({"headerId":1,"timestamp":"2026-01-02T03:04:05.000Z","version":"3.0.0",)"
+      R"("manufacturer":"KIT","serialNumber":"0002","connectionState":"OFFLINE"})",
+      true);
+  for (const std::vector<std::string>& more :
+       {std::vector<std::string>{}, std::vector<std::string>{"--no-check", "--vda", "3"}}) {
+    std::vector<std::string> options = {"--online", "--discover", "50"};
+    options.insert(options.end(), more.begin(), more.end());
+    const Finished run = Batch(Pause("KIT/0002") + Pause("KIT/0001"), options);
+    EXPECT_EQ(run.exit_code, 0) << run.errors;
+    const auto lines = Lines(run.output);
+    ASSERT_THAT(lines, SizeIs(2)) << run.output;
+    for (const std::string& line : lines) {
+      const auto result = Json(line);
+      EXPECT_EQ(result["exitCode"].GetInt(), 0);
+      const bool is_away = result["line"].GetInt() == 1;
+      EXPECT_STREQ(result["status"].GetString(), is_away ? "OFFLINE" : "SENT");
+    }
+    const Finished unknown = Batch(Pause("KIT/0009"), options);
+    EXPECT_EQ(unknown.exit_code, 7) << unknown.output;
+    EXPECT_THAT(unknown.output, HasSubstr("REFUSED"));
+  }
+  EXPECT_EQ(Batch("", {"--online", "--dry-run", "--offline"}).exit_code, 2);
+}
+
 TEST_F(Batching, EndsWhatIsNotConfirmedInTime) {
   const Finished run = Batch(Pause("KIT/0001", R"(,"wait":true)"), {"-W", "200ms"});
   EXPECT_EQ(run.exit_code, 6) << run.errors;

@@ -116,7 +116,7 @@ TEST_F(BrokerFailures, OfRefusalsSayWhatToDo) {
       {0x89, "5", "busy: try again later"},
       {0x8A, "5", "banned: ask the broker's administrator"},
       {0x8B, "5", "shutting down: try again later"},
-      {0x8C, "5", "another way of authentication"},
+      {0x8C, "5", "another kind of authentication"},
       {0x97, "5", "quota exceeded"},
       {0x9C, "5", "name that one with --broker"},
       {0x9D, "5", "name the new server with --broker"},

@@ -246,7 +246,7 @@ TEST_F(Configuration, TheStarterIsWrittenOnceForItsOwnerOnly) {
   std::ofstream(file) << "qos = 1\n";
   const Finished again = Fleetpub({"config", "init"});
   EXPECT_EQ(again.exit_code, 2);
-  EXPECT_THAT(again.errors, HasSubstr("is there already and stays as it is"));
+  EXPECT_THAT(again.errors, HasSubstr("stays as it is"));
   EXPECT_EQ(std::filesystem::file_size(file), 8U);
 }
 
@@ -485,6 +485,27 @@ TEST_F(Configuration, CheckTellsAllMistakesAtOnceInTheirOrder) {
   EXPECT_EQ(json.exit_code, 2);
   EXPECT_EQ(Lines(json.output).size(), 7U);
   EXPECT_THAT(Json(Lines(json.output)[0])["message"].GetString(), HasSubstr("qos"));
+}
+
+TEST_F(Configuration, CheckKnowsWhatOnlyAnOptionKnows) {
+  const std::pair<std::string, std::string> cases[] = {
+      {"keep_alive = 70000", "keep_alive"},
+      {"keep_alive = -1", "keep_alive"},
+      {"user_property = [\"a=b\", \"plain\"]", "user_property"},
+      {"message_expiry = \"0s\"", "message_expiry"},
+      {"tls_server_name = \"mqtts://x\"", "tls_server_name"},
+      {"tls_alpn = [\"\"]", "tls_alpn"},
+      {"soar_prefix = \"a/b\"", "soar_prefix"},
+      {"interface = \"hall/uagv\"", "interface"},
+      {"topic_template = \"{interface}/x/{topic}\"", "{serial}"},
+  };
+  for (const auto& [line, words] : cases) {
+    const std::string file = Write("[profile.south]\n" + line + "\n").string();
+    const Finished run = Fleetpub({"config", "check"});
+    EXPECT_EQ(run.exit_code, 2) << line;
+    EXPECT_THAT(Lines(run.output), ElementsAre(AllOf(StartsWith(file + ":2:"), HasSubstr(words))))
+        << line;
+  }
 }
 
 TEST_F(Configuration, CheckIsContentWithWhatIsRight) {

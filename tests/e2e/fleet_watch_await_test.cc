@@ -249,7 +249,7 @@ TEST_F(FleetInTrouble, SaysThatNobodyIsMeant) {
   const Finished run = Fleetpub({"fleet", "--problems", "--state-wait", "0"});
   EXPECT_EQ(run.exit_code, 0);
   EXPECT_THAT(run.output, IsEmpty());
-  EXPECT_THAT(run.errors, HasSubstr("none of the 3 robots"));
+  EXPECT_THAT(run.errors, HasSubstr("3 robots found"));
 }
 
 TEST_F(FleetInTrouble, OnlineLeavesOutWhoIsOfflineWithoutAFailure) {

@@ -3,6 +3,8 @@
 
 #include <chrono>
 
+#include "mqtt/connecting.h"
+#include "support/broken_broker.h"
 #include "support/operator.h"
 
 namespace fleetpub::testing {
@@ -76,6 +78,20 @@ TEST(WhatDoesNotHeal, EndsAtOnce) {
   for (const auto& command : commands) {
     const Finished run = ann.Fleetpub(command);
     EXPECT_EQ(run.exit_code, 4) << command.front() << run.errors;
+    EXPECT_THAT(run.errors, ::testing::Not(HasSubstr("again")));
+  }
+}
+
+TEST(WhatDoesNotHeal, IsAProxyThatRefuses) {
+  using mqtt::PahoCall;
+  FLEETPUB_NEEDS_FAST_CONNECT();
+  for (const std::string status : {"407 Proxy Authentication Required", "403 Forbidden"}) {
+    const BrokenBroker proxy(BrokenBroker::Answers({"HTTP/1.1 " + status + "\r\n\r\n"}));
+    Operator ann;
+    ann.UseBroker("mqtt://broker.invalid");
+    const std::string url = "http://127.0.0.1:" + std::to_string(proxy.port());
+    const Finished run = ann.Fleetpub({"ping", "--wait", "60s", "--proxy", url});
+    EXPECT_EQ(run.exit_code, 4) << run.errors;
     EXPECT_THAT(run.errors, ::testing::Not(HasSubstr("again")));
   }
 }

@@ -63,14 +63,17 @@ std::string Help(std::vector<std::string> words) {
 // Every option of every command, parameters of actions aside: those are in the command's own help.
 std::set<std::string> Options() {
   std::string text = Help({}) + Help({"pause"});
-  for (const char* command :
-       {"action", "actions", "await", "batch", "explain", "fleet", "history", "ping", "publish", "record",
-        "replay", "requests", "respond", "show", "simulate", "tail", "validate", "watch"}) {
+  for (const char* command : {"action", "actions", "await", "batch", "explain", "fleet", "history",
+                              "order", "ping", "publish", "record", "replay", "requests", "respond",
+                              "show", "simulate", "tail", "validate", "watch"}) {
     text += Help({command});
   }
   text += Help({"history", "show"}) + Help({"history", "prune"});
   text += Help({"config", "show"}) + Help({"config", "init"});
   for (const char* command : {"check", "show", "route"}) text += Help({"layout", command});
+  for (const char* command : {"extend", "follow", "release", "replace"}) {
+    text += Help({"order", command});
+  }
   text += Help({"schema", "list"}) + Help({"schema", "show"});
   for (const char* command : {"mission-plan", "planning-configuration", "acknowledge",
                               "observation", "platform-status"}) {

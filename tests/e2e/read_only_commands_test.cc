@@ -356,6 +356,7 @@ TEST_F(ReadOnlyCommands, PingsTheBroker) {
   EXPECT_EQ(text.exit_code, 0) << text.errors;
   EXPECT_THAT(text.output, AllOf(HasSubstr("reachable"), HasSubstr("mosquitto version")));
   EXPECT_EQ(Fleetpub({"ping", "--interface", "AMR"}).exit_code, 0);
+  EXPECT_EQ(Fleetpub({"ping", "--interface", "A/B"}).exit_code, 2);
   EXPECT_TRUE(broker_.AwaitLog("AMR/+/+/+/factsheet"));
   EXPECT_EQ(Fleetpub({"ping", "--topic-template", "plant/{serial}/{topic}"}).exit_code, 0);
   EXPECT_TRUE(broker_.AwaitLog("plant/+/state"));

@@ -75,20 +75,43 @@ TEST(HttpProxy, LeadsToTheBroker) {
                     HasSubstr("Proxy-Authorization: Basic dXNlcjpwYXNz\r\n")));
 }
 
-TEST(HttpProxy, SaysWhatTheProxySays) {
+TEST(HttpProxy, SaysWhatTheProxySaysAndWhetherItPasses) {
   FLEETPUB_NEEDS_FAST_CONNECT();
-  const std::pair<std::string, std::string> cases[] = {
-      {"HTTP/1.1 407 Proxy Authentication Required\r\n\r\n", "user name and password"},
-      {"HTTP/1.1 503 Service Unavailable\r\n\r\n", "HTTP status 503"},
-      {"SSH-2.0-OpenSSH\r\n\r\n", "is none"},
-      {std::string(20'000, 'x'), "no end"},
+  struct Case {
+    std::string answer, words;
+    bool passes = false;
   };
-  for (const auto& [answer, words] : cases) {
+  const Case cases[] = {
+      {"HTTP/1.1 407 Proxy Authentication Required\r\n\r\n", "FLEETPUB_PROXY"},
+      {"HTTP/1.1 403 Forbidden\r\n\r\n", "HTTP status 403"},
+      {"HTTP/1.0 400 Bad Request\r\n\r\n", "HTTP status 400"},
+      {"HTTP/1.1 503 Service Unavailable\r\n\r\n", "HTTP status 503", true},
+      {"HTTP/1.1 429 Too Many Requests\r\n\r\n", "HTTP status 429", true},
+      {"SSH-2.0-OpenSSH\r\n\r\n", "no HTTP proxy"},
+      {std::string(20'000, 'x'), "no end", true},
+  };
+  for (const auto& [answer, words, passes] : cases) {
     const BrokenBroker proxy(BrokenBroker::Answers({answer}));
     ConnectOptions options = To("mqtt://broker.invalid:1883");
     options.proxy = "http://u:hunter2@127.0.0.1:" + std::to_string(proxy.port());
-    const Error error = Refusal(options);
-    EXPECT_THAT(error.message, AllOf(HasSubstr(words), Not(HasSubstr("hunter2"))));
+    bool may_heal = !passes;
+    const auto transport = ConnectPaho(options, &may_heal);
+    ASSERT_FALSE(transport);
+    EXPECT_EQ(may_heal, passes) << answer;
+    EXPECT_THAT(transport.error().message, AllOf(HasSubstr(words), Not(HasSubstr("hunter2"))));
+  }
+}
+
+// A reverse proxy whose broker is down, or a path that it does not know.
+TEST(HttpProxy, MayPassBeforeWebSocketsToo) {
+  for (const std::string status : {"502", "504", "404", "401"}) {
+    const BrokenBroker server(BrokenBroker::AnswersAndCloses(
+        {"HTTP/1.1 " + status + " No\r\nContent-Length: 0\r\n\r\n"}));
+    bool may_heal = status.front() != '5';
+    const auto transport = ConnectPaho(To(server.Url("ws")), &may_heal);
+    ASSERT_FALSE(transport);
+    EXPECT_THAT(transport.error().message, HasSubstr("HTTP status " + status));
+    EXPECT_EQ(may_heal, status.front() == '5') << status;
   }
 }
 

@@ -15,7 +15,8 @@ struct Options {
 
 Result<ExitCode> RunAction(const Options& options, const Context& context) {
   if (options.type.empty()) {
-    return Fail(ErrorKind::kUsage, "name the action and the robots: fleetpub action beep KIT/0001");
+    return Fail(ErrorKind::kUsage,
+                "name the action and the robots. try: fleetpub action beep KIT/0001");
   }
   return SendInstantAction(options.sending, options.type, {}, context);
 }

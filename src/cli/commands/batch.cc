@@ -13,6 +13,7 @@
 #include "cli/environment.h"
 #include "cli/options/sending_options.h"
 #include "cli/options/soar_options.h"
+#include "cli/options/target_options.h"
 #include "cli/options/vda_options.h"
 #include "cli/options/wait_options.h"
 #include "cli/output/exit_code.h"
@@ -28,6 +29,7 @@ struct Options {
   std::string file = "-";
   std::chrono::milliseconds reconnect = std::chrono::seconds(60);
   bool stop_on_error = false;
+  bool online = false;
   std::string prefix = "soar";
   std::string source = "fleetpub";
   WaitingOptions waiting;
@@ -95,6 +97,7 @@ Status ParseDefaults(const Options& options, const config::Config& config,
   if (!waiting) return Fail(waiting.error());
   request.defaults.wait_for = waiting->wait_for;
   request.defaults.check = waiting->check;
+  request.defaults.online = options.online;
   request.discover = waiting->discover;
   request.defaults.names_end = options.waiting.wait_for.has_value();
   SoarOptions soar;
@@ -112,6 +115,11 @@ Result<app::BatchRequest> ParseBatchOptions(const Options& options, const config
   request.wait.total = options.waiting.timeout;
   const auto settings = ParseSendingOptions(options.sending);
   if (!settings) return Fail(settings.error());
+  if (options.online && settings->offline) {
+    return Fail(ErrorKind::kUsage,
+                "--offline asks no broker, and only the broker knows who is online: leave out "
+                "--offline or --online");
+  }
   request.settings = *settings;
   request.reconnect = options.reconnect;
   return request;
@@ -146,6 +154,7 @@ Run DeclareBatch(OptionSet& set) {
   const auto options = std::make_shared<Options>();
   set.AddOption("file", options->file, "The commands, one per line; - or nothing: standard input")
       .Type("FILE");
+  DeclareOnline(set, options->online);
   DeclareRate(set, options->sending);
   set.AddFlag("--stop-on-error", options->stop_on_error,
               "Read no further line once a result is an error")

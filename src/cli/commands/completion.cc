@@ -90,7 +90,9 @@ constexpr auto kShells = std::to_array<base::Choice<std::string_view>>(
     {{"bash", kBash}, {"zsh", kZsh}, {"fish", kFish}});
 
 Result<ExitCode> RunCompletion(std::string_view script, const Context& context) {
-  if (script.empty()) return Fail(ErrorKind::kUsage, "name the shell: bash, zsh or fish");
+  if (script.empty())
+    return Fail(ErrorKind::kUsage,
+                "name the shell (bash, zsh or fish). try: fleetpub completion bash");
   context.output.Line(script.substr(0, script.size() - 1));
   return ExitCode::kDone;
 }

@@ -3,12 +3,14 @@
 #include <fmt/format.h>
 
 #include <filesystem>
+#include <memory>
 
 #include "base/json.h"
 #include "base/text.h"
 #include "cli/parser/option_set.h"
 #include "cli/parser/subcommand.h"
 #include "config/config_files.h"
+#include "soar/destination.h"
 
 namespace fleetpub::cli {
 namespace {
@@ -27,10 +29,13 @@ Result<ExitCode> RunPath(const Context& context) {
   return ExitCode::kDone;
 }
 
-Result<ExitCode> RunCheck(const Context& context) {
+Result<ExitCode> RunCheck(const OptionSet& set, const Context& context) {
   config::Config config;
+  const auto check = [&](std::string_view key, const std::vector<std::string>& texts) {
+    return set.Check(key, texts);
+  };
   const auto mistakes =
-      config::CheckConfig(context.options.config_file, context.options.profile, config);
+      config::CheckConfig(context.options.config_file, context.options.profile, check, config);
   Output& output = context.output;
   for (const Error& mistake : mistakes) {
     output.Line(output.json() ? fmt::format(R"({{"message":{}}})", JsonString(mistake.message))
@@ -75,7 +80,17 @@ Result<ExitCode> RunProfiles(const Context& context) {
 }  // namespace
 
 Run DeclareConfigPath(OptionSet& /*set*/) { return RunPath; }
-Run DeclareConfigCheck(OptionSet& /*set*/) { return RunCheck; }
+
+// What only the options of other commands know, beside the global ones.
+Run DeclareConfigCheck(OptionSet& set) {
+  const auto prefix = std::make_shared<std::string>();
+  const auto is_prefix = [](const std::string& text) {
+    return soar::ParsePrefix(text).has_value();
+  };
+  set.AddSetting("soar_prefix", Only(Text(*prefix), is_prefix, "topic levels, such as soar"));
+  return [prefix, &set](const Context& context) { return RunCheck(set, context); };
+}
+
 Run DeclareConfigProfiles(OptionSet& /*set*/) { return RunProfiles; }
 
 }  // namespace fleetpub::cli

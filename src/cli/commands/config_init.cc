@@ -122,8 +122,7 @@ Status WriteStarter(const fs::path& file) {
   const int descriptor = open(file.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
   if (descriptor < 0 && errno == EEXIST) {
     return Fail(ErrorKind::kUsage,
-                fmt::format("{} is there already and stays as it is: fleetpub config init --stdout "
-                            "prints the starter",
+                fmt::format("{} exists and stays as it is. try: fleetpub config init --stdout",
                             base::Printable(file.string())));
   }
   if (descriptor < 0) return CannotWrite(file, std::strerror(errno));

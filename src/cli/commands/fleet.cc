@@ -102,7 +102,7 @@ Result<ExitCode> RunFleet(const Options& o, const Context& context) {
   for (const ListedRobot* robot : fleet->robots()) {
     const auto& [address, entry] = *robot;
     if (entry.AlsoAt().empty()) continue;
-    context.output.Warn(fmt::format("{} is found twice: at {}, which is shown, and at {}",
+    context.output.Warn(fmt::format("{} was found at two places: {}, which is shown, and {}",
                                     base::Printable(address.ToString()),
                                     base::Printable(entry.place), base::Printable(entry.AlsoAt())));
   }

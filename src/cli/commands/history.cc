@@ -84,7 +84,7 @@ std::string HeaderIdText(const Record& record) {
 }
 
 constexpr std::string_view kMayHaveLeft =
-    "the process ended before an outcome was known: it may have left";
+    "the process ended before an outcome was known: it may have been sent";
 
 std::string ReasonText(const Record& record) {
   if (record.detail.empty() && record.status == "RECORDED") return std::string(kMayHaveLeft);
@@ -266,7 +266,8 @@ void ShowRecord(const Record& record, Output& output) {
 Result<ExitCode> RunShow(std::optional<std::int64_t> id, const Context& context) {
   if (!id) {
     return Fail(ErrorKind::kUsage,
-                "history show takes the number that fleetpub history prints under ID");
+                "history show takes the number that fleetpub history prints under ID. try: "
+                "fleetpub history show 42");
   }
   const auto ledger = OpenLedger(context, ledger::OpenMode::kReadOnly);
   if (!ledger) return Fail(ledger.error());
@@ -283,7 +284,8 @@ Result<ExitCode> RunShow(std::optional<std::int64_t> id, const Context& context)
 
 Result<ExitCode> RunPrune(std::optional<base::WallTime> before, const Context& context) {
   if (!before) {
-    return Fail(ErrorKind::kUsage, "say what may go: history prune --older-than 90d");
+    return Fail(ErrorKind::kUsage,
+                "history prune needs an age. try: fleetpub history prune --older-than 90d");
   }
   const auto ledger = OpenLedger(context, ledger::OpenMode::kCreate);
   if (!ledger) return Fail(ledger.error());

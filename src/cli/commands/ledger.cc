@@ -41,7 +41,7 @@ Result<ExitCode> RunStatus(const Context& context) {
   line("kind", info->kind);
   line("place", base::Printable(info->place));
   if (info->version == 0) {
-    line("version", "none yet: the first command, or fleetpub ledger migrate, makes it");
+    line("version", "none yet: the first command, or fleetpub ledger migrate, creates it");
     return ExitCode::kDone;
   }
   line("version", fmt::format("{}", info->version));

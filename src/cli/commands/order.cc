@@ -7,6 +7,7 @@
 
 #include "app/follow_order.h"
 #include "app/order_message.h"
+#include "app/path_file.h"
 #include "base/file.h"
 #include "base/text.h"
 #include "cli/environment.h"

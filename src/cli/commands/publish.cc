@@ -110,8 +110,9 @@ Result<base::JsonDocument> ReadMessage(const std::string& file) {
 
 Result<ExitCode> RunPublish(const PublishOptions& options, const Context& context) {
   if (options.topic.empty()) {
-    return Fail(ErrorKind::kUsage,
-                "name the topic and the robots: fleetpub publish order KIT/0001 -f order.json");
+    return Fail(
+        ErrorKind::kUsage,
+        "name the topic and the robots. try: fleetpub publish order KIT/0001 -f order.json");
   }
   if (options.file.empty()) {
     return Fail(ErrorKind::kUsage,
@@ -134,8 +135,8 @@ Result<ExitCode> RunPublish(const PublishOptions& options, const Context& contex
 Result<ExitCode> RunRespond(const RespondOptions& options, const Context& context) {
   if (options.grant.empty()) {
     return Fail(ErrorKind::kUsage,
-                "name the robot, its request and the answer: fleetpub respond KIT/0001 request-1 "
-                "GRANTED; fleetpub requests lists the requests");
+                "name the robot, its request (fleetpub requests lists them) and the answer. try: "
+                "fleetpub respond KIT/0001 request-1 GRANTED");
   }
   if (!base::IsUtf8(options.request)) {
     return Fail(ErrorKind::kUsage, "the requestId is not valid UTF-8");

@@ -44,7 +44,7 @@ Result<std::string> ReadText(const schema::Registry& registry, const std::string
 
 Result<ExitCode> RunShow(const std::string& name, const Context& context) {
   if (name.empty()) {
-    return Fail(ErrorKind::kUsage, "name a schema: fleetpub schema list shows them");
+    return Fail(ErrorKind::kUsage, "name a schema. try: fleetpub schema list");
   }
   const schema::Registry registry(context.options.schema_directory);
   const auto hash = std::min(name.find('#'), name.size());

@@ -103,7 +103,7 @@ class Checker {
     const std::size_t before = valid_ + invalid_;
     Status read = input.has_lines ? CheckLines(input) : CheckWhole(input);
     if (!read || valid_ + invalid_ > before) return read;
-    return Fail(ErrorKind::kInvalid, input.Name() + ": no message is there");
+    return Fail(ErrorKind::kInvalid, input.Name() + ": there is no message in it");
   }
 
   void Tell(const Error& error) {
@@ -180,7 +180,7 @@ Status AddFolder(const fs::path& folder, bool lines, std::vector<Input>& inputs)
                                                 base::Printable(folder.string()), error.message()));
   }
   if (files.empty()) {
-    return Fail(ErrorKind::kInvalid, fmt::format("{}: no *.json, *.jsonl or *.ndjson is there",
+    return Fail(ErrorKind::kInvalid, fmt::format("{} holds no *.json, *.jsonl or *.ndjson",
                                                  base::Printable(folder.string())));
   }
   std::sort(files.begin(), files.end());
@@ -208,7 +208,7 @@ Result<ExitCode> RunLive(const Options& options, const Context& context) {
       validator.message_type || validator.body) {
     return Fail(
         ErrorKind::kUsage,
-        "--live goes with none of --lines, --schema, --protocol, --message-type and --body");
+        "--live cannot be combined with --lines, --schema, --protocol, --message-type or --body");
   }
   LiveOptions live = options.live;
   live.targets.words = options.files;
@@ -221,8 +221,7 @@ Result<ExitCode> RunLive(const Options& options, const Context& context) {
 Result<ExitCode> RunValidate(const Options& options, const Context& context) {
   if (options.live.live || !options.live.from.empty()) return RunLive(options, context);
   if (options.live.AreGiven()) {
-    return Fail(ErrorKind::kUsage,
-                "--for, --count and the options that choose robots belong to --live");
+    return Fail(ErrorKind::kUsage, "--for, --count and the options that choose robots need --live");
   }
   MessageValidator validator(options.validator, context.options.schema_directory);
   if (auto ready = validator.Prepare(); !ready) return Fail(ready.error());

@@ -46,6 +46,33 @@ std::string_view FindKey(std::string_view names) {
   return setting->key;
 }
 
+// A host name or an address as in a broker's URL, and nothing else.
+bool IsServerName(const std::string& name) {
+  const auto is_host_in = [&](const std::string& text) {
+    const auto url = mqtt::ParseBrokerUrl(text);
+    return url && base::EqualsIgnoringCase(url->host, name);
+  };
+  return name.empty() || is_host_in("mqtts://" + name) || is_host_in("mqtts://[" + name + "]");
+}
+
+// MQTT 5 §1.5.4: UTF-8 without NUL, 65,535 bytes at most.
+bool IsUserProperty(const std::string& text) {
+  constexpr std::size_t kLongest = 65'535;
+  const std::size_t equals = text.find('=');
+  return equals != 0 && equals != std::string::npos && base::IsUtf8(text) && equals <= kLongest &&
+         text.size() - equals - 1 <= kLongest;
+}
+
+// MQTT 5 §3.3.2.3.3: four bytes of seconds.
+bool IsExpiry(const std::string& text) {
+  if (text.empty()) return true;
+  const auto time = base::ParseDuration(text);
+  return time && *time >= std::chrono::seconds(1) && *time <= std::chrono::seconds(UINT32_MAX);
+}
+
+// RFC 7301 §3.1: one byte counts those of a name.
+bool IsProtocolName(const std::string& name) { return !name.empty() && name.size() <= 255; }
+
 // Declares the options of one group, each under its setting's key.
 struct Group {
   OptionSet& set;
@@ -95,11 +122,16 @@ void DeclareBroker(OptionSet& set, GlobalOptions& o) {
            "HTTP proxy; the variables http_proxy and https_proxy are ignored")
       .Variable("FLEETPUB_PROXY");
   group
-      .Add("--user-property", o.user_properties, "NAME=VALUE",
-           "MQTT 5: a property to send with each message; repeatable")
+      .Add("--user-property",
+           Only(Text(o.user_properties), IsUserProperty,
+                "NAME=VALUE in UTF-8, at most 65,535 bytes each"),
+           "NAME=VALUE", "MQTT 5: a property to send with each message; repeatable")
       .OneValueEach();
   group
-      .Add("--message-expiry", Duration(o.message_expiry), "TIME",
+      .Add("--message-expiry",
+           Only(Duration(o.message_expiry), IsExpiry,
+                "a duration from 1s to 49710d, such as 30s or 5m"),
+           "TIME",
            "MQTT 5: how long a broker may keep a message for a robot that is offline [no limit]")
       .Variable("FLEETPUB_MESSAGE_EXPIRY");
 }
@@ -116,9 +148,15 @@ void DeclareTls(OptionSet& set, GlobalOptions& o) {
       "File whose first line is the key's password");
   add("--ciphers", o.ciphers, "LIST", "FLEETPUB_CIPHERS",
       "Ciphers to offer, as OpenSSL names them");
-  add("--tls-server-name", o.tls_server_name, "NAME", "FLEETPUB_TLS_SERVER_NAME",
-      "Whom the certificate must be for [the broker's host]");
-  group.Add("--tls-alpn", o.alpn, "NAME", "Application protocol to offer; repeatable")
+  group
+      .Add("--tls-server-name",
+           Only(Text(o.tls_server_name), IsServerName,
+                "a host name as in the certificate, such as broker.example"),
+           "NAME", "Host name that the certificate must be for [the broker's]")
+      .Variable("FLEETPUB_TLS_SERVER_NAME");
+  group
+      .Add("--tls-alpn", Only(Text(o.alpn), IsProtocolName, "a name of 1 to 255 bytes"), "NAME",
+           "Application protocol to offer; repeatable")
       .OneValueEach();
   set.AddFlag("--insecure", o.insecure,
               "Do not verify the broker's certificate: anyone could be the broker")
@@ -211,7 +249,7 @@ void PreferFlags(const OptionSet& set, GlobalOptions& o) {
 Status CheckProxy(const OptionSet& set, const GlobalOptions& o) {
   if (!set.IsByFlag("--proxy") || o.proxy.find('@') == std::string::npos) return {};
   return Fail(ErrorKind::kUsage,
-              "a proxy's login does not stand in the arguments, which every user of this machine "
+              "a proxy's login does not belong in the arguments, which every user of this machine "
               "can read: set FLEETPUB_PROXY");
 }
 
@@ -236,22 +274,8 @@ Status CheckEncryption(const Context& context, std::span<const mqtt::BrokerUrl> 
   return {};
 }
 
-// A host name or an address as in a broker's URL, and nothing else.
-Status CheckServerName(const std::string& name) {
-  if (name.empty()) return {};
-  for (const char* const form : {"mqtts://{}", "mqtts://[{}]"}) {
-    const auto url = mqtt::ParseBrokerUrl(fmt::format(fmt::runtime(form), name));
-    if (url && base::EqualsIgnoringCase(url->host, name)) return {};
-  }
-  return Fail(ErrorKind::kUsage,
-              fmt::format("--tls-server-name: '{}' is not a host name: write it as in the "
-                          "certificate, such as broker.example",
-                          base::Printable(name)));
-}
-
 Result<mqtt::TlsOptions> MakeTlsOptions(const Context& context) {
   const GlobalOptions& o = context.options;
-  if (auto ok = CheckServerName(o.tls_server_name); !ok) return Fail(std::move(ok.error()));
   mqtt::TlsOptions tls{.ca_file = o.ca_file,
                        .ca_path = o.ca_path,
                        .cert_file = o.cert_file,
@@ -274,40 +298,19 @@ Result<mqtt::TlsOptions> MakeTlsOptions(const Context& context) {
   return tls;
 }
 
-Result<std::pair<std::string, std::string>> ParseUserProperty(const std::string& text) {
-  const std::size_t equals = text.find('=');
-  if (equals == 0 || equals == std::string::npos) {
-    return Fail(ErrorKind::kUsage,
-                fmt::format("--user-property takes NAME=VALUE, not '{}'", base::Printable(text)));
-  }
-  // MQTT 5 §1.5.4: UTF-8 without NUL, 65,535 bytes at most.
-  constexpr std::size_t kLongest = 65'535;
-  if (!base::IsUtf8(text) || equals > kLongest || text.size() - equals - 1 > kLongest) {
-    return Fail(ErrorKind::kUsage,
-                "--user-property takes UTF-8, of at most 65,535 bytes for the name and as many for "
-                "the value");
-  }
-  return std::pair(text.substr(0, equals), text.substr(equals + 1));
-}
-
 Result<mqtt::PublishProperties> ParseProperties(const GlobalOptions& o) {
   mqtt::PublishProperties properties;
   for (const std::string& text : o.user_properties) {
-    auto property = ParseUserProperty(text);
-    if (!property) return Fail(std::move(property.error()));
-    properties.user.push_back(std::move(*property));
+    const std::size_t equals = text.find('=');
+    properties.user.emplace_back(text.substr(0, equals), text.substr(equals + 1));
   }
   if (o.message_expiry) {
-    const auto expiry = std::chrono::ceil<std::chrono::seconds>(*o.message_expiry);
-    if (expiry.count() < 1 || expiry.count() > UINT32_MAX) {
-      return Fail(ErrorKind::kUsage, "--message-expiry takes a time of at least a second");
-    }
-    properties.expiry = expiry;
+    properties.expiry = std::chrono::ceil<std::chrono::seconds>(*o.message_expiry);
   }
   const bool any = properties.expiry || !properties.user.empty();
   if (any && o.mqtt_version != mqtt::ProtocolVersion::k5) {
     return Fail(ErrorKind::kUsage,
-                fmt::format("{} needs MQTT 5, and 3.1.1 is to be spoken: add --mqtt-version 5",
+                fmt::format("{} needs MQTT 5: add --mqtt-version 5",
                             properties.expiry ? "--message-expiry" : "--user-property"));
   }
   return properties;
@@ -351,7 +354,7 @@ Result<std::vector<mqtt::BrokerUrl>> ParseBrokers(const GlobalOptions& o) {
   const bool by_host = !o.host.empty() || o.port;
   if (by_host && !o.brokers.empty()) {
     return Fail(ErrorKind::kUsage,
-                "say where the broker is with --broker (FLEETPUB_BROKER) or with --host and --port "
+                "name the broker with --broker (FLEETPUB_BROKER) or with --host and --port "
                 "(FLEETPUB_HOST, FLEETPUB_PORT), not with both");
   }
   if (by_host) {

@@ -57,9 +57,9 @@ std::string ReadLine(int descriptor) {
 Result<std::string> Prompt() {
   const int terminal = open("/dev/tty", O_RDWR | O_CLOEXEC);
   if (terminal < 0) {
-    return Fail(ErrorKind::kUsage,
-                "--ask-password needs a terminal: without one use "
-                "--password-file or FLEETPUB_PASSWORD");
+    return Fail(
+        ErrorKind::kUsage,
+        "--ask-password needs a terminal; without one, use --password-file or FLEETPUB_PASSWORD");
   }
   constexpr std::string_view kQuestion = "Password: ";
   std::string password;

@@ -41,8 +41,8 @@ void DeclareQos(OptionSet& set, mqtt::Qos& qos) {
 Result<app::SendSettings> ParseSendingOptions(const SendingOptions& options) {
   if (options.offline && !options.dry_run) {
     return Fail(ErrorKind::kUsage,
-                "--offline belongs to --dry-run: to send without asking the broker, state the "
-                "version and --no-check");
+                "--offline needs --dry-run: to send without asking the broker, state the version "
+                "and add --no-check");
   }
   return app::SendSettings{
       .dry_run = options.dry_run,

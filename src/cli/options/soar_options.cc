@@ -69,7 +69,7 @@ Result<std::string> ParseFilter(std::string filter) {
 }  // namespace
 
 void DeclarePrefix(OptionSet& set, std::string& prefix) {
-  set.AddOption("--prefix", prefix, "What all topics of the backbone begin with [soar]")
+  set.AddOption("--prefix", prefix, "First level of all topics of the backbone [soar]")
       .Variable("FLEETPUB_SOAR_PREFIX")
       .Group(kSoar)
       .Key("soar_prefix");
@@ -86,13 +86,13 @@ void DeclareSoarOptions(OptionSet& set, SoarOptions& o) {
   const auto add = [&](const char* names, std::string& value, const char* type, const char* help) {
     return set.AddOption(names, value, help).Type(type).Group(kSoar);
   };
-  set.AddOption("destination", o.destination, "Whom it is for: soar.planet-ocean.ecosub.eco1")
+  set.AddOption("destination", o.destination, "Who it is for: soar.planet-ocean.ecosub.eco1")
       .Type("DESTINATION");
   set.AddFlag("--broadcast", o.broadcast, "To everybody, instead of a destination").Group(kSoar);
   DeclareSource(set, o.source);
   DeclarePrefix(set, o.prefix);
   add("--header-version", o.header_version, "N", "The header's version [1.0]");
-  set.AddFlag("--strict", o.strict, "What makes no sense is an error, not a warning").Group(kSoar);
+  set.AddFlag("--strict", o.strict, "Doubtful values are errors, not warnings").Group(kSoar);
 }
 
 void DeclareSoarWaiting(OptionSet& set, SoarWaitingOptions& o) {
@@ -147,7 +147,7 @@ Result<SoarWaiting> ParseSoarWaiting(const SoarWaitingOptions& options,
   if (!waiting.wait_for && options.wait) waiting.wait_for = soar::Level::kExecuted;
   const bool more = options.timeout || options.acknowledgements || !options.topics.empty();
   if (!waiting.wait_for && more) {
-    return Usage("--timeout, --acks and --ack-topic belong to waiting: add --wait");
+    return Usage("--timeout, --acks and --ack-topic need --wait");
   }
   waiting.wait.total = options.timeout;
   waiting.count = options.acknowledgements.value_or(1);

@@ -40,7 +40,7 @@ void DeclareSelectionFlags(OptionSet& set, TargetOptions& o) {
   set.AddFlag("--patterns", o.patterns, "Lines of standard input may be patterns and groups too")
       .Group(kTargets);
   // Without OneValueEach() they would swallow the targets behind them.
-  set.AddOption("--except", o.except, "But not this robot, alias, @group or pattern; repeatable")
+  set.AddOption("--except", o.except, "Leave out this robot, alias, @group or pattern; repeatable")
       .Type("TARGET")
       .OneValueEach()
       .Group(kTargets);
@@ -50,7 +50,11 @@ void DeclareSelectionFlags(OptionSet& set, TargetOptions& o) {
       .Type("CONDITION")
       .OneValueEach()
       .Group(kTargets);
-  set.AddFlag("--online", o.online, "Only robots that are online: others are no failure")
+  DeclareOnline(set, o.online);
+}
+
+void DeclareOnline(OptionSet& set, bool& online) {
+  set.AddFlag("--online", online, "Only robots that are online: others are no failure")
       .Group(kTargets);
 }
 
@@ -61,7 +65,7 @@ void DeclareTargetOptions(OptionSet& set, TargetOptions& o) {
                 "How long --where waits for the states of robots that are online [35s]")
       .Group(kTargets);
   set.AddOption("--expect", WholeNumber(o.expect, 1, 1'000'000),
-                "Send nothing unless just so many robots are meant")
+                "Send nothing unless exactly so many robots are meant")
       .Group(kTargets);
 }
 

@@ -34,6 +34,8 @@ void DeclareSelectionOptions(OptionSet& set, TargetOptions& options);
 void DeclareTargetWords(OptionSet& set, TargetOptions& options, std::string_view otherwise = "");
 /// The same without the words.
 void DeclareSelectionFlags(OptionSet& set, TargetOptions& options);
+/// `--online` alone.
+void DeclareOnline(OptionSet& set, bool& online);
 
 /// Errors: ErrorKind::kUsage.
 [[nodiscard]] Result<app::TargetRequest> ParseTargetOptions(const TargetOptions& options);

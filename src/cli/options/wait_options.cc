@@ -40,7 +40,7 @@ void DeclareWaitingOptions(OptionSet& set, WaitingOptions& options) {
 
 void DeclareCheckOptions(OptionSet& set, WaitingOptions& options) {
   set.AddFlag("--check", options.check,
-              "Look first whether the robot is online and supports the action [the default]")
+              "Check first that the robot is online and supports the action [the default]")
       .Group(kWaiting);
   set.AddFlag("--no-check", options.no_check,
               "Send unchecked; with a version stated, without asking the broker anything")
@@ -59,7 +59,7 @@ Result<app::Waiting> ParseWaitingOptions(const WaitingOptions& options) {
   waiting.wait_for = options.wait_for;
   if (!waiting.wait_for && options.wait) waiting.wait_for = vda5050::WaitFor::kFinished;
   if (!waiting.wait_for && (options.timeout || options.resend > 0)) {
-    return Fail(ErrorKind::kUsage, "--timeout and --resend belong to waiting: add --wait");
+    return Fail(ErrorKind::kUsage, "--timeout and --resend need --wait");
   }
   waiting.wait.total = options.timeout;
   waiting.wait.resend = options.resend;

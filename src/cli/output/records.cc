@@ -73,7 +73,7 @@ Result<Records> Records::Make(std::string_view output, std::string_view fields,
   if (!fields.empty()) records.fields_ = base::Split(fields, ',');
   const Format format = records.format_;
   if (!fields.empty() && (format == Format::kText || format == Format::kTemplate)) {
-    return Fail(ErrorKind::kUsage, "--fields goes with -o json, csv or tsv");
+    return Fail(ErrorKind::kUsage, "--fields needs -o json, csv or tsv");
   }
   if (format == Format::kTemplate) {
     if (auto parsed = records.ParseTemplate(output.substr(kTemplatePrefix.size())); !parsed) {
@@ -88,7 +88,7 @@ Result<Records> Records::Make(std::string_view output, std::string_view fields,
 Status Records::ParseTemplate(std::string_view text) {
   const auto wrong = [](std::string_view why) {
     return Fail(ErrorKind::kUsage,
-                fmt::format("-o template: {}. try: -o template='{{target}} {{status}}'", why));
+                fmt::format("-o template: {}; write -o template='{{target}} {{status}}'", why));
   };
   std::string literal;
   while (!text.empty()) {

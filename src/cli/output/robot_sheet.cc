@@ -53,7 +53,7 @@ std::string FormatIf(const std::optional<double>& number, std::string_view unit)
 // In local time, with its age; as written where it cannot be read.
 std::string FormatTime(const vda5050::MessageHeader& header, base::WallTime now) {
   const auto time = vda5050::ReadTime(header);
-  if (!time) return NameOr(header.timestamp, "a time that it does not say");
+  if (!time) return NameOr(header.timestamp, "an unknown time");
   const auto age = std::max(now - *time, base::WallTime::duration::zero());
   return fmt::format("{} ({} ago)", base::FormatLocal(*time), AgeText(age));
 }
@@ -131,12 +131,12 @@ std::string DescribeSilence(const RobotSheet& robot) {
   if (!robot.state_fault.empty()) {
     return "not known: its state cannot be read: " + Shown(robot.state_fault);
   }
-  if (!robot.is_alive) return "not known: it is away, and left none behind";
+  if (!robot.is_alive) return "not known: it is offline and left none";
   if (robot.is_recorded) return "not known: the recording has none";
   if (robot.is_watched) return "not known yet: a robot repeats it at least every 30 s";
   return fmt::format(
-      "not known: none came within {}; a robot repeats it at least every 30 s. try: --state-wait "
-      "35s",
+      "not known: none came within {}; a robot repeats it at least every 30 s: --state-wait 35s "
+      "waits for it",
       base::FormatElapsed(robot.waited));
 }
 
@@ -146,11 +146,11 @@ std::pair<std::string, Tone> DescribeMode(const std::string& mode) {
 }
 
 std::pair<std::string, Tone> DescribeSafety(const RobotState& state) {
-  const std::string stop = state.emergency_stop.empty() ? "emergency stop not said"
+  const std::string stop = state.emergency_stop.empty() ? "emergency stop not reported"
                            : state.emergency_stop == "NONE"
                                ? "no emergency stop"
                                : "EMERGENCY STOP " + Name(state.emergency_stop);
-  const std::string_view field = !state.field_violation   ? "field violation not said"
+  const std::string_view field = !state.field_violation   ? "field violation not reported"
                                  : *state.field_violation ? "FIELD VIOLATION"
                                                           : "no field violation";
   const bool is_stopped = !state.emergency_stop.empty() && state.emergency_stop != "NONE";
@@ -251,7 +251,7 @@ void AddLoads(const RobotState& state, Sheet& sheet) {
     sheet.Add(kName, JoinParts({Name(load.id), Name(load.type),
                                 load.position.empty() ? "" : "at " + Name(load.position),
                                 FormatIf(load.weight, "kg")},
-                               "one of which nothing is said"));
+                               "one without details"));
   }
   AddMore(sheet, kName, state.loads->size());
 }
@@ -353,7 +353,7 @@ void AddFactsheet(const RobotSheet& robot, Sheet& sheet) {
                        is.maximum_load ? "carries " + FormatIf(is.maximum_load, "kg") : ""}));
   sheet.Add(kName, JoinParts({Name(is.kinematics), DescribeSize(is),
                               is.maximum_speed ? "up to " + FormatIf(is.maximum_speed, "m/s") : ""},
-                             "kinematics and size not said"));
+                             "kinematics and size not reported"));
   sheet.Add(kName, DescribeAbilities(robot));
 }
 

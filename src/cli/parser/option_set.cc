@@ -40,7 +40,7 @@ std::optional<std::string> AnswerOption(std::string_view name, const std::string
                                                           "pwd"};
   if (std::find(kPasswords.begin(), kPasswords.end(), name) != kPasswords.end()) {
     return fmt::format(
-        "{}: --{}: a password does not stand in the arguments, which every user of this machine "
+        "{}: --{}: a password does not belong in the arguments, which every user of this machine "
         "can read: use --ask-password, --password-file FILE or FLEETPUB_PASSWORD",
         command, name);
   }
@@ -64,8 +64,10 @@ Error UnknownArguments(const CLI::App& app, const std::string& command,
       hint = fmt::format("did you mean --{}?", *nearest);
     }
   }
-  return {ErrorKind::kUsage,
-          fmt::format("{}: '{}' is not understood: {}", command, base::Printable(first), hint)};
+  const std::string what =
+      first.starts_with('-') ? "unknown option " + base::Printable(first.substr(0, first.find('=')))
+                             : fmt::format("unexpected argument '{}'", base::Printable(first));
+  return {ErrorKind::kUsage, fmt::format("{}: {}: {}", command, what, hint)};
 }
 
 Error Refusal(const ValueKind& kind, std::string_view name, const std::vector<std::string>& texts) {
@@ -244,6 +246,15 @@ Result<std::vector<std::string_view>> OptionSet::Configure(const config::Config&
     set.push_back(record.key);
   }
   return set;
+}
+
+Status OptionSet::Check(std::string_view key, const std::vector<std::string>& texts) const {
+  for (const Option::Record& record : records_) {
+    if (record.key == key && !record.kind.store(texts)) {
+      return Fail(Refusal(record.kind, key, texts));
+    }
+  }
+  return {};
 }
 
 std::vector<OptionSet::Setting> OptionSet::Settings(const config::Config& config) const {

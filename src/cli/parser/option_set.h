@@ -72,6 +72,10 @@ class OptionSet {
   [[nodiscard]] Result<std::vector<std::string_view>> Configure(
       const config::Config& config, std::vector<std::string_view> except);
 
+  /// Whether the option that stands for this key takes these texts, which are stored. A key without
+  /// an option takes any. Errors: kUsage.
+  [[nodiscard]] Status Check(std::string_view key, const std::vector<std::string>& texts) const;
+
   struct Setting {
     std::string_view key;
     std::vector<std::string> texts;  ///< empty: the default

@@ -17,7 +17,7 @@ constexpr auto kSubcommands = std::to_array<Subcommand>({
      "action beep 'KIT/*' --except KIT/0001 --where 'battery>20' --yes\n"
      "action customScan KIT/0001 KIT/0002 -P area:=@area.json --wait",
      DeclareAction},
-    {"order", kRobots, "TARGET [NODE...]", "send a robot along nodes, or to a place of the layout",
+    {"order", kRobots, "TARGET [NODE...]", "send a robot along nodes or to a place",
      "order KIT/0001 n1 n2 n7\n"
      "order KIT/0001 --to dock-3 --wait\n"
      "order KIT/0001 --to dock-3 --via n4 --action pick@dock-3 loadType=EPAL\n"
@@ -147,7 +147,7 @@ constexpr auto kSubcommands = std::to_array<Subcommand>({
      "layout route hall.lif.json --from n1 --via n4 --to dock-3 --vehicle-type KIT.tug --loaded\n"
      "layout route --from n1 --to dock-3 --by time -o json",
      DeclareLayoutRoute},
-    {"schema list", kChecking, "", "the schemas that there are", "schema list", DeclareSchemaList},
+    {"schema list", kChecking, "", "all schemas, by name", "schema list", DeclareSchemaList},
     {"schema show", kChecking, "NAME", "print a schema",
      "schema show vda5050/3.0.0/instantActions\n"
      "schema show output/result",
@@ -204,7 +204,7 @@ constexpr auto kFamilies = std::to_array<CommandFamily>({
     {"config", "settings in force, where from, and a first file"},
     {"layout", "layouts of sites (LIF), and ways through them"},
     {"ledger", "where header ids and history are kept"},
-    {"schema", "the schemas that messages are held against"},
+    {"schema", "the schemas that messages are checked against"},
     {"soar", "messages of the SoAR backbone"},
 });
 

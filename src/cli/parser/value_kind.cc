@@ -66,16 +66,20 @@ ValueKind Flag(bool& value) {
           }};
 }
 
-ValueKind Interval(std::chrono::milliseconds& value) {
-  ValueKind kind = Duration(value);
-  kind.store = [&value](const std::vector<std::string>& texts) {
-    const auto parsed = base::ParseDuration(texts.front());
-    if (!parsed || parsed->count() == 0) return false;
-    value = *parsed;
-    return true;
+ValueKind Only(ValueKind kind, bool (*holds)(const std::string& text), std::string takes) {
+  kind.store = [holds, store = std::move(kind.store)](const std::vector<std::string>& texts) {
+    return std::all_of(texts.begin(), texts.end(), holds) && store(texts);
   };
-  kind.takes = [] { return std::string("a duration above zero, such as 250ms, 30s or 5m"); };
+  kind.takes = [takes = std::move(takes)] { return takes; };
   return kind;
+}
+
+ValueKind Interval(std::chrono::milliseconds& value) {
+  const auto is_above_zero = [](const std::string& text) {
+    const auto parsed = base::ParseDuration(text);
+    return parsed && parsed->count() > 0;
+  };
+  return Only(Duration(value), is_above_zero, "a duration above zero, such as 250ms, 30s or 5m");
 }
 
 ValueKind PointInTime(std::optional<base::WallTime>& value, base::Direction direction) {

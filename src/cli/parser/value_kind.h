@@ -90,6 +90,10 @@ template <class V>
           [] { return std::string("a duration such as 250ms, 30s, 5m, 2h or 90d"); }};
 }
 
+/// The same kind, but only texts for which `holds` is true; it takes `takes` then.
+[[nodiscard]] ValueKind Only(ValueKind kind, bool (*holds)(const std::string& text),
+                             std::string takes);
+
 /// A duration that is not 0.
 [[nodiscard]] ValueKind Interval(std::chrono::milliseconds& value);
 

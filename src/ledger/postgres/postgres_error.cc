@@ -38,7 +38,7 @@ struct Cause {
 
 constexpr auto kCauses = std::to_array<Cause>({
     {"password",
-     "the password is missing or not accepted: its place is ~/.pgpass, the file that PGPASSFILE "
+     "the password is missing or not accepted: put it into ~/.pgpass, the file that PGPASSFILE "
      "names, or PGPASSWORD"},
     {"pg_hba.conf", "the server does not admit this user from here: see its pg_hba.conf"},
     {"could not translate host name", "its host name is not known"},
@@ -56,7 +56,7 @@ constexpr auto kCauses = std::to_array<Cause>({
     {"connection slots", "the server has no connection left: try again later"},
     {"too many clients", "the server has no connection left: try again later"},
     {"read-only", "only a standby answers, which is read-only: name the primary server"},
-    {"invalid", "a parameter in its URL is not understood"},
+    {"invalid", "its URL has a parameter that libpq does not know"},
 });
 
 /// libpq's messages end with a line break, and may have several lines, one per address tried.

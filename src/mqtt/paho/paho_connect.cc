@@ -148,7 +148,8 @@ struct Route {
 };
 
 // Lookup, TCP and the proxy.
-Result<Route> FindRoute(const BrokerUrl& broker, const ConnectOptions& options, Deadline deadline) {
+Result<Route> FindRoute(const BrokerUrl& broker, const ConnectOptions& options, Deadline deadline,
+                        bool& may_heal) {
   HttpProxy proxy;
   if (!options.proxy.empty()) {
     auto parsed = ParseHttpProxy(options.proxy);
@@ -173,7 +174,8 @@ Result<Route> FindRoute(const BrokerUrl& broker, const ConnectOptions& options, 
   }
   route.connected = *std::move(connected);
   if (tunnel) {
-    auto status = OpenTunnel(route.connected.get(), proxy, broker.host, broker.port, deadline);
+    auto status =
+        OpenTunnel(route.connected.get(), proxy, broker.host, broker.port, deadline, may_heal);
     if (!status) return Fail(std::move(status.error()));
   }
   return route;
@@ -254,24 +256,25 @@ tl::unexpected<ConnectFailure> Failed(ConnectFailure failure) {
 }
 
 // Whether whoever answered may do so otherwise later: it hung up, said nothing, or is too busy.
-bool MayHeal(const ConnectFacts& facts) {
-  // 3.1.1 §3.2.2.3; MQTT 5 §3.2.2.2: unavailable, busy, quota exceeded, connection rate exceeded.
-  constexpr std::array<int, 5> kBusy = {3, 0x88, 0x89, 0x97, 0x9F};
+bool MayHeal(const ConnectFacts& facts, bool lacks_ours) {
+  // 3.1.1 §3.2.2.3; MQTT 5 §3.2.2.2: unavailable, busy, shutting down, quota exceeded, connection
+  // rate exceeded.
+  constexpr std::array<int, 6> kBusy = {3, 0x88, 0x89, 0x8B, 0x97, 0x9F};
   const bool is_refused = facts.code > 0;
   if (is_refused) return std::find(kBusy.begin(), kBusy.end(), facts.code) != kBusy.end();
-  return !facts.wrong_first && facts.fault.empty() && facts.verify_code == 0 &&
-         facts.tls_alert.empty() && facts.http_status.empty();
+  if (!facts.http_status.empty()) return IsPassing(facts.http_status);
+  // A server that wants a certificate of ours may hang up before its alert can be read (TLS 1.3).
+  const bool lacks_certificate = facts.wants_certificate && lacks_ours && !facts.expired;
+  return !lacks_certificate && !facts.wrong_first && facts.fault.empty() &&
+         facts.verify_code == 0 && facts.tls_alert.empty();
 }
 
 Attempted Attempt(const BrokerUrl& broker, const ConnectOptions& options,
                   std::optional<int>& server_keep_alive) {
   const Deadline deadline = steady_clock::now() + options.connect_timeout;
-  auto route = FindRoute(broker, options, deadline);
-  if (!route) {
-    Error error = ReachError(broker, route.error());
-    const bool may_heal = error.kind == ErrorKind::kBroker;
-    return Failed({.error = std::move(error), .may_heal = may_heal});
-  }
+  bool may_heal = true;
+  auto route = FindRoute(broker, options, deadline, may_heal);
+  if (!route) return Failed({.error = ReachError(broker, route.error()), .may_heal = may_heal});
 
   const std::lock_guard lock(PahoMutex());
   PahoConnection connection;
@@ -321,7 +324,7 @@ Attempted Attempt(const BrokerUrl& broker, const ConnectOptions& options,
   }
   return Failed({.error = ConnectError(broker, options, facts),
                  .distrusted = facts.verify_code != 0,
-                 .may_heal = MayHeal(facts)});
+                 .may_heal = MayHeal(facts, options.tls.cert_file.empty())});
 }
 
 // Whoever disturbs one of the brokers decides which of them is used.

@@ -8,6 +8,8 @@
 #include <array>
 
 #include "base/text.h"
+#include "base/time.h"
+#include "mqtt/http_proxy.h"
 
 namespace fleetpub::mqtt {
 namespace {
@@ -76,7 +78,7 @@ constexpr std::array<CodeText, 20> kRefusals{{
     {0x89, "the broker is busy: try again later"},
     {0x8A, "this client is banned: ask the broker's administrator"},
     {0x8B, "it is shutting down: try again later"},
-    {0x8C, "it wants another way of authentication than user name and password"},
+    {0x8C, "it wants another kind of authentication than a user name and a password"},
     {0x97, "quota exceeded (0x97): ask the broker's administrator"},
     {0x9A, "it takes no retained last will"},
     {0x9B, "it takes no last will at this QoS"},
@@ -145,8 +147,8 @@ std::string VerifyCause(const ConnectFacts& facts, const std::string& host) {
              "broker needs one that was";
     case X509_V_ERR_INVALID_CA:
     case X509_V_ERR_PATH_LENGTH_EXCEEDED:
-      return "its certificate is signed by somebody who may sign none: ask who made it, and trust "
-             "it no further";
+      return "its certificate is signed by somebody who may sign none: do not trust it, and ask "
+             "who made it";
     case X509_V_ERR_CERT_HAS_EXPIRED:
       return "its certificate has expired: the broker needs a new one";
     case X509_V_ERR_CERT_NOT_YET_VALID:
@@ -154,8 +156,8 @@ std::string VerifyCause(const ConnectFacts& facts, const std::string& host) {
     case X509_V_ERR_CERT_REVOKED:
       return "its certificate has been revoked";
     case X509_V_ERR_DEPTH_ZERO_SELF_SIGNED_CERT:
-      return "its certificate is signed by nobody but itself, and not trusted here: if it is the "
-             "right one, name it with --cafile";
+      return "its certificate is self-signed and not trusted here: if it is the right one, name it "
+             "with --cafile";
     case X509_V_ERR_SELF_SIGNED_CERT_IN_CHAIN:
     case X509_V_ERR_UNABLE_TO_GET_ISSUER_CERT:
     case X509_V_ERR_UNABLE_TO_GET_ISSUER_CERT_LOCALLY:
@@ -240,14 +242,17 @@ std::string Cause(const BrokerUrl& broker, const ConnectOptions& options,
   }
   if (facts.verify_code != 0) return VerifyCause(facts, options.tls.FindServerName(broker));
   if (!facts.http_status.empty()) {
-    return fmt::format("it refuses the WebSocket (HTTP status {}): check the path in the URL",
-                       base::Printable(facts.http_status));
+    return fmt::format("it refuses the WebSocket (HTTP status {}): {}",
+                       base::Printable(facts.http_status),
+                       IsPassing(facts.http_status) ? "is the broker behind it running?"
+                                                    : "check the path in the URL");
   }
   if (facts.expired) {
     return fmt::format(
-        "something listens there but gave no {} answer within {} ms: is it a broker? "
+        "something listens there but gave no {} answer within {}: is it a broker? "
         "(--connect-timeout)",
-        broker.UsesTls() && !facts.connect_sent ? "TLS" : "MQTT", options.connect_timeout.count());
+        broker.UsesTls() && !facts.connect_sent ? "TLS" : "MQTT",
+        base::FormatElapsed(options.connect_timeout));
   }
   if (broker.UsesTls() && (!facts.tls_errors.empty() || !facts.connect_sent)) {
     return TlsCause(facts, options);

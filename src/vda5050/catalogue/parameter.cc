@@ -19,7 +19,7 @@ namespace {
 
 tl::unexpected<Error> NotOfItsType(const ParameterSpec& spec, std::string_view text,
                                    std::string_view must_be, const std::string& hint = "") {
-  return Fail(ErrorKind::kUsage, fmt::format("{} must be {}, and '{}' is not{}", spec.name, must_be,
+  return Fail(ErrorKind::kUsage, fmt::format("{} must be {}, not '{}'{}", spec.name, must_be,
                                              base::Printable(text), hint));
 }
 

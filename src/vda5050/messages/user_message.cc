@@ -73,7 +73,7 @@ Status CheckHeader(const Value& message, const OwnHeader& own, const RobotAddres
     if (said == nullptr || (said->IsString() && base::ToView(*said) == expected)) continue;
     if (name == "version" && spoken && spoken->version == version) continue;
     return Fail(ErrorKind::kInvalid,
-                fmt::format("{}: the message's {} is {}, and not \"{}\": is it meant for another "
+                fmt::format("{}: the message's {} is {}, not \"{}\": is it meant for another "
                             "robot? --restamp replaces it",
                             robot.ToString(), name, Printable(base::ToJson(*said)), expected));
   }
@@ -86,7 +86,7 @@ void WarnOfVersion(const Value& message, const Dialect& dialect,
   const Value* said = FindMember(message, "version");
   if (said == nullptr) {
     if (!dialect.assumed) return;
-    warnings.push_back(fmt::format("the message says no version: {} is assumed; --vda states one",
+    warnings.push_back(fmt::format("the message states no version: {} is assumed; --vda states one",
                                    GetFacts(dialect.version).name));
     return;
   }
@@ -104,8 +104,8 @@ Status CheckActionsKey(const Value& message, const RobotAddress& robot, std::str
   const std::string_view other = key == "actions" ? "instantActions" : "actions";
   if (FindMember(message, key) != nullptr || FindArray(message, other) == nullptr) return {};
   return Fail(ErrorKind::kInvalid,
-              fmt::format("{}: the message has its actions in \"{}\", and in \"{}\" they are "
-                          "expected: rename it, or if the robot wants them so, --actions-key {}",
+              fmt::format("{}: the message has its actions in \"{}\", but they are expected in "
+                          "\"{}\": rename it, or add --actions-key {} if the robot wants them so",
                           robot.ToString(), other, key, other));
 }
 

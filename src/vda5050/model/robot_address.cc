@@ -176,6 +176,20 @@ bool HasRecommendedCharacters(std::string_view text) {
   });
 }
 
+Status CheckInterface(std::string_view name) {
+  const std::string_view level = name.starts_with('$') ? name.substr(1) : name;
+  const std::string_view fault = FaultOfLevel(level);
+  if (fault.empty()) return {};
+  const std::string remedy = level.find('/') == std::string_view::npos
+                                 ? ""
+                                 : fmt::format(
+                                       "; give all levels with --topic-template "
+                                       "'{}/{{major}}/{{manufacturer}}/{{serial}}/{{topic}}'",
+                                       base::Printable(name));
+  return Fail(ErrorKind::kUsage, fmt::format("the interface '{}' is refused: {}{}",
+                                             base::Printable(name), fault, remedy));
+}
+
 Result<std::string> TopicFor(const TopicScheme& scheme, Version version, const RobotAddress& robot,
                              std::string_view topic) {
   if (auto ok = CheckTemplate(scheme.topic_template); !ok) return Fail(ok.error());

@@ -63,6 +63,9 @@ struct TopicScheme {
   bool operator==(const TopicScheme&) const = default;
 };
 
+/// Whether it is one level of a topic, as an interface is. Errors: ErrorKind::kUsage.
+[[nodiscard]] Status CheckInterface(std::string_view name);
+
 /// The full topic: `vda5050/v3/KIT/0001/instantActions`. A template with an unknown placeholder,
 /// without {serial}, and a topic with a wildcard, an
 /// empty level or more than 65,535 bytes are refused: ErrorKind::kUsage.

@@ -261,7 +261,7 @@ Result<std::string> CheckCondition(const Condition& condition, std::string_view 
     }
     const auto nearest = NearestIn(path, names);
     if (nearest) return refuse("has no such member", *nearest, condition.wanted);
-    return fmt::format("no release's {} has a member {}", topic_name, base::Printable(path));
+    return fmt::format("no version of {} has a member {}", topic_name, base::Printable(path));
   }
   const auto member = members.find(path);
   if (member == members.end() || member->second.empty() || IsOrder(condition.comparison)) return "";

@@ -462,7 +462,7 @@ bool IsEmergencyStopped(const RobotState& state) {
 
 std::string_view DescribeMotion(const RobotState& state) {
   if (state.paused == true) return "paused";
-  if (!state.driving) return "not said whether it drives";
+  if (!state.driving) return "driving not reported";
   return *state.driving ? "driving" : "standing";
 }
 

@@ -83,7 +83,7 @@ void CheckWithoutConnection(Check& check) {
     return check.Warn(check.name + " has left no connection message, but sends states");
   }
   const std::string sentence =
-      check.name + " has left no connection message, and sent no state during the look";
+      check.name + " left no connection message, and sent no state during the look";
   if (IsOnlyStartPause(check.actions)) {
     check.Warn(sentence + "; startPause is sent anyway");
   } else {
@@ -159,8 +159,8 @@ bool CheckVersion(Check& check, const std::string& spoken) {
 // The robot's connection message stands where we would not have looked: it would not hear us.
 void CheckTopics(Check& check) {
   if (IsFoundAt(check, check.dialect.version)) return;
-  check.RefuseUnless(fmt::format("{} is found at {}, which is not where it would be sent to",
-                                 check.name, Shown(check.known.topic)),
+  check.RefuseUnless(fmt::format("{} is at {}, which is not where the command would go", check.name,
+                                 Shown(check.known.topic)),
                      "use --vda auto, or --interface and --topic-template");
 }
 
@@ -174,8 +174,8 @@ void CheckMode(Check& check, std::string_view mode) {
       rule->obeys == Obeys::kCancelOrder && IsOnly(check.actions, "cancelOrder");
   if (is_allowed) return;
   std::string sentence =
-      fmt::format("{} is in {}, in which it obeys {}", check.name, rule->mode,
-                  rule->obeys == Obeys::kNothing ? "no instant action" : "cancelOrder alone");
+      fmt::format("{} is in {} and obeys {}", check.name, rule->mode,
+                  rule->obeys == Obeys::kNothing ? "no instant action" : "cancelOrder only");
   if (IsOnlyStartPause(check.actions)) return check.Warn(std::move(sentence));
   check.Refuse(sentence);
 }
@@ -198,7 +198,7 @@ void CheckParameters(Check& check, const InstantAction& action, const FactsheetA
                                              check.name, Shown(key), Shown(action.type));
     // Many robots leave isOptional out.
     if (is_optional) {
-      check.Refuse(sentence + " and needs it");
+      check.Refuse(sentence + " and requires it");
     } else {
       check.Warn(sentence + " and does not call it optional");
     }
@@ -229,7 +229,7 @@ void CheckListing(Check& check, const Factsheet& factsheet, const InstantAction&
   const auto type = NameIn(check.dialect.version, action.type);
   const FactsheetAction* listed = FindAction(factsheet, type);
   if (listed == nullptr && IsRequiredOfAll(action.type)) {
-    return check.Warn(fmt::format("{}'s factsheet does not list {}, which every robot shall know",
+    return check.Warn(fmt::format("{}'s factsheet does not list {}, which every robot must know",
                                   check.name, Shown(type)));
   }
   if (listed == nullptr) {

@@ -308,7 +308,7 @@ void ActionTracker::OnConnection(const ConnectionMessage& message, bool retained
   }
   if (!IsAway(connection_) || ending_.may_reconnect) return;
   End(CommandStatus::kOffline,
-      fmt::format("the robot became {} while we waited; {}", connection_, LastSaid("it")));
+      fmt::format("the robot went {} while we waited; {}", connection_, LastSaid("it")));
 }
 
 void ActionTracker::End(CommandStatus status, const std::string& message) {

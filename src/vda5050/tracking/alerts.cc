@@ -38,11 +38,10 @@ void Alerts::Add(const std::vector<std::string>& texts) {
 // sends there too, or another ledger was used before.
 void Alerts::TellOfHigherIds() {
   if (first_id_ != 0 || highest_id_ == 0) return;
-  Add(
-      {fmt::format("an error in its state names headerId {} of {}, and this ledger begins with 0: "
-                   "was another ledger used before, or does somebody else send too? try: "
-                   "--header-id {}",
-                   highest_id_, topic_, highest_id_ + std::uint64_t{1})});
+  Add({fmt::format(
+      "an error in its state names headerId {} of {}, and this ledger begins with 0: was another "
+      "ledger used before, or does somebody else send too? Add --header-id {}",
+      highest_id_, topic_, highest_id_ + std::uint64_t{1})});
 }
 
 }  // namespace fleetpub::vda5050

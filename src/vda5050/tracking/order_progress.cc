@@ -141,9 +141,10 @@ void OrderProgress::AddNews(const Action& action) {
   const std::string name = fmt::format("action {} ({})", Shown(action.type), Shown(action.id));
   if (action.status == "FAILED") news_.push_back(fmt::format("{} failed{}", name, result));
   if (action.status == "RETRIABLE") {
-    news_.push_back(fmt::format(
-        "{} is RETRIABLE{}; try: retry or skipRetry with --actionId {}, or help at the robot", name,
-        result, Shown(action.id)));
+    news_.push_back(
+        fmt::format("{} is RETRIABLE{}: retry it with retry --actionId {}, give it up with "
+                    "skipRetry, or help at the robot",
+                    name, result, Shown(action.id)));
   }
 }
 

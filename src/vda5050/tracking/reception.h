@@ -60,8 +60,7 @@ class Reception {
   /// How many those are, and why; "" when all that came was taken. One line.
   [[nodiscard]] std::string Text() const {
     if (passed_over_ == 0) return "";
-    return fmt::format("{} message{} of it came that do{} not count; {}", passed_over_,
-                       passed_over_ == 1 ? "" : "s", passed_over_ == 1 ? "es" : "", why_);
+    return fmt::format("{} of its messages did not count; {}", passed_over_, why_);
   }
 
  private:

@@ -144,7 +144,7 @@ class ItemTracker final : public message::ResponseTracker {
     const std::string& state = connection->connection_state;
     if (!IsAway(state)) return;
     End(CommandStatus::kOffline,
-        fmt::format("the robot became {} while we waited; {}", state, told_));
+        fmt::format("the robot went {} while we waited; {}", state, told_));
   }
 
   void UpdateMessage() {

@@ -66,7 +66,7 @@ TEST(Records, RefuseWhatCannotBeMeant) {
   for (const std::string_view text : {"template={target", "template=}", "template={}"}) {
     EXPECT_THAT(Rendered(text, "", kObject), HasSubstr("-o template:")) << text;
   }
-  EXPECT_THAT(Rendered("text", "target", kObject), HasSubstr("--fields goes with"));
+  EXPECT_THAT(Rendered("text", "target", kObject), HasSubstr("--fields needs"));
 }
 
 }  // namespace

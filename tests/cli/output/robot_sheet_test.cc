@@ -158,9 +158,9 @@ TEST(RobotSheet, SaysWhatAStateLeavesOut) {
   sheet.state = vda5050::ReadState("{}").value();
   sheet.factsheet = std::make_shared<vda5050::Factsheet>();
   EXPECT_THAT(Text(Lines(sheet)),
-              AllOf(HasSubstr("mode         not said"), HasSubstr("emergency stop not said"),
+              AllOf(HasSubstr("mode         not said"), HasSubstr("emergency stop not reported"),
                     HasSubstr("position     not said; last node none"),
-                    HasSubstr("order        none, not said whether it drives"),
+                    HasSubstr("order        none, driving not reported"),
                     HasSubstr("loads        not said"), HasSubstr("charge not said"),
                     HasSubstr("actions not said")));
 }

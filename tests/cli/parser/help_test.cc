@@ -73,6 +73,12 @@ TEST(Help, InShortHasFiveOptionsBesideTheParameters) {
   EXPECT_THAT(position.whole, HasSubstr("--actions-key"));
 }
 
+TEST(Suggestions, AreUnderstoodWhereverTheyStand) {
+  const auto suggestions = testing::FindSuggestionsInSources();
+  EXPECT_GT(suggestions.size(), 8U);
+  for (const std::string& suggestion : suggestions) testing::ExpectUnderstood(suggestion);
+}
+
 TEST(Help, HasExamplesThatAreUnderstood) {
   const std::regex example("\n  (fleetpub (?:[^\\\\\n]|\\\\\n|\\\\.)*)");
   std::size_t count = 0;

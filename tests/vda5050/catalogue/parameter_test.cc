@@ -54,7 +54,7 @@ TEST(ParseParameter, RefusesWhatIsNoFiniteNumber) {
        {"", "nan", "NaN", "inf", "-inf", "infinity", "1e999", "0x10", "1 ", " 1", "1km", "1deg",
         "m", "++1", "+-1", "-+1", "-", "+", "."}) {
     EXPECT_EQ(Typed(kX, text),
-              "refused: x must be a finite number, and '" + std::string(text) + "' is not");
+              "refused: x must be a finite number, not '" + std::string(text) + "'");
   }
 }
 
@@ -78,7 +78,8 @@ TEST(ParseParameter, SaysWhatASlipShouldHaveBeen) {
       {"4.71", "that is -1.5731"}, {"1,57rad", "write 1.57rad"}};
   for (const auto& [text, hint] : kSlips) EXPECT_THAT(Typed(kTheta, text), HasSubstr(hint)) << text;
   for (const std::string_view text : {"1,5,2", "1,234.5", ",5", "720", "5,"}) {
-    EXPECT_THAT(Typed(kTheta, text), ::testing::EndsWith("' is not")) << text;
+    EXPECT_THAT(Typed(kTheta, text), ::testing::EndsWith("not '" + std::string(text) + "'"))
+        << text;
   }
   // What is suggested is taken.
   EXPECT_TRUE(ParseParameter(kTheta, "180deg"));
@@ -100,8 +101,8 @@ TEST(ParseParameter, HoldsAnAngleBetweenMinusPiAndPi) {
   }
   for (const std::string_view text : {"3.1415926536", "-3.15", "90", "1e300"}) {
     EXPECT_THAT(Typed(kTheta, text),
-                StartsWith("refused: theta must be an angle in radians between -π and π, and '" +
-                           std::string(text) + "' is not"));
+                StartsWith("refused: theta must be an angle in radians between -π and π, not '" +
+                           std::string(text) + "'"));
   }
   EXPECT_EQ(Typed(kX, "90"), "90") << "other numbers are no angles";
 }
@@ -121,7 +122,7 @@ TEST(ParseParameter, SplitsAnArrayAtCommas) {
 
 TEST(ParseParameter, RefusesInvalidUtf8OfEveryType) {
   for (const ParameterSpec& spec : {kX, kTheta, kMapId, kTriggerType}) {
-    EXPECT_THAT(Typed(spec, "\xFF"), HasSubstr("must be valid UTF-8, and '\\xff' is not"));
+    EXPECT_THAT(Typed(spec, "\xFF"), HasSubstr("must be valid UTF-8, not '\\xff'"));
   }
 }
 

@@ -224,9 +224,8 @@ TEST(Preflight, RefusesARobotThatWouldNotHearUs) {
   for (const std::string header_version : {"", "3.0"}) {
     EXPECT_THAT(Findings(At("fts/v3/KIT/0001/connection", "3.0.0"), Action("startPause"),
                          {.header_version = header_version}),
-                ElementsAre("refused: KIT/0001 is found at fts/v3/KIT/0001/connection, which is "
-                            "not where it would be sent to: use --vda auto, or --interface and "
-                            "--topic-template, or --no-check"));
+                ElementsAre(AllOf(StartsWith("refused: "), HasSubstr("fts/v3/KIT/0001/connection"),
+                                  HasSubstr("--topic-template, or --no-check"))));
   }
 }
 
@@ -247,9 +246,8 @@ TEST(Preflight, ObeysTheTableOfModes) {
     for (const std::string type :
          {"stopPause", "cancelOrder", "stateRequest", "factsheetRequest", "initializePosition"}) {
       EXPECT_THAT(Findings(InMode(mode), Action(type)),
-                  ElementsAre("refused: KIT/0001 is in " + mode +
-                              ", in which it obeys no instant action; --no-check sends it "
-                              "anyway"));
+                  ElementsAre(AllOf(StartsWith("refused: KIT/0001 is in " + mode),
+                                    HasSubstr("no instant action; --no-check"))));
     }
   }
   EXPECT_THAT(Findings(InMode("teachin"), Action("startPause")),
@@ -259,8 +257,8 @@ TEST(Preflight, ObeysTheTableOfModes) {
 TEST(Preflight, CancelsAnOrderOfARobotThatIsIntervened) {
   EXPECT_THAT(Findings(InMode("INTERVENED"), Action("cancelOrder")), IsEmpty());
   EXPECT_THAT(Findings(InMode("INTERVENED"), Action("stopPause")),
-              ElementsAre("refused: KIT/0001 is in INTERVENED, in which it obeys cancelOrder "
-                          "alone; --no-check sends it anyway"));
+              ElementsAre(AllOf(StartsWith("refused: KIT/0001 is in INTERVENED"),
+                                HasSubstr("cancelOrder only; --no-check"))));
 }
 
 // ── factsheet: actions ──
@@ -301,8 +299,8 @@ TEST(Preflight, RefusesAnActionWithoutAParameterThatTheFactsheetNeeds) {
   InstantAction action = Action("beep");
   action.parameters = {{"volume", "1"}};
   EXPECT_THAT(Findings(WithActions(kBeep), action),
-              ElementsAre("refused: KIT/0001's factsheet has the parameter tone for beep and needs "
-                          "it; --no-check sends it anyway"));
+              ElementsAre("refused: KIT/0001's factsheet has the parameter tone for beep and "
+                          "requires it; --no-check sends it anyway"));
 }
 
 TEST(Preflight, WarnsOfAParameterOfWhichTheFactsheetDoesNotSayIfItIsOptional) {

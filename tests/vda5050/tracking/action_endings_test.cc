@@ -25,7 +25,7 @@ TEST_F(ResponseTracker, EndsWithOfflineWhenTheRobotGoesToSleep) {
   FollowAndPublish("cancelOrder");
   HearConnection("HIBERNATING");
   EXPECT_EQ(Ending(), "OFFLINE");
-  EXPECT_EQ(Told(), "the robot became HIBERNATING while we waited; it has sent no state since");
+  EXPECT_EQ(Told(), "the robot went HIBERNATING while we waited; it has sent no state since");
 }
 
 TEST_F(ResponseTracker, TellsThatARetainedMessageSaysOffline) {

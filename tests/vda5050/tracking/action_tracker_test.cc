@@ -60,7 +60,7 @@ TEST_F(ResponseTracker, TellsWhyAStateCannotBeRead) {
     FollowAndPublish("startPause");
     Hear("state", payload);
     EXPECT_FALSE(HasEnded());
-    EXPECT_THAT(Told(), AllOf(HasSubstr("does not count"), HasSubstr(word)));
+    EXPECT_THAT(Told(), AllOf(HasSubstr("did not count"), HasSubstr(word)));
   }
   Hear("state", "");
   HearActions(Entry(kId, "FINISHED"));
