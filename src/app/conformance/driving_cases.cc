@@ -24,7 +24,6 @@ constexpr double kTurn = 0.6;   // rad, at the end of the way
 constexpr double kDistanceTolerance = 0.2;
 constexpr double kAngleTolerance = 0.15;
 constexpr double kDeviationTheta = 0.1;
-constexpr const char* kNoHorizon = "it does not keep an order with a horizon";
 
 // Whether the order's text can ask for it.
 bool Takes(Run& run, std::string_view member) {
@@ -328,14 +327,6 @@ Judgement JudgeUpdate(Run& run) {
 
 // ---- Updates of an order that it keeps where it stands ----
 
-// Holds an order with a horizon, and tells whether it does.
-bool Hold(Run& run, const TestOrder& order) {
-  const auto taken = SendAndAwait(run, order);
-  if (taken.found != nullptr && !taken.found->state->nodes.empty()) return true;
-  EndOrder(run);
-  return false;
-}
-
 Judgement JudgeReplaced(Run& run) {
   TestOrder order = Holding(run, "conform-old");
   if (!Hold(run, order)) return Inconclusive(kNoHorizon);
@@ -463,6 +454,9 @@ Judgement JudgeExtraNode(Run& run) {
       },
       seconds(60));
   EndOrder(run);
+  if (ended.found == nullptr && !Unfinished(PlainTrip(run)).empty()) {
+    return Inconclusive("it does not come to the end of any way");
+  }
   if (ended.found == nullptr) return Run::Missing(ended, "the new action does not end");
   const auto* action = vda5050::FindActionState(*ended.found->state, id);
   return action->status == "FINISHED" ? Pass("the new action ran", {ended.found->Evidence()})

@@ -85,10 +85,16 @@ const Cancelled& CancelledTrip(Run& run) {
                                             {"", "", "ORDER_UPDATE_FOLLOWING_CANCEL"})
                              : Inconclusive("it has forgotten the order");
     }
+    if (made.cancel.verdict != Verdict::kPass || !TakeStanding(run)) {
+      made.next = Inconclusive("it was not cancelled, or takes no order of one node");
+      EndOrder(run);
+      return made;
+    }
     const auto next = SendAndAwait(run, Standing(run));
     made.next = next.found == nullptr ? Run::Missing(next, "no state shows the new order")
                                       : Pass("it is taken", {next.found->Evidence()});
     EndOrder(run);
+    (void)Drive(run, AlongWay(run));  // so that the next way is a whole one
     return made;
   });
 }
@@ -99,11 +105,7 @@ Judgement JudgeNext(Run& run) { return CancelledTrip(run).next; }
 
 Judgement JudgeOtherId(Run& run) {
   const TestOrder order = Holding(run);
-  const auto taken = SendAndAwait(run, order);
-  if (taken.found == nullptr || taken.found->state->nodes.empty()) {
-    EndOrder(run);
-    return Inconclusive("it does not keep an order with a horizon");
-  }
+  if (!Hold(run, order)) return Inconclusive(kNoHorizon);
   const std::string id =
       run.Do("cancelOrder", {{"orderId", base::JsonString("conform-no-such-order")}});
   const auto ended = run.Await(ShowsEnd(id));
@@ -136,7 +138,9 @@ Judgement JudgePause(Run& run) {
     const Heard& last = *run.last_state();
     const RobotState& state = *last.state;
     judged = Pass("it stood, and drove on", {last.Evidence()});
-    if (state.nodes.empty() || state.order_id != order.id) {
+    if (IsIdle(state) && state.last_node_sequence_id == order.LastSequenceId()) {
+      judged = Inconclusive("it was at its end before it stood: the way is too short");
+    } else if (state.nodes.empty() || state.order_id != order.id) {
       judged = Fault("the order is gone", {last.Evidence()});
     } else if (state.driving.value_or(false)) {
       judged = Fault("it drives while it is paused", {last.Evidence()});
@@ -148,11 +152,16 @@ Judgement JudgePause(Run& run) {
     const auto there = run.AwaitSince(
         mark, run.Now(),
         [&](const RobotState& state) {
-          return state.order_id == order.id && IsIdle(state) &&
+          return (state.order_id == order.id || state.order_id.empty()) && IsIdle(state) &&
                  state.last_node_sequence_id == order.LastSequenceId();
         },
         kCancel);
-    if (there.found == nullptr) judged = Run::Missing(there, "it does not finish the order");
+    if (there.found == nullptr) {
+      EndOrder(run);
+      const bool drives = Unfinished(Drive(run, AlongWay(run))).empty();
+      judged = drives ? Run::Missing(there, "it does not finish the order")
+                      : Inconclusive("it does not come to the end of any way");
+    }
   }
   EndOrder(run);
   return judged;

@@ -34,10 +34,8 @@ Judgement JudgeSchema(Run& run) {
   const Heard& one = *found.back();
   const auto findings =
       vda5050::CheckMessage(one.json, run.version(), "factsheet", false, run.registry());
-  if (findings.errors.empty()) return Pass("it keeps its schema", {one.Evidence()});
-  return Fault(fmt::format("{}: {}", base::Printable(findings.errors.front().path),
-                           findings.errors.front().message),
-               {one.Evidence()});
+  const auto why = DescribeViolation(findings.errors);
+  return why.empty() ? Pass("it keeps its schema", {one.Evidence()}) : Fault(why, {one.Evidence()});
 }
 
 Judgement JudgeActions(Run& run) {

@@ -87,12 +87,15 @@ Judgement JudgeHard(Run& run) {
 Judgement JudgeSoft(Run& run) {
   const Pair pair = DoPair(run, "SOFT", "SOFT");
   if (!pair.refusal.empty()) return Inconclusive(pair.refusal);
+  const Heard* waits = nullptr;
   for (const Heard* one : pair.states) {
     const auto a = Status(*one->state, pair.a);
     const auto b = Status(*one->state, pair.b);
     if (Runs(a) && Runs(b)) return Pass("both run", {one->Evidence()});
-    if (vda5050::IsTerminal(a) && b == "WAITING") {
-      return Fault("one waits until the other has ended", {one->Evidence()});
+    if (Runs(a) && b == "WAITING") waits = one;
+    const bool follows = vda5050::IsTerminal(a) && (b == "WAITING" || Runs(b));
+    if (follows && waits != nullptr && !pair.has_hole) {
+      return Fault("one waits until the other has ended", {waits->Evidence(), one->Evidence()});
     }
   }
   return Inconclusive("no state shows them RUNNING");

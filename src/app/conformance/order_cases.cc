@@ -195,7 +195,7 @@ Judgement Refuse(
 
 constexpr ErrorTypes kMalformed = {"validationError", "validationError", "VALIDATION_FAILURE"};
 
-void DropEdges(base::JsonDocument& order) { order.RemoveMember("edges"); }
+void DropUpdateId(base::JsonDocument& order) { order.RemoveMember("orderUpdateId"); }
 
 TestOrder TwoNodes(Run& run) {
   TestOrder order = Holding(run);
@@ -203,11 +203,11 @@ TestOrder TwoNodes(Run& run) {
   return order;
 }
 
-Judgement JudgeMember(Run& run) { return Refuse(run, Standing(run), kMalformed, DropEdges); }
+Judgement JudgeMember(Run& run) { return Refuse(run, Standing(run), kMalformed, DropUpdateId); }
 
 Judgement JudgeStays(Run& run) {
   RobotError error;
-  const auto refused = Refuse(run, Standing(run), kMalformed, DropEdges, &error);
+  const auto refused = Refuse(run, Standing(run), kMalformed, DropUpdateId, &error);
   if (refused.verdict != Verdict::kPass) return Inconclusive("no error to look at: " + refused.why);
   const auto has_it = [&](const RobotState& state) {
     return std::any_of(state.errors.begin(), state.errors.end(),
@@ -317,13 +317,7 @@ Judgement JudgeUnknownMap(Run& run) {
 }
 
 Judgement JudgeBusy(Run& run) {
-  const TestOrder held = Holding(run);
-  const auto taken = SendAndAwait(run, held);
-  if (taken.found == nullptr) return Inconclusive("it does not take an order with a horizon");
-  if (taken.found->state->nodes.empty()) {
-    EndOrder(run);
-    return Inconclusive("it does not keep an order with a horizon");
-  }
+  if (!Hold(run, Holding(run))) return Inconclusive(kNoHorizon);
   // Not from the decision point: 1.1 has an order that begins there take the other's place.
   TestOrder other = Standing(run);
   other.path.nodes.front().id = "conform-other";

@@ -131,6 +131,17 @@ bool TakeStanding(Run& run) {
   return takes;
 }
 
+bool Hold(Run& run, const TestOrder& order) {
+  if (SendAndAwait(run, order).found != nullptr) {
+    run.Refresh();
+    if (HasOrder(*run.last_state()->state, order) && !run.last_state()->state->nodes.empty()) {
+      return true;
+    }
+  }
+  EndOrder(run);
+  return false;
+}
+
 void EndOrder(Run& run) {
   if (run.last_state() == nullptr || IsIdle(*run.last_state()->state)) return;
   if (run.abort_reason() == "interrupted") return;
@@ -149,7 +160,8 @@ Judgement JudgeRefusal(Run& run, const base::JsonDocument& order, const ErrorTyp
   if (run.last_state() == nullptr) return Inconclusive("no state came");
   const std::vector<RobotError> before = run.last_state()->state->errors;
   const auto has_it = [&](const RobotState& state) {
-    return !id.empty() && state.order_id == id && state.order_update_id == update_id;
+    return !id.empty() && state.order_id == id &&
+           (!update_id || state.order_update_id == update_id);
   };
   const bool had_it = has_it(*run.last_state()->state);
   const auto is_taken = [&](const RobotState& state) { return !had_it && has_it(state); };

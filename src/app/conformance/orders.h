@@ -41,6 +41,9 @@ struct TestOrder {
 [[nodiscard]] bool TakeStanding(Run& run);
 /// Sends an order and waits until a state shows it.
 [[nodiscard]] Awaited SendAndAwait(Run& run, const TestOrder& order);
+/// Holds an order with a horizon (Holding), and tells whether it does.
+[[nodiscard]] bool Hold(Run& run, const TestOrder& order);
+inline constexpr const char* kNoHorizon = "it does not keep an order with a horizon";
 /// Has it give up what it has, and waits until it is idle.
 void EndOrder(Run& run);
 

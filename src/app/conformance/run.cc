@@ -35,6 +35,15 @@ Judgement Inconclusive(std::string why, std::vector<std::string> evidence) {
   return {Verdict::kInconclusive, std::move(why), std::move(evidence)};
 }
 
+std::string DescribeViolation(std::span<const message::Violation> violations) {
+  for (const auto& [path, what] : violations) {
+    const bool is_header = path == "/headerId" || path == "/timestamp" || path == "/version" ||
+                           path == "/manufacturer" || path == "/serialNumber";
+    if (!is_header) return fmt::format("{}: {}", base::Printable(path), what);
+  }
+  return {};
+}
+
 std::string Heard::Evidence() const {
   return header.header_id ? fmt::format("{} headerId {}", topic_name, *header.header_id)
                           : fmt::format("{} of {}", topic_name, base::FormatTimestamp(received));
@@ -85,6 +94,7 @@ void Run::Take(std::string topic_name, mqtt::Message message) {
     heard.json = *std::move(read);
     heard.header = vda5050::ReadHeader(heard.json);
     if (heard.topic_name == "state") heard.state = vda5050::ReadState(heard.json);
+    if (heard.topic_name == "factsheet") subject_.factsheet = vda5050::ReadFactsheet(heard.json);
   }
   heard_.push_back(std::move(heard));
   if (!IsLive(heard_.back())) return;
@@ -159,9 +169,14 @@ Awaited Run::AwaitSince(std::size_t mark, TimePoint from, const StateTest& test,
 void Run::Refresh() {
   const std::size_t before = mark();
   const TimePoint from = Now();
-  Do("stateRequest");
-  AwaitSince(
-      before, from, [](const RobotState&) { return true; }, kNextState);
+  const std::string id = Do("stateRequest");
+  (void)AwaitSince(
+      before, from,
+      [&](const RobotState& state) {
+        const auto* action = vda5050::FindActionState(state, id);
+        return action != nullptr && vda5050::IsTerminal(action->status);
+      },
+      kNextState);
 }
 
 Judgement Run::Missing(const Awaited& awaited, std::string what) {

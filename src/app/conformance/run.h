@@ -10,8 +10,10 @@
 #include <deque>
 #include <functional>
 #include <map>
+#include <memory>
 #include <optional>
 #include <set>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -49,6 +51,9 @@ struct Judgement {
 [[nodiscard]] Judgement Fault(std::string why, std::vector<std::string> evidence = {});
 [[nodiscard]] Judgement Skipped(std::string why);
 [[nodiscard]] Judgement Inconclusive(std::string why, std::vector<std::string> evidence = {});
+
+/// The first violation, `/path: what`, that is none of the header, which has its own cases; "": none.
+[[nodiscard]] std::string DescribeViolation(std::span<const message::Violation> violations);
 
 /// A message of the robot's.
 struct Heard {
@@ -140,7 +145,7 @@ class Run {
   /// The same, of all that came since.
   Awaited AwaitSince(std::size_t mark, TimePoint from, const StateTest& test,
                      std::chrono::nanoseconds limit);
-  /// Has the robot send its state, and waits for it.
+  /// Has the robot send its state, and waits until that has ended.
   void Refresh();
   /// A judgement on what did not come: FAIL when that is certain.
   [[nodiscard]] static Judgement Missing(const Awaited& awaited, std::string what);

@@ -42,10 +42,8 @@ Judgement JudgeSchema(Run& run) {
   for (const Heard* one : states) {
     const auto found =
         vda5050::CheckMessage(one->json, run.version(), "state", false, run.registry());
-    if (!found.errors.empty()) {
-      return Fault(fmt::format("{}: {}", base::Printable(found.errors.front().path),
-                               found.errors.front().message),
-                   {one->Evidence()});
+    if (const auto why = DescribeViolation(found.errors); !why.empty()) {
+      return Fault(why, {one->Evidence()});
     }
     const auto& position = one->state->position;
     if (position && position->theta && std::abs(*position->theta) > std::numbers::pi + 0.001) {
