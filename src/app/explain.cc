@@ -434,18 +434,6 @@ void AddLedger(const ExplainRequest& request, const Environment& environment,
 
 }  // namespace
 
-std::string_view GetName(Verdict verdict) {
-  switch (verdict) {
-    case Verdict::kPass:
-      return "PASS";
-    case Verdict::kFail:
-      return "FAIL";
-    case Verdict::kInconclusive:
-      break;
-  }
-  return "INCONCLUSIVE";
-}
-
 Result<Explanation> Explain(const ExplainRequest& given, const Environment& environment, Log& log) {
   ExplainRequest request = given;
   const auto dialect = ParseDialect(WithConfig(request.vda, environment.config, request.robot));

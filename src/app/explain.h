@@ -9,6 +9,7 @@
 #include "app/dialect_resolver.h"
 #include "app/environment.h"
 #include "app/observer.h"
+#include "app/verdict.h"
 #include "base/result.h"
 #include "base/time.h"
 #include "recording/reader.h"
@@ -28,12 +29,6 @@ struct TimelineEntry {
   base::WallTime at;
   std::string text;  ///< printable
 };
-
-/// kInconclusive: the recording cannot show it.
-enum class Verdict { kPass, kFail, kInconclusive };
-
-/// `PASS`
-[[nodiscard]] std::string_view GetName(Verdict verdict);
 
 /// One obligation of VDA 5050, and whether the robot kept it.
 struct ExplainFinding {

@@ -7,15 +7,12 @@
 #include <utility>
 #include <vector>
 
-#include "app/ask_states.h"
 #include "app/deliver.h"
 #include "app/order_message.h"
 #include "app/order_update.h"
-#include "app/robot_discovery.h"
+#include "app/robot_listener.h"
 #include "base/text.h"
 #include "base/time.h"
-#include "delivery/send_all.h"
-#include "delivery/subscription.h"
 #include "schema/schema.h"
 #include "vda5050/messages/user_message.h"
 
@@ -75,90 +72,6 @@ base::JsonDocument DescribeByState(const RobotState& state) {
   }
   return vda5050::MakeOrder(state.order_id, state.order_update_id.value_or(0), "", nodes, {});
 }
-
-// The one robot that is meant, connected, with what it says of itself.
-class RobotListener {
- public:
-  RobotListener(const FollowRequest& request, const Environment& environment, Observer& observer,
-                vda5050::RobotDirectory directory)
-      : request_(request),
-        environment_(environment),
-        observer_(observer),
-        directory_(std::move(directory)) {}
-
-  Status Connect() {
-    auto link = app::Connect(environment_, observer_);
-    if (!link) return Fail(std::move(link.error()));
-    connection_ = link->connection;
-    delivery::RetainedOptions discover = request_.discover;
-    discover.subscribe = connection_.timeout;
-    auto ok = DiscoverRobots(*link->transport, request_.targets,
-                             {.all = true, .factsheets = true, .discover = discover}, directory_,
-                             observer_);
-    if (!ok) return ok;
-    robot_ = &*directory_.robots().begin();
-    if (ok = CheckPresence(link->transport->server()); !ok) return ok;
-    for (const std::string_view name : {"state", "connection"}) {
-      auto topic = vda5050::TopicFor(dialect().topics, dialect().version, address(), name);
-      if (!topic) return Fail(std::move(topic.error()));
-      (name == "state" ? state_topic_ : connection_topic_) = *std::move(topic);
-    }
-    end_ = steady_clock::now() + request_.timeout;
-    auto subscription =
-        delivery::Subscription::Open(std::move(link->transport), {state_topic_, connection_topic_},
-                                     MakeReconnectHooks(connection_, observer_), end_);
-    if (!subscription) return Fail(std::move(subscription.error()));
-    subscription_ = *std::move(subscription);
-    if (request_.ask) Ask();
-    return {};
-  }
-
-  void Ask() {
-    Lend([&](Link& link) {
-      AskForStates({&robot_, 1}, request_.targets.state_wait, link, environment_, observer_);
-    });
-  }
-
-  void Lend(const std::function<void(Link& link)>& use) {
-    subscription_->Lend([&](std::unique_ptr<mqtt::Transport>& transport) {
-      Link lent{connection_, std::move(transport)};
-      use(lent);
-      transport = std::move(lent.transport);
-    });
-  }
-
-  [[nodiscard]] const vda5050::RobotAddress& address() const { return robot_->first; }
-  [[nodiscard]] const vda5050::Dialect& dialect() const { return *robot_->second.Spoken(); }
-  [[nodiscard]] const ListedRobot& robot() const { return *robot_; }
-  [[nodiscard]] std::string name() const { return base::Printable(address().ToString()); }
-  [[nodiscard]] const std::string& state_topic() const { return state_topic_; }
-  [[nodiscard]] steady_clock::time_point end() const { return end_; }
-  [[nodiscard]] delivery::Subscription& subscription() { return *subscription_; }
-
- private:
-  Status CheckPresence(const mqtt::ServerInfo& server) const {
-    const vda5050::RobotEntry& entry = robot_->second;
-    if (!entry.WasHeard()) {
-      return Fail(ErrorKind::kPreflight,
-                  fmt::format("{} is unknown to {}. try: fleetpub fleet", name(),
-                              FormatSite(server.broker, environment_.config.profile)));
-    }
-    if (entry.IsAlive() || !entry.connection) return {};
-    return Fail(ErrorKind::kPreflight,
-                fmt::format("{} is {}", name(), vda5050::ConnectionText(*entry.connection)));
-  }
-
-  const FollowRequest& request_;
-  const Environment& environment_;
-  Observer& observer_;
-  vda5050::RobotDirectory directory_;
-  const ListedRobot* robot_ = nullptr;
-  Connection connection_;
-  std::string state_topic_;
-  std::string connection_topic_;
-  steady_clock::time_point end_;
-  std::optional<delivery::Subscription> subscription_;
-};
 
 class OrderFollower {
  public:
@@ -284,34 +197,11 @@ class OrderFollower {
     command->expected_header_id = composed->expected_header_id;
     schema::Registry registry(environment_.schema_directory);
     if (auto valid = ValidateCommand(*command, registry); !valid) return Fail(valid.error());
-    Status sent;
-    listener_.Lend([&](Link& link) { sent = Send(*command, link); });
+    const Status sent = listener_.Send(*command, request_.qos);
     if (sent) {
       for (const std::string& note : composed->notes) observer_.Info(note);
     }
     return sent;
-  }
-
-  Status Send(const message::Command& command, Link& link) {
-    if (link.transport == nullptr) {
-      return Fail(ErrorKind::kBroker, "not released: there is no connection");
-    }
-    auto ledger = environment_.ledger(ledger::OpenMode::kCreate);
-    if (!ledger) return Fail(std::move(ledger.error()));
-    Status outcome;
-    delivery::CommandSession session(
-        link.transport, **ledger,
-        {.qos = request_.qos, .acknowledge_timeout = link.connection.timeout}, {},
-        {.report =
-             [&](const message::Report& report) {
-               if (report.error) outcome = Fail(*report.error, report.message);
-             },
-         .sent = {},
-         .reconnect = MakeReconnectHooks(link.connection, observer_),
-         .news = {}});
-    delivery::CommandList list({&command, 1});
-    auto sent = delivery::SendAll(list, session, {});
-    return sent ? outcome : sent;
   }
 
   // --- The end
@@ -354,28 +244,17 @@ class OrderFollower {
   Status fault_;
 };
 
-template <class Use>
-auto WithListener(const FollowRequest& request, const Environment& environment, Observer& observer,
-                  Use use) -> decltype(use(std::declval<RobotListener&>())) {
-  Excluded excluded;
-  auto directory = MakeDirectory(request.targets, request.resolver, excluded);
-  if (!directory) return Fail(std::move(directory.error()));
-  RobotListener listener(request, environment, observer, *std::move(directory));
-  if (auto ok = listener.Connect(); !ok) return Fail(std::move(ok.error()));
-  return use(listener);
-}
-
 }  // namespace
 
 Result<message::Report> FollowOrder(const FollowRequest& request, const Environment& environment,
                                     Observer& observer) {
-  return WithListener(request, environment, observer, [&](RobotListener& listener) {
+  return WithListener(request, environment, observer, {}, [&](RobotListener& listener) {
     return OrderFollower(request, environment, observer, listener).Run();
   });
 }
 
 Status AwaitIdle(const FollowRequest& request, const Environment& environment, Observer& observer) {
-  return WithListener(request, environment, observer, [&](RobotListener& listener) -> Status {
+  return WithListener(request, environment, observer, {}, [&](RobotListener& listener) -> Status {
     bool is_idle = false;
     observer.Wait(fmt::format("waiting until {} is idle", listener.name()), listener.end());
     auto read = listener.subscription().Read(

@@ -1,0 +1,183 @@
+#include "app/conform.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "app/deliver.h"
+#include "app/order_path.h"
+#include "app/robot_listener.h"
+#include "base/text.h"
+#include "recording/writer.h"
+#include "schema/schema.h"
+
+namespace fleetpub::app {
+namespace {
+
+using conformance::Level;
+using std::chrono::steady_clock;
+
+// The broker, and a recording of what it says.
+class BrokerWire final : public conformance::Wire {
+ public:
+  BrokerWire(const ConformRequest& request, RobotListener& listener, Observer& observer)
+      : request_(request), listener_(listener), observer_(observer) {}
+
+  Status OpenRecording() {
+    if (request_.recording.empty()) return {};
+    const mqtt::ServerInfo& server = listener_.server();
+    recording::WriterOptions options{.path = request_.recording, .rotation = {}};
+    options.head = {.tool = request_.tool,
+                    .started = base::WallTime::clock::now(),
+                    .broker = server.broker.ToString(),
+                    .mqtt_version = server.version == mqtt::ProtocolVersion::k5 ? "5" : "3.1.1",
+                    .qos = 1,
+                    .retain_as_published = false,
+                    .subscriptions = listener_.filters(),
+                    .time_zero = std::chrono::duration_cast<std::chrono::microseconds>(
+                        start_.time_since_epoch())};
+    auto opened = recording::Writer::Open(std::move(options));
+    if (!opened) return Fail(std::move(opened.error()));
+    writer_ = *std::move(opened);
+    return {};
+  }
+
+  Status EndRecording() {
+    if (writer_ == nullptr) return {};
+    const auto written = writer_->End();
+    if (!written) return Fail(written.error());
+    return recorded_;
+  }
+
+  Status Send(const message::Command& command) override {
+    return listener_.Send(command, mqtt::Qos::kAtMostOnce);
+  }
+
+  std::optional<std::pair<std::string, mqtt::Message>> Next(conformance::TimePoint until) override {
+    constexpr std::chrono::milliseconds kGlance{100};  // at whether somebody stops it
+    const auto glance = std::min(until, steady_clock::now() + kGlance);
+    while (auto message = listener_.subscription().Next(glance)) {
+      Record(*message);
+      const auto levels = vda5050::ReadTopic(listener_.dialect().topics, message->topic,
+                                             listener_.address().manufacturer);
+      if (!levels || levels->robot != listener_.address()) continue;
+      const auto& names = vda5050::kReportTopics;
+      if (std::find(names.begin(), names.end(), levels->topic_name) == names.end()) continue;
+      return std::pair(levels->topic_name, *std::move(message));
+    }
+    return std::nullopt;
+  }
+
+  [[nodiscard]] conformance::TimePoint Now() const override { return steady_clock::now(); }
+  [[nodiscard]] base::WallTime WallNow() const override { return base::WallTime::clock::now(); }
+  [[nodiscard]] bool IsStopped() const override { return observer_.IsStopped(); }
+
+ private:
+  void Record(const mqtt::Message& message) {
+    if (writer_ == nullptr || !recorded_) return;
+    recording::Message entry;
+    entry.t = std::chrono::duration_cast<std::chrono::microseconds>(steady_clock::now() - start_);
+    entry.at = base::WallTime::clock::now();
+    entry.topic = message.topic;
+    entry.payload = message.payload;
+    entry.qos = static_cast<int>(message.qos);
+    entry.retain = message.retained;
+    entry.dup = message.duplicate;
+    recorded_ = writer_->Add(entry);
+  }
+
+  const ConformRequest& request_;
+  RobotListener& listener_;
+  Observer& observer_;
+  steady_clock::time_point start_ = steady_clock::now();
+  std::unique_ptr<recording::Writer> writer_;
+  Status recorded_;
+};
+
+// There and back along nodes that somebody named.
+Result<conformance::Way> PlanWay(const ConformRequest& request, const RobotListener& listener) {
+  conformance::Way way{.distance = request.distance};
+  if (request.nodes.empty()) return way;
+  if (request.nodes.size() < 3) {
+    return Fail(ErrorKind::kUsage, "a way needs three nodes. try: --nodes n1,n2,n3");
+  }
+  const auto plan = [&](std::vector<std::string> nodes) {
+    PathRequest path{.nodes = std::move(nodes),
+                     .points = {},
+                     .stops = {},
+                     .from = {},
+                     .actions = {},
+                     .blocking_type = {},
+                     .vehicle_type = request.vehicle_type};
+    const std::string start = path.nodes.front();
+    return PlanPath(path, request.site.get(),
+                    {.address = listener.address(),
+                     .factsheet = listener.robot().second.factsheet.get(),
+                     .state = nullptr,
+                     .start = start});
+  };
+  auto there = plan(request.nodes);
+  if (!there) return Fail(std::move(there.error()));
+  way.there = std::move(there->path);
+  if (request.nodes.front() == request.nodes.back()) return way;
+  auto back = plan({request.nodes.rbegin(), request.nodes.rend()});
+  if (!back) return Fail(std::move(back.error()));
+  way.back = std::move(back->path);
+  return way;
+}
+
+std::string DescribeWay(const ConformRequest& request) {
+  if (request.nodes.empty()) {
+    return fmt::format("{:.1f} m straight on from where it stands, and back", request.distance);
+  }
+  return fmt::format("along {}, and back", base::Printable(base::Join(request.nodes, ", ")));
+}
+
+Result<ConformReport> Test(const ConformRequest& request, RobotListener& listener,
+                           const Environment& environment, const DriveConsent& consent,
+                           const conformance::Progress& progress, Observer& observer) {
+  auto way = PlanWay(request, listener);
+  if (!way) return Fail(std::move(way.error()));
+  if (request.selection.level == Level::kDrive) {
+    if (auto agreed = consent(listener.address(), DescribeWay(request)); !agreed) {
+      return Fail(std::move(agreed.error()));
+    }
+  }
+  BrokerWire wire(request, listener, observer);
+  if (auto opened = wire.OpenRecording(); !opened) return Fail(std::move(opened.error()));
+  const auto& factsheet = listener.robot().second.factsheet;
+  schema::Registry registry(environment.schema_directory);
+  conformance::Run run(
+      {.address = listener.address(),
+       .dialect = listener.dialect(),
+       .factsheet = factsheet == nullptr ? std::nullopt : std::optional(*factsheet),
+       .way = *std::move(way)},
+      wire, registry);
+  ConformReport report{.target = listener.address().ToString(),
+                       .version = std::string(vda5050::GetFacts(listener.dialect().version).name)};
+  observer.Wait(fmt::format("testing {}", listener.name()), listener.end(), "Ctrl-C ends it");
+  report.outcome = conformance::Conduct(run, request.selection, progress);
+  observer.Wait("");
+  report.abort_reason = run.abort_reason();
+  if (auto ended = wire.EndRecording(); !ended) return Fail(std::move(ended.error()));
+  listener.subscription().Disconnect();
+  return report;
+}
+
+}  // namespace
+
+Result<ConformReport> Conform(const ConformRequest& request, const Environment& environment,
+                              const DriveConsent& consent, const conformance::Progress& progress,
+                              Observer& observer) {
+  RobotTopics topics{.names = {"state"}, .qos = mqtt::Qos::kAtLeastOnce};
+  for (const std::string_view name :
+       {"connection", "factsheet", "visualization", "order", "instantActions"}) {
+    topics.names.push_back(name);
+  }
+  return WithListener(request.robot, environment, observer, std::move(topics),
+                      [&](RobotListener& listener) {
+                        return Test(request, listener, environment, consent, progress, observer);
+                      });
+}
+
+}  // namespace fleetpub::app

@@ -1,0 +1,110 @@
+// The cases one by one, in an order that leaves each what it needs.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <iterator>
+
+#include "app/conformance/case.h"
+#include "app/conformance/orders.h"
+#include "base/text.h"
+
+namespace fleetpub::app::conformance {
+namespace {
+
+constexpr seconds kBeginning{35};  // until its first state
+
+bool Matches(const std::vector<std::string>& words, std::string_view id) {
+  return std::any_of(words.begin(), words.end(), [&](const std::string& word) {
+    return base::EqualsIgnoringCase(word, id) ||
+           (word.size() == 1 && base::EqualsIgnoringCase(word, id.substr(0, 1)));
+  });
+}
+
+// Why it is not run; "": it is.
+std::string ReasonToSkip(const Case& one, const Selection& selection) {
+  if (one.judge == nullptr) return "a person has to act";
+  if (one.level > selection.level) return fmt::format("needs --level {}", GetName(one.level));
+  return {};
+}
+
+bool IsWanted(const Case& one, const Selection& selection) {
+  return (selection.only.empty() || Matches(selection.only, one.id)) &&
+         !Matches(selection.skip, one.id);
+}
+
+Judgement JudgeActive(const Case& one, Run& run) {
+  if (!run.abort_reason().empty()) return Inconclusive("not run: " + run.abort_reason());
+  auto judged = one.judge(run);
+  // What ended the run says more than what did not come for it.
+  if (!run.abort_reason().empty() && judged.verdict != Verdict::kPass) {
+    return Inconclusive("not finished: " + run.abort_reason());
+  }
+  return judged;
+}
+
+// What the robot was left in.
+void Restore(Run& run, Level level, std::vector<std::string>& leftover) {
+  if (level == Level::kListen || run.last_state() == nullptr) return;
+  const auto is_paused = [&] { return run.last_state()->state->paused.value_or(false); };
+  if (is_paused()) {
+    run.Do("stopPause");
+    (void)run.Await([](const vda5050::RobotState& state) { return state.paused == false; });
+  }
+  if (level == Level::kDrive) EndOrder(run);
+  if (is_paused()) leftover.emplace_back("the robot is still paused. try: fleetpub stopPause");
+  if (level == Level::kDrive && !IsIdle(*run.last_state()->state)) {
+    leftover.emplace_back("the robot still has an order. try: fleetpub cancel");
+  }
+}
+
+}  // namespace
+
+std::vector<Case> ListCases() {
+  std::vector<Case> all;
+  for (const auto& group :
+       {ConnectionCases(), HeaderCases(), StateCases(), FactsheetCases(), InstantActionCases(),
+        OrderCases(), DrivingCases(), OrderActionCases(), EndingCases()}) {
+    std::copy(group.begin(), group.end(), std::back_inserter(all));
+  }
+  return all;
+}
+
+Outcome Conduct(Run& run, const Selection& selection, const Progress& progress) {
+  Outcome outcome;
+  for (const Case& one : ListCases()) {
+    if (one.AppliesTo(run.version()) && IsWanted(one, selection)) {
+      outcome.results.push_back({one, Skipped(ReasonToSkip(one, selection))});
+    }
+  }
+  const auto judge = [&](bool is_active) {
+    for (CaseResult& result : outcome.results) {
+      const bool is_this = (result.of.level != Level::kListen) == is_active;
+      if (!is_this) continue;
+      if (result.judgement.why.empty()) {
+        result.judgement = is_active ? JudgeActive(result.of, run) : result.of.judge(run);
+      }
+      if (progress) progress(result);
+    }
+  };
+  if (selection.level != Level::kListen) {
+    const TimePoint until = run.Now() + kBeginning;
+    while (run.last_state() == nullptr && run.Now() < until && run.abort_reason().empty()) {
+      run.Listen(milliseconds(200));
+    }
+    if (run.last_state() == nullptr) run.Abort("the robot sent no state within 35 s");
+    if (run.last_state() != nullptr && selection.level == Level::kDrive &&
+        !IsIdle(*run.last_state()->state)) {
+      run.Abort("the robot has an order already");
+    }
+  }
+  judge(true);
+  Restore(run, selection.level, outcome.leftover);
+  const auto listened = run.Now() - run.began();
+  if (listened < selection.listen && run.abort_reason() != "interrupted") {
+    run.Listen(selection.listen - listened);
+  }
+  judge(false);
+  return outcome;
+}
+
+}  // namespace fleetpub::app::conformance

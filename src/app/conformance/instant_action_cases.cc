@@ -1,0 +1,277 @@
+// I: instant actions that move nothing.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+
+#include "app/conformance/case.h"
+#include "base/text.h"
+
+namespace fleetpub::app::conformance {
+namespace {
+
+using vda5050::ActionState;
+using vda5050::RobotError;
+using vda5050::RobotState;
+using vda5050::Shown;
+using vda5050::Version;
+
+StateTest ShowsEnd(const std::string& id) {
+  return [id](const RobotState& state) {
+    const ActionState* action = vda5050::FindActionState(state, id);
+    return action != nullptr && vda5050::IsTerminal(action->status);
+  };
+}
+
+bool Names(const RobotError& error, std::string_view id) {
+  return std::any_of(error.references.begin(), error.references.end(),
+                     [&](const auto& reference) { return reference.value == id; });
+}
+
+// The action came to its end: this one, and told in time.
+Judgement JudgeEnd(const Awaited& awaited, const std::string& id, std::string_view status) {
+  if (awaited.found == nullptr) return Run::Missing(awaited, "no state shows how the action ended");
+  const ActionState* action = vda5050::FindActionState(*awaited.found->state, id);
+  if (action->status == status) {
+    return Pass(fmt::format("it ended {}", status), {awaited.found->Evidence()});
+  }
+  return Fault(fmt::format("it ended {}, not {}", Shown(action->status), status),
+               {awaited.found->Evidence()});
+}
+
+Judgement JudgeStateRequest(Run& run) {
+  const TimePoint from = run.Now();
+  const std::size_t mark = run.mark();
+  const std::string id = run.Do("stateRequest");
+  const auto awaited = run.AwaitSince(mark, from, ShowsEnd(id), kNextState);
+  if (awaited.found != nullptr && awaited.is_late && !awaited.has_hole) {
+    return Fault("no state came within 5 s", {awaited.found->Evidence()});
+  }
+  return JudgeEnd(awaited, id, "FINISHED");
+}
+
+Judgement JudgeFactsheetRequest(Run& run) {
+  if (run.Knows("factsheetRequest", "INSTANT") == false)
+    return Skipped("its factsheet has no such action");
+  const std::size_t mark = run.mark();
+  const std::string id = run.Do("factsheetRequest");
+  const auto judged = JudgeEnd(run.Await(ShowsEnd(id)), id, "FINISHED");
+  if (judged.verdict != Verdict::kPass) return judged;
+  run.Listen(seconds(1));
+  for (std::size_t i = mark; i < run.heard().size(); ++i) {
+    const Heard& one = run.heard()[i];
+    if (one.topic_name == "factsheet") return Pass("it came", {one.Evidence()});
+  }
+  run.Listen(kNextState);
+  const auto all = run.Of("factsheet");
+  const bool came =
+      !all.empty() && !all.back()->message.retained && all.back()->at >= run.Now() - seconds(10);
+  if (came) return Pass("it came", {all.back()->Evidence()});
+  return Fault("the action is FINISHED, but no factsheet came", judged.evidence);
+}
+
+// Also in time: what is due is due with the next state.
+Judgement JudgeReported(Run& run) {
+  const TimePoint from = run.Now();
+  const std::size_t mark = run.mark();
+  const std::string id = run.Do("stopPause");
+  const auto awaited = run.AwaitSince(
+      mark, from,
+      [&](const RobotState& state) { return vda5050::FindActionState(state, id) != nullptr; },
+      kNextState);
+  if (awaited.found == nullptr) return Run::Missing(awaited, "no state has its actionId");
+  if (awaited.is_late && !awaited.has_hole) {
+    return Fault("no state came within 5 s", {awaited.found->Evidence()});
+  }
+  return Pass("a state has its actionId", {awaited.found->Evidence()});
+}
+
+constexpr std::string_view kUnknown = "fleetpubConformanceTest";
+
+Judgement JudgeUnknown(Run& run) {
+  const std::string id = run.Do(kUnknown);
+  const auto awaited = run.Await([&](const RobotState& state) {
+    const ActionState* action = vda5050::FindActionState(state, id);
+    return (action != nullptr && action->status == "FAILED") ||
+           std::any_of(state.errors.begin(), state.errors.end(),
+                       [&](const RobotError& error) { return Names(error, id); });
+  });
+  if (awaited.found == nullptr) {
+    return Run::Missing(awaited, "no error and no state names the unknown action");
+  }
+  const RobotState& state = *awaited.found->state;
+  const bool is_named = std::any_of(state.errors.begin(), state.errors.end(),
+                                    [&](const RobotError& error) { return Names(error, id); });
+  if (!run.Is30()) {
+    return is_named ? Pass("an error names it", {awaited.found->Evidence()})
+                    : Fault("it is FAILED, but no error names it", {awaited.found->Evidence()});
+  }
+  const ActionState* action = vda5050::FindActionState(state, id);
+  if (action == nullptr) return Fault("it has no action state", {awaited.found->Evidence()});
+  const auto error = std::find_if(state.errors.begin(), state.errors.end(),
+                                  [&](const RobotError& one) { return Names(one, id); });
+  if (error == state.errors.end()) {
+    return Fault("it is FAILED, but no error names it", {awaited.found->Evidence()});
+  }
+  if (error->type != "INVALID_INSTANT_ACTION") {
+    return Fault("the error is " + Shown(error->type), {awaited.found->Evidence()});
+  }
+  return Pass("it is FAILED, and INVALID_INSTANT_ACTION names it", {awaited.found->Evidence()});
+}
+
+Judgement JudgeTwice(Run& run) {
+  const std::string id = run.Do("stopPause");
+  const auto first = run.Await(ShowsEnd(id));
+  if (first.found == nullptr) return Inconclusive("it did not end the first time");
+  const std::size_t mark = run.mark();
+  run.Do("stopPause", {}, id);
+  run.Refresh();
+  for (const Heard* one : run.StatesSince(mark)) {
+    std::size_t entries = 0;
+    for (const auto* list : {&one->state->action_states, &one->state->instant_action_states}) {
+      entries += static_cast<std::size_t>(std::count_if(
+          list->begin(), list->end(), [&](const ActionState& action) { return action.id == id; }));
+    }
+    if (entries > 1) return Fault(fmt::format("{} entries", entries), {one->Evidence()});
+    if (entries == 1) return Pass("one entry", {one->Evidence()});
+  }
+  return Inconclusive("no state shows it any more");
+}
+
+Judgement JudgePaused(Run& run, std::string_view type, bool paused) {
+  constexpr seconds kPause{10};
+  const std::string id = run.Do(type);
+  const auto judged = JudgeEnd(run.Await(ShowsEnd(id), kPause), id, "FINISHED");
+  if (judged.verdict != Verdict::kPass) return judged;
+  const Heard& last = *run.last_state();
+  if (last.state->paused == paused) {
+    return Pass(paused ? "paused is true" : "paused is false", {last.Evidence()});
+  }
+  const auto later = run.Await([&](const RobotState& state) { return state.paused == paused; });
+  if (later.found == nullptr) {
+    return Run::Missing(later, fmt::format("{} is FINISHED, and paused is not {}", type, paused));
+  }
+  return Pass("paused follows", {later.found->Evidence()});
+}
+
+Judgement JudgeStartPause(Run& run) {
+  auto judged = JudgePaused(run, "startPause", true);
+  if (judged.verdict == Verdict::kPass) {
+    judged = JudgePaused(run, "startPause", true);
+    if (judged.verdict == Verdict::kFail) judged.why = "the second time: " + judged.why;
+  }
+  (void)JudgePaused(run, "stopPause", false);
+  return judged;
+}
+
+Judgement JudgeStopPause(Run& run) {
+  const auto paused = JudgePaused(run, "startPause", true);
+  auto judged = JudgePaused(run, "stopPause", false);
+  if (judged.verdict == Verdict::kPass && paused.verdict != Verdict::kPass) {
+    return Inconclusive("it was not paused before");
+  }
+  return judged;
+}
+
+bool IsIdle(const Run& run) {
+  const Heard* last = run.last_state();
+  return last != nullptr && last->state->nodes_left == 0U &&
+         last->state->edges_left.value_or(0) == 0;
+}
+
+Judgement JudgeCancelIdle(Run& run) {
+  run.Refresh();
+  if (!IsIdle(run)) return Inconclusive("it has an order");
+  const std::string id = run.Do("cancelOrder");
+  const auto awaited = run.Await(ShowsEnd(id));
+  const auto judged = JudgeEnd(awaited, id, "FAILED");
+  if (judged.verdict != Verdict::kPass) return judged;
+  const std::string_view type = run.Is30() ? "NO_ORDER_TO_CANCEL" : "noOrderToCancel";
+  const auto& errors = awaited.found->state->errors;
+  const auto named = std::find_if(errors.begin(), errors.end(),
+                                  [&](const RobotError& error) { return Names(error, id); });
+  const auto typed = std::find_if(errors.begin(), errors.end(),
+                                  [&](const RobotError& error) { return error.type == type; });
+  if (typed == errors.end()) {
+    return Fault(fmt::format("it is FAILED, without {}", type), {awaited.found->Evidence()});
+  }
+  if (named == errors.end()) {
+    return Fault("its error does not name the actionId", {awaited.found->Evidence()});
+  }
+  return Pass(fmt::format("FAILED with {}", type), {awaited.found->Evidence()});
+}
+
+Judgement JudgeKept(Run& run) {
+  const std::string id = run.Do("stopPause");
+  if (run.Await(ShowsEnd(id)).found == nullptr) return Inconclusive("it did not end");
+  for (int i = 0; i < 3; ++i) {
+    const auto next = run.Await([](const RobotState&) { return true; }, seconds(0));
+    if (next.found == nullptr) return Inconclusive("no further state came");
+    if (vda5050::FindActionState(*next.found->state, id) == nullptr) {
+      return Fault("it has left the state, without clearInstantActions", {next.found->Evidence()});
+    }
+  }
+  return Pass("it stays over three states", {run.last_state()->Evidence()});
+}
+
+Judgement JudgeClear(Run& run) {
+  if (run.Knows("clearInstantActions", "INSTANT") == false) {
+    return Skipped("its factsheet has no such action");
+  }
+  const std::string old = run.Do("stopPause");
+  if (run.Await(ShowsEnd(old)).found == nullptr) return Inconclusive("nothing was there to clear");
+  const std::string id = run.Do("clearInstantActions");
+  const auto gone = run.Await(
+      [&](const RobotState& state) { return vda5050::FindActionState(state, old) == nullptr; });
+  if (gone.found == nullptr) return Run::Missing(gone, "ended instant actions stay");
+  return Pass("they are gone", {gone.found->Evidence()});
+}
+
+Judgement JudgeGarbage(Run& run) {
+  run.SendGarbage();
+  run.Listen(seconds(1));
+  const std::string id = run.Do("stateRequest");
+  const auto awaited = run.Await(ShowsEnd(id));
+  if (awaited.found == nullptr)
+    return Run::Missing(awaited, "after it the robot does nothing more");
+  return Pass("it goes on", {awaited.found->Evidence()});
+}
+
+using enum Version;
+constexpr Level kActions = Level::kActions;
+constexpr auto kCases = std::to_array<Case>({
+    {"I01", kActions, k110, k300, "6.2.3 / 6.8", "stateRequest brings a state and is FINISHED",
+     "5 s", "send the state in which it is FINISHED", JudgeStateRequest},
+    {"I02", kActions, k200, k300, "6.10 / 6.15",
+     "factsheetRequest brings a factsheet and is FINISHED", "5 s",
+     "publish it anew, also when it is retained", JudgeFactsheetRequest},
+    {"I03", kActions, k110, k300, "6.2.1 / 6.9", "an instant action is reported with its actionId",
+     "next state", "send a state when an action's state changes", JudgeReported},
+    {"I04", kActions, k110, k210, "7.1", "an unknown action brings an error that names it",
+     "next state", "reference the actionId", JudgeUnknown},
+    {"I05", kActions, k300, k300, "6.2.1",
+     "an unknown action is FAILED, and INVALID_INSTANT_ACTION names it", "next state",
+     "report both, with the actionId as reference", JudgeUnknown},
+    {"I06", kActions, k110, k300, "6.2 / 6.9", "an actionId that comes twice has one entry",
+     "next state", "ignore an instant action whose actionId is known", JudgeTwice},
+    {"I07", kActions, k110, k300, "6.2.3 / 6.8",
+     "startPause makes paused true and is FINISHED, also when it is paused", "10 s",
+     "what is as wanted already is FINISHED", JudgeStartPause},
+    {"I08", kActions, k110, k300, "6.2.3 / 6.8", "stopPause makes paused false", "10 s",
+     "report paused with the action's end", JudgeStopPause},
+    {"I09", kActions, k110, k300, "6.1.3.2 / 6.6.3.2",
+     "cancelOrder without an order is FAILED, and an error names it", "next state",
+     "report noOrderToCancel, from 3.0 NO_ORDER_TO_CANCEL, with the actionId", JudgeCancelIdle},
+    {"I10", kActions, k300, k300, "7.8", "ended instant actions stay until they are cleared",
+     "3 states", "keep them until clearInstantActions", JudgeKept},
+    {"I11", kActions, k300, k300, "6.2.3", "clearInstantActions clears the ended ones",
+     "next state", "remove all that are FINISHED or FAILED", JudgeClear},
+    {"I12", kActions, k110, k300, "–", "a message that is no JSON changes nothing", "35 s",
+     "pass over what cannot be parsed", JudgeGarbage},
+});
+
+}  // namespace
+
+std::span<const Case> InstantActionCases() { return kCases; }
+
+}  // namespace fleetpub::app::conformance
