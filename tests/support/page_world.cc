@@ -20,6 +20,15 @@ order() { echo '{"orderId":"o-1","orderUpdateId":0,"nodes":[{"nodeId":"n1","sequ
 zones() { echo '{"zoneSet":{"mapId":"map-1","zoneSetId":"hall-1","zones":[{"zoneId":"gate","zoneType":"RELEASE",
   "releaseLossBehavior":"STOP","vertices":[{"x":0,"y":0},{"x":10,"y":0},{"x":10,"y":10},{"x":0,"y":10}]}]}}'; }
 publish() { mosquitto_pub -p "$PORT" "$@"; }
+# place ID X Y [ACTIONS], way FROM TO, hall PLACES WAYS: a layout of one hall, whose station dock-3 is at n17.
+place() { printf '{"nodeId":"%s","mapId":"map-1","nodePosition":{"x":%s,"y":%s},"vehicleTypeNodeProperties":[{
+  "vehicleTypeId":"T","actions":[%s]}]}' "$1" "$2" "$3" "${4:-}"; }
+way() { printf '{"edgeId":"%s-%s","startNodeId":"%s","endNodeId":"%s","vehicleTypeEdgeProperties":[{"vehicleTypeId":"T",
+  "rotationAllowed":true}]}' "$1" "$2" "$1" "$2"; }
+needs() { printf '{"actionType":"%s","requirementType":"REQUIRED","blockingType":"HARD"}' "$1"; }
+hall() { printf '{"metaInformation":{"projectIdentification":"p","creator":"c","exportTimestamp":"2026-01-01T00:00:00Z",
+  "lifVersion":"1.0.0"},"layouts":[{"layoutId":"hall","layoutVersion":"1","nodes":[%s],"edges":[%s],"stations":[{
+  "stationId":"dock-3","interactionNodeIds":["n17"]}]}]}' "$1" "$2"; }
 # listens PORT LINE...: a second broker, with these lines of configuration; $broker is its process.
 listens() {
   { echo "listener $1 127.0.0.1"; [ "$(id -u)" -ne 0 ] || echo "user root"; printf '%s\n' "${@:2}"; } >"$1.conf"
@@ -59,6 +68,32 @@ const World kOrders = {
         "echo '{\"actions\":[{\"actionType\":\"stateRequest\",\"actionId\":\"a1\","
         "\"blockingType\":\"NONE\"}]}' > actions.json"};
 
+const World kDriving = {
+    .setup =
+        "hall \"$(place n1 0 0),$(place n2 1 0),$(place n4 1 1),$(place n7 2 0),$(place n8 3 0),"
+        "$(place n9 3 1),$(place n17 2 1)\" \"$(way n1 n2),$(way n2 n7),$(way n7 n8),$(way n8 n9),"
+        "$(way n7 n4),$(way n4 n17),$(way n17 n1),$(way n17 n7),$(way n9 n1)\" > hall.lif.json\n"
+        "mkdir -p ~/.config/fleetpub\n"
+        "echo \"layout = \\\"$PWD/hall.lif.json\\\"\" > ~/.config/fleetpub/config.toml\n"
+        "online KIT/0001 --at n1 --layout hall.lif.json --time-scale 40",
+    .before = {{"fleetpub order KIT/0001 --to dock-3 --wait", "fleetpub order follow KIT/0001"},
+               {"fleetpub order KIT/0001 --to dock-3 --via n4 --action pick@dock-3 loadType=EPAL "
+                "--release 3",
+                "fleetpub order KIT/0001 --to n1 --wait"},
+               {"fleetpub order extend KIT/0001 n8 n9",
+                "fleetpub order release KIT/0001 --wait; fleetpub order KIT/0001 n17 n7 --wait"},
+               {"fleetpub order release KIT/0001 2",
+                "fleetpub order follow KIT/0001; fleetpub order KIT/0001 n9 n1 n2 n7 --release 1 "
+                "--wait-for accepted"},
+               {"fleetpub order follow KIT/0001", "fleetpub order KIT/0001 n1 n2"}}};
+const World kLayouts = {
+    .setup =
+        "hall \"$(place n1 0 0),$(place n4 10 0),$(place n17 10 13.4 \"$(needs pick),$(needs "
+        "beep)\")\" \"$(way n1 n4),$(way n4 n17),$(way n17 n1)\" > hall.lif.json\n"
+        "mkdir -p ~/.config/fleetpub\n"
+        "printf 'layout = \"%s\"\\n[profile.north]\\nlayout = \"%s\"\\n' \"$PWD/hall.lif.json\" "
+        "\"$PWD/hall.lif.json\" > ~/.config/fleetpub/config.toml"};
+
 const World kLooking = {
     .setup =
         "online KIT/0001; gone KIT/0002 --vda 2.1; fleetpub pause KIT/0001 --wait\n"
@@ -73,7 +108,8 @@ const World kShow = {.setup =
                          "--emergency-stop --position 1.5,-2,0.5,hall-1 --at n5 --with-order\n"
                          "fleetpub pause KIT/0001 --wait"};
 
-const World kRecordings = {.setup = "online KIT/0001 --with-order", .changes = {{"--for 8h", "--for 500ms"}}};
+const World kRecordings = {.setup = "online KIT/0001 --with-order",
+                           .changes = {{"--for 8h", "--for 500ms"}}};
 
 const World kSoar = {
     .setup =
@@ -216,7 +252,9 @@ const std::map<std::string, std::map<std::string, World>>& Worlds() {
             {.setup =
                  "mkdir -p ~/.local/share/bash-completion/completions ~/.config/fish/completions\n"
                  "fpath=(\"\" \"$HOME\")"}},
+           {"Orders", kDriving},
            {"Orders and other messages", kOrders},
+           {"Layouts", kLayouts},
            {"Batch",
             {.setup =
                  "online KIT/0001\n"
