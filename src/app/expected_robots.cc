@@ -100,7 +100,8 @@ void WarnOfUnheard(const std::vector<ExpectedRobot>& unheard, Log& log) {
 
 void WarnOfWildcards(const mqtt::BrokerUrl& broker, Log& log) {
   log.Warn(fmt::format(
-      "{} hands out no retained messages for wildcards, as RabbitMQ: it finds only robots that the "
+      "{} hands out no retained messages for wildcards, as RabbitMQ: the only robots found are "
+      "those that the "
       "configuration names, that were commanded in the last 7 days, or that send a state now",
       broker.ToString()));
 }

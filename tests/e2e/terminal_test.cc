@@ -239,6 +239,51 @@ TEST_F(OnATerminal, FleetFitsTheWindowAndIsWholeInAPipe) {
   EXPECT_THAT(lines.at(2), StartsWith("搬送/車一号  3.0.0"));
 }
 
+// At the two sizes that people have: what is shown of the fleet, and that nothing wraps or scrolls.
+TEST_F(OnATerminal, WholeScreensFitBothSizes) {
+  const auto robots = Robot({"KIT/0001", "--count", "12", "--state-interval", "100ms"});
+  const auto trouble = Robot({"ACME/7", "--battery", "15", "--error", "motorFault:FATAL",
+                              "--emergency-stop", "--with-order", "--state-interval", "100ms"});
+  struct Size {
+    int columns, rows;
+    std::string header, trouble;
+  };
+  const Size sizes[] = {
+      {80, 24, "TARGET +CONNECTION +MODE +SAFETY +PAUSED +BATTERY +ERRORS",
+       "ACME/7 +ONLINE +AUTOMATIC +E-STOP +no +15% +1 FATAL motorFault"},
+      {120, 40,
+       "TARGET +VERSION +CONNECTION +SINCE +MODE +SAFETY +DRIVING +PAUSED +BATTERY +ORDER +ERRORS",
+       "ACME/7 +3.0.0 +ONLINE +.* +AUTOMATIC +E-STOP +no +no +15% +order-1 +1 FATAL motorFault"}};
+  for (const auto& [columns, rows, header, worst] : sizes) {
+    Terminal fleet(AndTellTheEnd(Line({"fleet"})), columns, rows);
+    ASSERT_TRUE(fleet.Await("exit code 0"));
+    auto lines = Lines(fleet.Shown());
+    EXPECT_THAT(lines.at(0), MatchesRegex(header));
+    EXPECT_THAT(lines.at(1), MatchesRegex(worst));
+    EXPECT_THAT(lines.at(13), StartsWith("KIT/0012"));
+    EXPECT_THAT(lines.at(14), StartsWith("exit code 0"));
+
+    Terminal watch(Line({"watch"}), columns, rows);
+    ASSERT_TRUE(watch.Await("13 robots, 13 online, 1 in trouble"));
+    ASSERT_TRUE(watch.Await("E-STOP"));
+    lines = Lines(watch.Shown());
+    EXPECT_THAT(lines.at(2), MatchesRegex(header));
+    EXPECT_THAT(lines.at(3), StartsWith("ACME/7"));
+    EXPECT_THAT(lines.at(15), StartsWith("KIT/0012"));
+
+    Terminal show(AndTellTheEnd(Line({"show", "ACME/7"})), columns, rows);
+    ASSERT_TRUE(show.Await("exit code 0"));
+    lines = Lines(show.Shown());
+    EXPECT_EQ(lines.at(0), "ACME/7") << "its first line is there still";
+    EXPECT_THAT(show.Shown(), AllOf(HasSubstr("EMERGENCY STOP"), HasSubstr("FATAL motorFault"),
+                                    HasSubstr("15 %"), HasSubstr("\n  commands ")));
+
+    Terminal help(Line({"-h"}) + "; sleep 100", columns, rows);
+    ASSERT_TRUE(help.Await("lists all of them"));
+    EXPECT_THAT(help.Shown(), StartsWith("Commands for robots"));
+  }
+}
+
 TEST_F(OnATerminal, ResultsAndHistoryAlignWideNames) {
   const Finished sent = Send({"pause", "搬送/車一号", "KIT/0001"});
   EXPECT_THAT(Lines(sent.output).at(0), StartsWith("搬送/車一号  startPause"));
