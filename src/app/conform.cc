@@ -99,7 +99,7 @@ Result<conformance::Way> PlanWay(const ConformRequest& request, const RobotListe
   conformance::Way way{.distance = request.distance};
   if (request.nodes.empty()) return way;
   if (request.nodes.size() < 3) {
-    return Fail(ErrorKind::kUsage, "a way needs three nodes. try: --nodes n1,n2,n3");
+    return Fail(ErrorKind::kUsage, "a way needs three nodes: --nodes n1,n2,n3");
   }
   const auto plan = [&](std::vector<std::string> nodes) {
     PathRequest path{.nodes = std::move(nodes),

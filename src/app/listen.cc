@@ -115,10 +115,10 @@ class Choice {
       const auto& names = vda5050::kTopicNames;
       if (std::find(names.begin(), names.end(), topic) != names.end()) continue;
       const auto nearest = base::Nearest(topic, names);
-      return Fail(ErrorKind::kUsage,
-                  fmt::format("VDA 5050 has no topic {}{}. try: --filter for others",
-                              base::Printable(topic),
-                              nearest ? fmt::format(": did you mean {}?", *nearest) : ""));
+      return Fail(
+          ErrorKind::kUsage,
+          fmt::format("VDA 5050 has no topic {}{}; --filter takes others", base::Printable(topic),
+                      nearest ? fmt::format(": did you mean {}?", *nearest) : ""));
     }
     return {};
   }

@@ -66,8 +66,8 @@ class OrderComposer {
     const std::string& mode = robot_.state->operating_mode;
     if (TakesOrders(mode, robot_.dialect.version)) return {};
     return Refuse(
-        fmt::format("it is in mode {}, in which it takes no orders. try: AUTOMATIC at the "
-                    "robot, or --no-check",
+        fmt::format("it is in mode {}, in which it takes no orders: switch it to "
+                    "AUTOMATIC, or send with --no-check",
                     Shown(mode)));
   }
 
@@ -123,15 +123,15 @@ class OrderComposer {
     if (task_.order_id.empty()) return {};
     if (robot_.state != nullptr && robot_.state->order_id == id) {
       return Refuse(
-          fmt::format("it has had order {} already: ids are used once. try: without "
-                      "--order-id",
+          fmt::format("it has had order {} already: ids are used once: leave "
+                      "--order-id out",
                       Printable(id)));
     }
     if (auto ok = ReadHistory(id); !ok) return ok;
     if (history_.sent.empty()) return {};
     return Refuse(
-        fmt::format("order {} was sent to it before, by {}: ids are used once. try: "
-                    "without --order-id",
+        fmt::format("order {} was sent to it before, by {}: ids are used once: "
+                    "leave --order-id out",
                     Printable(id), Printable(history_.sent.back().by)));
   }
 
@@ -154,7 +154,8 @@ class OrderComposer {
 
   Status ComposeUpdate() {
     if (robot_.state == nullptr) {
-      return Refuse("it sent no state, so which order it has is not known. try: --state-wait 35s");
+      return Refuse(
+          "it sent no state, so which order it has is not known: --state-wait 35s waits for one");
     }
     if (auto ok = ReadHistory(robot_.state->order_id); !ok) return ok;
     auto order = CurrentOrder::Find(history_, *robot_.state, Name());

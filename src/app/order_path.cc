@@ -108,14 +108,15 @@ class PathPlanner {
     const std::string& start = request_.from.empty() ? robot_.start : request_.from;
     if (start.empty()) {
       return Fail(ErrorKind::kPreflight,
-                  fmt::format("{} does not say at which node it is. try: --from NODE", Name()));
+                  fmt::format("{} does not say at which node it is: --from NODE says it", Name()));
     }
     auto from = layout::ResolvePlace(*site_, start);
     if (!from) {
       if (!request_.from.empty()) return Fail(std::move(from.error()));
-      return Fail(ErrorKind::kPreflight,
-                  fmt::format("{} is at node {}, which the layout does not have. try: --from NODE",
-                              Name(), Printable(start)));
+      return Fail(
+          ErrorKind::kPreflight,
+          fmt::format("{} is at node {}, which the layout does not have: --from NODE says another",
+                      Name(), Printable(start)));
     }
     layout::RouteRequest route{.vehicle_type = type_,
                                .loaded = IsLoaded(),
@@ -247,7 +248,7 @@ class PathPlanner {
       if (station == nullptr) return nullptr;
       if (station->nodes.size() > 1) {
         return Fail(ErrorKind::kUsage,
-                    fmt::format("station {} has {} nodes: name one of them. try: --to {}",
+                    fmt::format("station {} has {} nodes: name one of them, or --to {}",
                                 Printable(word), station->nodes.size(), Printable(word)));
       }
       node = station->nodes.front();
@@ -399,7 +400,7 @@ class PathPlanner {
     if (robot_.continues) return {};
     if (!robot_.start.empty() && robot_.start != first.id && request_.from.empty()) {
       return Fail(ErrorKind::kPreflight,
-                  fmt::format("{} is at node {}, and the order begins at {}. try: {} as the first "
+                  fmt::format("{} is at node {}, and the order begins at {}: name {} first"
                               "node",
                               Name(), Printable(robot_.start), Printable(first.id),
                               Printable(robot_.start)));

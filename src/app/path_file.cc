@@ -121,7 +121,7 @@ Result<PlacedAction> ParsePlacedAction(std::string_view word,
   const auto at = word.find('@');
   if (at == std::string_view::npos || at == 0 || at + 1 == word.size()) {
     return Fail(ErrorKind::kUsage,
-                fmt::format("'{}' names no action and place. try: --action pick@n7 loadType=EPAL",
+                fmt::format("'{}' names no action and place, as in --action pick@n7 loadType=EPAL",
                             Printable(word)));
   }
   PlacedAction action{

@@ -19,7 +19,7 @@ using recording::Faults;
 namespace {
 
 Error NoSending() {
-  return {ErrorKind::kUsage, "nothing is sent to a recording. try: without --from"};
+  return {ErrorKind::kUsage, "nothing is sent to a recording: leave --from out"};
 }
 
 // What a broker would have kept, whether or not it said so.

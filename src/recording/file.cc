@@ -139,8 +139,8 @@ Result<OutputFile> OutputFile::Create(const std::filesystem::path& path) {
   const int descriptor =
       open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_APPEND | O_CLOEXEC, kOwnerOnly);
   if (descriptor < 0 && errno == EEXIST) {
-    return Fail(ErrorKind::kLedger, fmt::format("{} is there already, and nothing is overwritten. "
-                                                "try: another name",
+    return Fail(ErrorKind::kLedger, fmt::format("{} is there already, and nothing is overwritten: "
+                                                "give another name",
                                                 base::Printable(path.string())));
   }
   if (descriptor < 0) return Fail(Trouble("write", path.string(), errno));

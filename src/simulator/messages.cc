@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cctype>
 #include <cmath>
 #include <numbers>
@@ -128,10 +129,11 @@ void PutRequests(Json& json, const RobotState& state, const ProtocolTerms& terms
 void PutPosition(Json& json, const Position& position, const ProtocolTerms& terms,
                  const Faults& faults) {
   const double unit = faults.Has(Fault::kDegrees) ? 180 / std::numbers::pi : 1;
+  const double most = std::numbers::pi * unit;  // which rounding would exceed
   PutObject(json, terms.position, [&] {
     Put(json, "x", Rounded(position.x, kPerMetre));
     Put(json, "y", Rounded(position.y, kPerMetre));
-    Put(json, "theta", Rounded(position.theta * unit, kPerMetre));
+    Put(json, "theta", std::clamp(Rounded(position.theta * unit, kPerMetre), -most, most));
     Put(json, "mapId", position.map_id);
     Put(json, terms.initialized, true);
   });

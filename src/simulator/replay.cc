@@ -141,7 +141,7 @@ class Player {
       return Fail(
           ErrorKind::kPreflight,
           fmt::format("nothing was sent: a robot is ONLINE at {}, and would be heard in two "
-                      "voices. try: --map to another name, or --force",
+                      "voices: --map gives it another name, --force plays it all the same",
                       base::Printable(topic)));
     }
     return {};
@@ -236,10 +236,9 @@ Result<RobotMapping> ParseRobotMapping(std::string_view text) {
   const std::string_view to = sign == std::string_view::npos ? "" : text.substr(sign + 1);
   const std::size_t slash = to.find('/');
   if (slash == std::string_view::npos) {
-    return Fail(ErrorKind::kUsage,
-                fmt::format("--map {}: say which robot becomes which. try: --map "
-                            "KIT/0001=TEST/0001, --map 'KIT/*=TEST/*'",
-                            base::Printable(text)));
+    return Fail(ErrorKind::kUsage, fmt::format("--map {}: say which robot becomes which: --map "
+                                               "KIT/0001=TEST/0001, --map 'KIT/*=TEST/*'",
+                                               base::Printable(text)));
   }
   auto from = vda5050::ParseRobotPattern(text.substr(0, sign));
   if (!from) return Fail(std::move(from.error()));

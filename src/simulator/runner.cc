@@ -150,7 +150,7 @@ class Runner final : public Inhabitant {
     if (!connection || connection->connection_state != "ONLINE") return {};
     return Fail(ErrorKind::kPreflight,
                 fmt::format("nothing was started: a robot is ONLINE at {} of {}, and a virtual one "
-                            "would take its place. try: another name, or --force",
+                            "would take its place: give another name, or add --force",
                             base::Printable(message.topic), transport.server().broker.ToString()));
   }
 

@@ -120,7 +120,7 @@ TEST_F(PlanningAPath, BeginsWhereTheRobotIs) {
   const auto planned = Plan({.nodes = {"a", "b"}});
   ASSERT_FALSE(planned);
   EXPECT_EQ(planned.error().kind, ErrorKind::kPreflight);
-  EXPECT_THAT(planned.error().message, HasSubstr("try: x as the first node"));
+  EXPECT_THAT(planned.error().message, HasSubstr("name x first"));
 }
 
 TEST_F(PlanningAPath, WidensTheFirstNodeForARobotThatIsALittleOff) {

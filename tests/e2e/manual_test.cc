@@ -63,9 +63,10 @@ std::string Help(std::vector<std::string> words) {
 // Every option of every command, parameters of actions aside: those are in the command's own help.
 std::set<std::string> Options() {
   std::string text = Help({}) + Help({"pause"});
-  for (const char* command : {"action", "actions", "await", "batch", "explain", "fleet", "history",
-                              "order", "ping", "publish", "record", "replay", "requests", "respond",
-                              "show", "simulate", "tail", "validate", "watch"}) {
+  for (const char* command :
+       {"action",  "actions", "await",    "batch",   "conform",  "explain", "fleet",
+        "history", "order",   "ping",     "publish", "record",   "replay",  "requests",
+        "respond", "show",    "simulate", "tail",    "validate", "watch"}) {
     text += Help({command});
   }
   text += Help({"history", "show"}) + Help({"history", "prune"});

@@ -66,8 +66,6 @@ std::vector<std::string> FindSuggestionsInSources() {
        std::filesystem::recursive_directory_iterator(FLEETPUB_SOURCE_DIR "/src")) {
     const std::string path = entry.path().string();
     if (!path.ends_with(".cc") && !path.ends_with(".h")) continue;
-    // Those of simulate name options alone.
-    if (path.ends_with("simulate.cc") || path.find("/simulator/") != std::string::npos) continue;
     std::ifstream stream(entry.path());
     const std::string code{std::istreambuf_iterator<char>(stream), {}};
     AddSuggestions(code, "try: ", found);

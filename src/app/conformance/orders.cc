@@ -167,7 +167,7 @@ Judgement JudgeRefusal(Run& run, const base::JsonDocument& order, const ErrorTyp
   const auto is_taken = [&](const RobotState& state) { return !had_it && has_it(state); };
   const std::size_t mark = run.mark();
   const TimePoint from = run.Now();
-  run.SendOrder(order);
+  run.SendOrder(order, Run::Intent::kWrong);
   const auto awaited = run.AwaitSince(
       mark, from,
       [&](const RobotState& state) { return is_taken(state) || !NewErrors(state, before).empty(); },

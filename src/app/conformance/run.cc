@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "app/deliver.h"
 #include "base/text.h"
 #include "base/uuid.h"
 #include "vda5050/messages/user_message.h"
@@ -187,8 +188,13 @@ Judgement Run::Missing(const Awaited& awaited, std::string what) {
 
 // ---- What is said ----
 
-void Run::Send(Result<message::Command> command) {
+void Run::Send(Result<message::Command> command, Intent intent) {
   if (!command) return Abort(command.error().message);
+  if (intent == Intent::kValid) {
+    if (const auto valid = ValidateCommand(*command, registry_); !valid) {
+      return Abort("not sent: " + valid.error().message);
+    }
+  }
   if (const auto sent = wire_.Send(*command); !sent) Abort(sent.error().message);
 }
 
@@ -208,13 +214,15 @@ std::string Run::Do(std::string_view type, std::vector<vda5050::Parameter> param
                                 .blocking_type = {},
                                 .parameters = std::move(parameters)};
   instant_ids_.insert(action.id);
-  Send(vda5050::BuildInstantActions(subject_.address, subject_.dialect, {&action, 1}));
+  Send(vda5050::BuildInstantActions(subject_.address, subject_.dialect, {&action, 1}),
+       Intent::kValid);
   return action.id;
 }
 
-void Run::SendOrder(const base::JsonDocument& order) {
+void Run::SendOrder(const base::JsonDocument& order, Intent intent) {
   Send(vda5050::BuildUserMessage(subject_.address, subject_.dialect, "order", order,
-                                 vda5050::HeaderMismatch::kReplace));
+                                 vda5050::HeaderMismatch::kReplace),
+       intent);
 }
 
 void Run::SendGarbage() {
@@ -225,7 +233,7 @@ void Run::SendGarbage() {
                                       .parameters = {}};
   auto command = vda5050::BuildInstantActions(subject_.address, subject_.dialect, {&action, 1});
   if (command) command->payload.rest.resize(command->payload.rest.size() / 2);
-  Send(std::move(command));
+  Send(std::move(command), Intent::kWrong);
 }
 
 std::optional<bool> Run::Knows(std::string_view type, std::string_view scope) const {

@@ -155,8 +155,9 @@ class Run {
   /// Sends one; returns its id. The error is noted as the reason to end.
   std::string Do(std::string_view type, std::vector<vda5050::Parameter> parameters = {},
                  std::string id = {});
-  /// Sends an order, without header. It need not be valid.
-  void SendOrder(const base::JsonDocument& order);
+  /// Sends an order, without header. One that is meant to be valid and is not ends the run.
+  enum class Intent : std::uint8_t { kValid, kWrong };
+  void SendOrder(const base::JsonDocument& order, Intent intent = Intent::kValid);
   /// Something that is no JSON, to `instantActions`.
   void SendGarbage();
   /// Whether this id is of an instant action of ours.
@@ -183,7 +184,7 @@ class Run {
   void Take(std::string topic_name, mqtt::Message message);
   bool Step(TimePoint until);
   void CheckState(const vda5050::RobotState& state);
-  void Send(Result<message::Command> command);
+  void Send(Result<message::Command> command, Intent intent);
 
   Subject subject_;
   Wire& wire_;

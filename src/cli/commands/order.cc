@@ -13,7 +13,7 @@
 #include "cli/environment.h"
 #include "cli/instant_sending.h"
 #include "cli/layout_file.h"
-#include "cli/listening.h"
+#include "cli/one_robot.h"
 #include "cli/output/sending_observer.h"
 #include "cli/parser/option_set.h"
 #include "cli/parser/subcommand.h"
@@ -25,20 +25,14 @@ namespace {
 using app::OrderKind;
 using app::OrderTask;
 
+constexpr std::string_view kExample = "fleetpub order KIT/0001 n1 n2";
+
 constexpr auto kCosts = std::to_array<base::Choice<layout::RouteCost>>({
     {"length", layout::RouteCost::kLength},
     {"time", layout::RouteCost::kTime},
 });
 
 constexpr auto kBlockingTypes = std::to_array<std::string_view>({"NONE", "SOFT", "SINGLE", "HARD"});
-
-// Whose order it is, and how the robot is spoken to.
-struct RobotOptions {
-  std::string target;
-  std::optional<std::chrono::milliseconds> state_wait;
-  bool no_ask = false;
-  app::VdaOptions vda;
-};
 
 struct Options : RobotOptions {
   std::vector<std::string> nodes;
@@ -66,15 +60,6 @@ struct Options : RobotOptions {
 };
 
 // --- Declaring
-
-void DeclareRobot(OptionSet& set, RobotOptions& o) {
-  set.AddOption("target", o.target, "The robot: manufacturer/serialNumber, or its alias")
-      .Type("TARGET");
-  DeclareStateWait(set, o.state_wait, "2s");
-  set.AddFlag("--no-ask", o.no_ask, "Send no stateRequest: wait for the state that the robot sends")
-      .Group("Waiting");
-  DeclareVdaOptions(set, o.vda);
-}
 
 void DeclarePath(OptionSet& set, Options& o) {
   constexpr const char* kWay = "Way";
@@ -265,41 +250,6 @@ Result<OrderTask> MakeTask(OrderKind kind, const Options& o, const Context& cont
   return task;
 }
 
-// --- The robot
-
-Result<app::Targets> ResolveTarget(const RobotOptions& o, const Context& context) {
-  if (o.target.empty()) {
-    return Fail(ErrorKind::kUsage, "which robot? try: fleetpub order KIT/0001 n1 n2");
-  }
-  const auto spec = app::ParseTargetSpec({o.target}, context.config, context.output);
-  if (!spec) return Fail(spec.error());
-  if (spec->robots.size() != 1 || !spec->patterns.empty()) {
-    return Fail(ErrorKind::kUsage,
-                fmt::format("an order is for one robot, and {} may be several: name one",
-                            base::Printable(o.target)));
-  }
-  auto targets = app::ResolveTargets({.words = {spec->robots.front().ToString()},
-                                      .patterns = false,
-                                      .all = false,
-                                      .except = {},
-                                      .where = {},
-                                      .online = false,
-                                      .state_wait = o.state_wait.value_or(kUsualStateWait)},
-                                     context.config, context.output);
-  return targets;
-}
-
-Result<app::FollowRequest> MakeFollowRequest(const RobotOptions& o, const Context& context) {
-  auto targets = ResolveTarget(o, context);
-  if (!targets) return Fail(std::move(targets.error()));
-  auto resolver = app::DialectResolver::Make(o.vda, context.config);
-  if (!resolver) return Fail(std::move(resolver.error()));
-  return app::FollowRequest{.targets = *std::move(targets),
-                            .resolver = *std::move(resolver),
-                            .ask = !o.no_ask,
-                            .discover = MakeRetainedOptions(kUsualDiscover)};
-}
-
 Result<ExitCode> Follow(const app::FollowRequest& request, const Context& context) {
   SendingObserver observer(context.output, SendingObserver::Show::kResults, FormatSite(context));
   observer.ListenForStop();
@@ -316,7 +266,7 @@ Result<ExitCode> Follow(const app::FollowRequest& request, const Context& contex
 Result<ExitCode> SendOrder(OrderKind kind, const Options& o, const Context& context) {
   auto task = MakeTask(kind, o, context);
   if (!task) return Fail(std::move(task.error()));
-  auto targets = ResolveTarget(o, context);
+  auto targets = ResolveTarget(o, kExample, context);
   if (!targets) return Fail(std::move(targets.error()));
   auto resolver = app::DialectResolver::Make(o.vda, context.config);
   if (!resolver) return Fail(std::move(resolver.error()));
@@ -326,8 +276,7 @@ Result<ExitCode> SendOrder(OrderKind kind, const Options& o, const Context& cont
   if (!waiting) return Fail(std::move(waiting.error()));
   if (o.auto_release && !o.release) {
     return Fail(ErrorKind::kUsage,
-                "--auto-release needs to know how many nodes ahead. try: "
-                "--release 3 --auto-release");
+                "--auto-release needs to know how many nodes ahead: --release 3 --auto-release");
   }
   // What drives takes its time.
   const auto timeout = o.waiting.timeout.value_or(std::chrono::hours(1));
@@ -347,7 +296,7 @@ Result<ExitCode> SendOrder(OrderKind kind, const Options& o, const Context& cont
        .ask = !o.no_ask},
       *settings, context);
   if (!o.auto_release || !sent || *sent != ExitCode::kDone || settings->dry_run) return sent;
-  auto request = MakeFollowRequest(o, context);
+  auto request = MakeFollowRequest(o, kExample, context);
   if (!request) return Fail(std::move(request.error()));
   request->timeout = timeout;
   request->keep_released = o.release;
@@ -369,7 +318,7 @@ Result<ExitCode> ReplaceOrder(const Options& o, const Context& context) {
   cancel.if_any = true;
   auto cancelled = SendInstantAction(cancel, "cancelOrder", {}, context);
   if (!cancelled || *cancelled != ExitCode::kDone) return cancelled;
-  auto request = MakeFollowRequest(o, context);
+  auto request = MakeFollowRequest(o, kExample, context);
   if (!request) return Fail(std::move(request.error()));
   constexpr std::chrono::seconds kUntilIdle{35};
   request->timeout = kUntilIdle;
@@ -442,7 +391,7 @@ Run DeclareOrderFollow(OptionSet& set) {
   set.AddOption("-W,--timeout", Duration(options->timeout), "How long to follow it [1h]")
       .Group("Waiting");
   return [options](const Context& context) -> Result<ExitCode> {
-    auto request = MakeFollowRequest(*options, context);
+    auto request = MakeFollowRequest(*options, kExample, context);
     if (!request) return Fail(std::move(request.error()));
     request->timeout = options->timeout;
     return Follow(*request, context);

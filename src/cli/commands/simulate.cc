@@ -355,8 +355,8 @@ Result<ExitCode> RunSimulate(const Options& o, const Context& context) {
   run.on_unheard = [&](std::string_view topic) {
     output.Warn(
         fmt::format("what was published on {} does not come back: the broker may have "
-                    "dropped it, or this login may not read it. try: -V 5, over which a "
-                    "broker can say no",
+                    "dropped it, or this login may not read it; over -V 5 a broker can say "
+                    "no",
                     base::Printable(topic)));
   };
   run.on_ready = [&] {

@@ -28,9 +28,8 @@ std::string FormatQuestion(const app::ConsentRequest& request) {
   return fmt::format("{} {} robots{} at {}", what, many, offline, request.site);
 }
 
-bool Agrees(const app::ConsentRequest& request) {
-  Print(stderr, fmt::format("{}\n{}? [y/N] ", app::FormatRobotList(request.robots),
-                            FormatQuestion(request)));
+bool Agrees(const std::string& question) {
+  Print(stderr, question + "? [y/N] ");
   std::fflush(stderr);
   std::string answer;
   char c = 0;
@@ -40,17 +39,21 @@ bool Agrees(const app::ConsentRequest& request) {
 
 }  // namespace
 
-Status AskForConsent(const app::ConsentRequest& request) {
+Status AskOnTerminal(const std::string& question, const std::string& refusal) {
   if (isatty(STDIN_FILENO) == 0 || isatty(STDERR_FILENO) == 0) {
-    return Fail(
-        ErrorKind::kUsage,
-        fmt::format("nothing was sent: {} means {} robots at {} ({}): --yes sends to all of "
-                    "them",
-                    base::Printable(request.set), request.robots.size(), request.site,
-                    app::FormatRobotList(request.robots)));
+    return Fail(ErrorKind::kUsage, refusal);
   }
-  if (Agrees(request)) return {};
+  if (Agrees(question)) return {};
   return Fail(ErrorKind::kUsage, "nothing was sent: not confirmed");
+}
+
+Status AskForConsent(const app::ConsentRequest& request) {
+  return AskOnTerminal(
+      fmt::format("{}\n{}", app::FormatRobotList(request.robots), FormatQuestion(request)),
+      fmt::format("nothing was sent: {} means {} robots at {} ({}): --yes sends to all of "
+                  "them",
+                  base::Printable(request.set), request.robots.size(), request.site,
+                  app::FormatRobotList(request.robots)));
 }
 
 }  // namespace fleetpub::cli

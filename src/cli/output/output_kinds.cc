@@ -22,6 +22,7 @@ constexpr auto kKinds = std::to_array<Kind>({
     {"config path", "file"},
     {"config profiles", "profile"},
     {"config show", "setting"},
+    {"conform", "conformance"},
     {"explain", "explanation"},
     {"fleet", "robot"},
     {"history", "history"},
@@ -67,6 +68,10 @@ std::string FindOutputSchema(std::string_view command, std::span<const std::stri
         return argument == "--live" || argument == "--from" || argument.starts_with("--from=");
       });
   if (kind == "validation" && is_live) kind = "violation";
+  if (kind == "conformance" &&
+      std::find(arguments.begin(), arguments.end(), "--list") != arguments.end()) {
+    kind = "case";
+  }
   return kind.empty() ? std::string() : "fleetpub/output/" + std::string(kind);
 }
 

@@ -45,6 +45,7 @@ struct Subcommand {
 [[nodiscard]] Run DeclareConfigProfiles(OptionSet& set);
 [[nodiscard]] Run DeclareConfigInit(OptionSet& set);
 [[nodiscard]] Run DeclareConfigShow(OptionSet& set);
+[[nodiscard]] Run DeclareConform(OptionSet& set);
 [[nodiscard]] Run DeclareExplain(OptionSet& set);
 [[nodiscard]] Run DeclareFleet(OptionSet& set);
 [[nodiscard]] Run DeclareHistory(OptionSet& set);

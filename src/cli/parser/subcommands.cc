@@ -109,6 +109,12 @@ constexpr auto kSubcommands = std::to_array<Subcommand>({
      "explain KIT/0001 --order o-17 --from shift.jsonl -o json\n"
      "explain KIT/0001 --action a-3 --from shift.jsonl",
      DeclareExplain},
+    {"conform", kLooking, "TARGET", "does a robot keep the standard? by listening, asking, driving",
+     "conform KIT/0001\n"
+     "conform KIT/0001 --level actions --report junit=out.xml,html=out.html\n"
+     "conform KIT/0001 --level drive --distance 3 --record test.jsonl\n"
+     "conform --list",
+     DeclareConform},
     {"actions", kLooking, "[NAME]", "the predefined actions, or all about one of them",
      "actions\n"
      "actions initPosition\n"

@@ -114,8 +114,8 @@ void OrderWriter::Add(std::string& json, std::string_view key, const std::string
   left_out_.insert(path);
   if (!member.is_binding) return;
   Refuse(
-      fmt::format("{} has {}, which the robot's factsheet does not list: it would drive without. "
-                  "try: --without {}",
+      fmt::format("{} has {}, which the robot's factsheet does not list: it would drive without; "
+                  "--without {} leaves it out",
                   of, name, name));
 }
 
@@ -135,7 +135,7 @@ void OrderWriter::CheckRequired(std::string_view list, std::string_view of) {
     if (!is_ours || written_.contains(parameter.name)) continue;
     Refuse(
         fmt::format("the robot's factsheet requires {}, which is not known of {}: a layout may "
-                    "say it. try: --layout FILE",
+                    "say it. --layout FILE",
                     Printable(parameter.name), of));
   }
 }
@@ -206,7 +206,7 @@ void OrderWriter::AddOrientation(std::string& json, const OrderEdge& edge) {
     } else if (*edge.orientation != 0) {
       Refuse(
           fmt::format("{} has an orientation along a curve, which version 1.1.0 cannot say. "
-                      "try: --without orientation",
+                      "--without orientation leaves it out",
                       of));
     }
   } else if (edge.orientation) {
@@ -218,7 +218,7 @@ void OrderWriter::AddOrientation(std::string& json, const OrderEdge& edge) {
           !is_omnidirectional) {
         Refuse(
             fmt::format("{} has a global orientation, which from 3.0 is for omnidirectional "
-                        "robots, and this one is {}. try: --without orientation",
+                        "robots, and this one is {}. --without orientation leaves it out",
                         of, Printable(kinematics)));
       }
       Add(probe, "orientation", Number(Normalized(*edge.orientation)), of);
@@ -311,8 +311,9 @@ std::string CheckOrderLimits(const Factsheet& factsheet, std::size_t nodes, std:
                        limits.order_edges);
   }
   if (exceeds(base, limits.base_nodes)) {
-    return fmt::format("{} released nodes are more than the robot keeps. try: --release {}", base,
-                       limits.base_nodes);
+    return fmt::format(
+        "{} released nodes are more than the robot keeps: --release {} releases fewer", base,
+        limits.base_nodes);
   }
   return "";
 }

@@ -1,0 +1,200 @@
+#include "cli/output/test_report.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <fstream>
+#include <system_error>
+
+#include "base/json.h"
+#include "base/text.h"
+
+namespace fleetpub::cli {
+namespace {
+
+// For XML and HTML, element or attribute; characters that XML 1.0 has not are shown as Printable does.
+std::string Escaped(std::string_view text) {
+  std::string escaped;
+  for (const char c : base::Printable(text)) {
+    switch (c) {
+      case '&':
+        escaped += "&amp;";
+        break;
+      case '<':
+        escaped += "&lt;";
+        break;
+      case '>':
+        escaped += "&gt;";
+        break;
+      case '"':
+        escaped += "&quot;";
+        break;
+      default:
+        escaped += c;
+    }
+  }
+  return escaped;
+}
+
+std::size_t Count(const TestReport& report, TestOutcome outcome) {
+  return static_cast<std::size_t>(
+      std::count_if(report.results.begin(), report.results.end(),
+                    [&](const TestResult& one) { return one.outcome == outcome; }));
+}
+
+double Seconds(const TestReport& report) {
+  return std::chrono::duration<double>(report.elapsed).count();
+}
+
+// In TAP a number sign begins a directive.
+std::string TapText(std::string_view text) {
+  std::string escaped;
+  for (const char c : base::Printable(text)) {
+    if (c == '#' || c == '\\') escaped += '\\';
+    escaped += c;
+  }
+  return escaped;
+}
+
+constexpr std::string_view kStyle =
+    "body{font:15px/1.45 system-ui,sans-serif;margin:2em auto;max-width:62em;padding:0 1em;"
+    "color:#1b1b1b}h1{font-size:1.5em}table{border-collapse:collapse;width:100%}"
+    "td,th{border-bottom:1px solid #ccc;padding:.35em .6em;text-align:left;vertical-align:top}"
+    "tr{break-inside:avoid}.v{font-weight:600;white-space:nowrap}.PASS{color:#176b2c}"
+    ".FAIL{color:#b00020}.SKIPPED,.INCONCLUSIVE{color:#6a5700}small{color:#555}"
+    "@media print{body{margin:0;max-width:none;font-size:11px}}";
+
+}  // namespace
+
+std::string ToJUnit(const TestReport& report) {
+  const std::string counts = fmt::format(
+      R"(tests="{}" failures="{}" errors="0" skipped="{}" time="{:.3f}")", report.results.size(),
+      Count(report, TestOutcome::kFailed), Count(report, TestOutcome::kSkipped), Seconds(report));
+  std::string time = base::FormatTimestamp(report.started);
+  time.resize(19);  // JUnit's has neither fraction nor zone
+  const std::string name = Escaped(report.name);
+  std::string xml = fmt::format(
+      "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuites name=\"{0}\" {1}>\n"
+      "  <testsuite name=\"{0}\" timestamp=\"{2}\" {1}>\n    <properties>\n",
+      name, counts, time);
+  for (const auto& [key, value] : report.properties) {
+    xml +=
+        fmt::format("      <property name=\"{}\" value=\"{}\"/>\n", Escaped(key), Escaped(value));
+  }
+  xml += "    </properties>\n";
+  for (const TestResult& one : report.results) {
+    xml += fmt::format("    <testcase classname=\"{}.{}\" name=\"{} {}\" time=\"0\"", name,
+                       Escaped(one.group), Escaped(one.id), Escaped(one.says));
+    if (one.outcome == TestOutcome::kPassed) {
+      xml += "/>\n";
+      continue;
+    }
+    const std::string why = Escaped(one.verdict + ": " + one.why);
+    xml += one.outcome == TestOutcome::kSkipped
+               ? fmt::format("><skipped message=\"{}\"/></testcase>\n", why)
+               : fmt::format("><failure type=\"{}\" message=\"{}\">{}</failure></testcase>\n",
+                             Escaped(one.verdict), why, Escaped(base::Join(one.details, "; ")));
+  }
+  return xml + "  </testsuite>\n</testsuites>\n";
+}
+
+std::string ToTap(const TestReport& report) {
+  std::string tap = fmt::format("TAP version 13\n1..{}\n", report.results.size());
+  std::size_t number = 0;
+  for (const TestResult& one : report.results) {
+    const bool is_skipped = one.outcome == TestOutcome::kSkipped;
+    tap +=
+        fmt::format("{} {} - {} {}{}\n", one.outcome == TestOutcome::kFailed ? "not ok" : "ok",
+                    ++number, TapText(one.id), TapText(one.says),
+                    is_skipped ? fmt::format(" # SKIP {}: {}", one.verdict, TapText(one.why)) : "");
+    if (one.outcome != TestOutcome::kFailed) continue;
+    tap += "# " + base::Printable(one.why) + "\n";
+    for (const std::string& detail : one.details) tap += "# " + base::Printable(detail) + "\n";
+  }
+  return tap;
+}
+
+std::string ToJson(const TestReport& report) {
+  std::string properties;
+  for (const auto& [key, value] : report.properties) {
+    properties += fmt::format("{}{}:{}", properties.empty() ? "" : ",", base::JsonString(key),
+                              base::JsonString(value));
+  }
+  std::string results;
+  for (const TestResult& one : report.results) {
+    results += fmt::format(R"({}{{"id":{},"says":{},"verdict":{},"why":{},"details":{}}})",
+                           results.empty() ? "" : ",", base::JsonString(one.id),
+                           base::JsonString(one.says), base::JsonString(one.verdict),
+                           base::JsonString(one.why), base::JsonStrings(one.details));
+  }
+  return fmt::format(
+      R"({{"name":{},"started":"{}","elapsedMs":{},"passed":{},"failed":{},"skipped":{},)"
+      R"("properties":{{{}}},"results":[{}]}})"
+      "\n",
+      base::JsonString(report.name), base::FormatTimestamp(report.started), report.elapsed.count(),
+      Count(report, TestOutcome::kPassed), Count(report, TestOutcome::kFailed),
+      Count(report, TestOutcome::kSkipped), properties, results);
+}
+
+std::string ToHtml(const TestReport& report) {
+  const std::string name = Escaped(report.name);
+  std::string html = fmt::format(
+      "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>{0}</title>\n"
+      "<style>{1}</style></head><body>\n<h1>{0}</h1>\n<p>{2}, {3}. {4} passed, {5} failed, {6} not "
+      "judged.</p>\n<table>\n",
+      name, kStyle, base::FormatTimestamp(report.started), base::FormatElapsed(report.elapsed),
+      Count(report, TestOutcome::kPassed), Count(report, TestOutcome::kFailed),
+      Count(report, TestOutcome::kSkipped));
+  for (const auto& [key, value] : report.properties) {
+    html += fmt::format("<tr><th>{}</th><td>{}</td></tr>\n", Escaped(key), Escaped(value));
+  }
+  html += "</table>\n<table>\n<tr><th></th><th>Case</th><th>What was found</th></tr>\n";
+  for (const TestResult& one : report.results) {
+    std::string details;
+    for (const std::string& detail : one.details)
+      details += "<br><small>" + Escaped(detail) + "</small>";
+    html += fmt::format(
+        "<tr><td class=\"v {0}\">{0}</td><td><b>{1}</b> {2}</td><td>{3}{4}</td></tr>\n",
+        Escaped(one.verdict), Escaped(one.id), Escaped(one.says), Escaped(one.why), details);
+  }
+  return html + "</table>\n</body></html>\n";
+}
+
+Result<std::vector<ReportFile>> ParseReportFiles(const std::vector<std::string>& words) {
+  constexpr auto kWriters = std::to_array<std::pair<std::string_view, ReportWriter>>(
+      {{"junit", ToJUnit}, {"tap", ToTap}, {"json", ToJson}, {"html", ToHtml}});
+  std::vector<ReportFile> files;
+  for (const std::string& word : words) {
+    for (const std::string& part : base::Split(word, ',')) {
+      const auto equals = part.find('=');
+      const auto* const writer =
+          std::find_if(kWriters.begin(), kWriters.end(),
+                       [&](const auto& one) { return one.first == part.substr(0, equals); });
+      if (equals == std::string::npos || equals + 1 == part.size() || writer == kWriters.end()) {
+        return Fail(ErrorKind::kUsage,
+                    fmt::format("--report: '{}' is no report: --report junit=out.xml, or tap=, "
+                                "json=, html=",
+                                base::Printable(part)));
+      }
+      files.push_back({writer->second, part.substr(equals + 1)});
+    }
+  }
+  return files;
+}
+
+Status WriteReports(std::span<const ReportFile> files, const TestReport& report) {
+  for (const ReportFile& file : files) {
+    std::ofstream out(file.path, std::ios::binary | std::ios::trunc);
+    out << file.write(report);
+    out.close();
+    if (out.good()) continue;
+    return Fail(ErrorKind::kLedger,
+                fmt::format("{} cannot be written: {}", base::Printable(file.path.string()),
+                            std::system_category().message(errno)));
+  }
+  return {};
+}
+
+}  // namespace fleetpub::cli
