@@ -48,6 +48,7 @@ std::vector<std::string> MergeLegs(const OrderHistory& history, std::uint32_t up
     for (const Value& leg : array->GetArray()) legs[ReadSequenceId(leg)] = base::ToJson(leg);
   }
   std::vector<std::string> merged;
+  merged.reserve(legs.size());
   for (auto& [id, leg] : legs) merged.push_back(std::move(leg));
   return merged;
 }
@@ -197,7 +198,7 @@ class OrderFollower {
     command->expected_header_id = composed->expected_header_id;
     schema::Registry registry(environment_.schema_directory);
     if (auto valid = ValidateCommand(*command, registry); !valid) return Fail(valid.error());
-    const Status sent = listener_.Send(*command, request_.qos);
+    Status sent = listener_.Send(*command, request_.qos);
     if (sent) {
       for (const std::string& note : composed->notes) observer_.Info(note);
     }

@@ -399,11 +399,10 @@ class PathPlanner {
     OrderNode& first = path().nodes.front();
     if (robot_.continues) return {};
     if (!robot_.start.empty() && robot_.start != first.id && request_.from.empty()) {
-      return Fail(ErrorKind::kPreflight,
-                  fmt::format("{} is at node {}, and the order begins at {}: name {} first"
-                              "node",
-                              Name(), Printable(robot_.start), Printable(first.id),
-                              Printable(robot_.start)));
+      return Fail(
+          ErrorKind::kPreflight,
+          fmt::format("{} is at node {}, and the order begins at {}: name {} first", Name(),
+                      Printable(robot_.start), Printable(first.id), Printable(robot_.start)));
     }
     if (robot_.state == nullptr || !robot_.state->position || !first.position) return {};
     const vda5050::RobotPosition& now = *robot_.state->position;

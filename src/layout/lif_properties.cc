@@ -43,6 +43,7 @@ std::optional<T> TakeChoice(Fields& fields, std::string_view name,
     if (choice.text == text) return choice.value;
   }
   std::vector<std::string> words;
+  words.reserve(std::size(choices));
   for (const auto& choice : choices) words.emplace_back(choice.text);
   fields.Error(name, fmt::format("must be one of {}, not {}", base::Join(words, ", "),
                                  base::Printable(text)));

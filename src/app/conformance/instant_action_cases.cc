@@ -55,7 +55,7 @@ Judgement JudgeFactsheetRequest(Run& run) {
     return Skipped("its factsheet has no such action");
   const std::size_t mark = run.mark();
   const std::string id = run.Do("factsheetRequest");
-  const auto judged = JudgeEnd(run.Await(ShowsEnd(id)), id, "FINISHED");
+  auto judged = JudgeEnd(run.Await(ShowsEnd(id)), id, "FINISHED");
   if (judged.verdict != Verdict::kPass) return judged;
   run.Listen(seconds(1));
   for (std::size_t i = mark; i < run.heard().size(); ++i) {
@@ -141,7 +141,7 @@ Judgement JudgeTwice(Run& run) {
 Judgement JudgePaused(Run& run, std::string_view type, bool paused) {
   constexpr seconds kPause{10};
   const std::string id = run.Do(type);
-  const auto judged = JudgeEnd(run.Await(ShowsEnd(id), kPause), id, "FINISHED");
+  auto judged = JudgeEnd(run.Await(ShowsEnd(id), kPause), id, "FINISHED");
   if (judged.verdict != Verdict::kPass) return judged;
   const Heard& last = *run.last_state();
   if (last.state->paused == paused) {
@@ -184,7 +184,7 @@ Judgement JudgeCancelIdle(Run& run) {
   if (!IsIdle(run)) return Inconclusive("it has an order");
   const std::string id = run.Do("cancelOrder");
   const auto awaited = run.Await(ShowsEnd(id));
-  const auto judged = JudgeEnd(awaited, id, "FAILED");
+  auto judged = JudgeEnd(awaited, id, "FAILED");
   if (judged.verdict != Verdict::kPass) return judged;
   const std::string_view type = run.Is30() ? "NO_ORDER_TO_CANCEL" : "noOrderToCancel";
   const auto& errors = awaited.found->state->errors;

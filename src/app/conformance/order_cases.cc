@@ -156,7 +156,7 @@ Judgement RefuseLower(Run& run, RobotError* error) {
   order.update_id = 2;
   if (SendAndAwait(run, order).found == nullptr) return Inconclusive("it takes no update");
   order.update_id = 1;
-  const auto judged =
+  auto judged =
       JudgeRefusal(run, Write(run, order),
                    {"orderUpdateError", "orderUpdateError", "OUTDATED_ORDER_UPDATE"}, error);
   if (judged.verdict == Verdict::kPass && run.last_state()->state->order_update_id != 2U) {
@@ -321,7 +321,7 @@ Judgement JudgeBusy(Run& run) {
   // Not from the decision point: 1.1 has an order that begins there take the other's place.
   TestOrder other = Standing(run);
   other.path.nodes.front().id = "conform-other";
-  const auto judged =
+  auto judged =
       JudgeRefusal(run, Write(run, other), {"orderUpdateError", "", "OTHER_ORDER_ACTIVE"});
   EndOrder(run);
   return judged;

@@ -105,6 +105,7 @@ class Checker {
   Status Tell(const std::string& file, std::string_view text, std::vector<LayoutFinding> findings,
               bool is_json) {
     std::vector<std::string> pointers;
+    pointers.reserve(findings.size());
     for (const auto& finding : findings) pointers.push_back(finding.place);
     std::vector<base::JsonPlace> places(findings.size());
     if (is_json) {
