@@ -30,9 +30,8 @@ simulator::Settings MakeSettings(Version version) {
 
 const vda5050::RobotAddress kRobot{"KIT", "0001"};
 
-Outcome Conducted(const simulator::Settings& settings,
-                  Selection selection = {.level = Level::kDrive}, double lose = 0,
-                  unsigned seed = 0) {
+Outcome Conform(const simulator::Settings& settings, Selection selection = {.level = Level::kDrive},
+                double lose = 0, unsigned seed = 0) {
   schema::Registry registry;
   VirtualWire wire(settings, kRobot, registry);
   wire.Lose(lose, seed);
@@ -155,7 +154,7 @@ const std::vector<Mutation> kMutations = {
 class MutationMatrix : public ::testing::TestWithParam<Version> {};
 
 TEST_P(MutationMatrix, ACleanRobotFailsNothingAndLeavesNothing) {
-  const auto outcome = Conducted(MakeSettings(GetParam()));
+  const auto outcome = Conform(MakeSettings(GetParam()));
   EXPECT_EQ(Describe(outcome, Verdict::kFail), "");
   EXPECT_EQ(Describe(outcome, Verdict::kInconclusive), "");
   EXPECT_TRUE(outcome.leftover.empty());
@@ -175,7 +174,7 @@ TEST_P(MutationMatrix, EachFaultFailsItsCasesAndNoOthers) {
     add(version >= Version::k300, mutation.in_30);
     add(version <= Version::k200, mutation.up_to_20);
     if (mutation.fault == "no-references" && version < Version::k300) expected.insert("I04");
-    const auto outcome = Conducted(settings);
+    const auto outcome = Conform(settings);
     EXPECT_EQ(With(outcome, Verdict::kFail), expected) << mutation.fault << "\n"
                                                        << Describe(outcome, Verdict::kFail);
   }
@@ -185,13 +184,13 @@ TEST_P(MutationMatrix, ARobotThatHidesItsStateFromARequestIsFound) {
   auto settings = MakeSettings(GetParam());
   settings.delay = std::chrono::milliseconds(0);
   settings.faults.Add(Fault::kNoStateOnRequest);
-  const auto outcome = Conducted(settings, {.level = Level::kActions, .only = {"I01", "I03"}});
+  const auto outcome = Conform(settings, {.level = Level::kActions, .only = {"I01", "I03"}});
   EXPECT_EQ(With(outcome, Verdict::kFail), Ids{"I01"}) << Describe(outcome, Verdict::kFail);
 }
 
 TEST_P(MutationMatrix, LostStatesNeverMakeACaseFail) {
   for (unsigned seed = 1; seed <= 5; ++seed) {
-    const auto outcome = Conducted(MakeSettings(GetParam()), {.level = Level::kDrive}, 0.25, seed);
+    const auto outcome = Conform(MakeSettings(GetParam()), {.level = Level::kDrive}, 0.25, seed);
     EXPECT_EQ(Describe(outcome, Verdict::kFail), "") << "seed " << seed;
   }
 }
@@ -206,7 +205,7 @@ INSTANTIATE_TEST_SUITE_P(InEachVersion, MutationMatrix, ::testing::ValuesIn(vda5
 // ---- Selection, and what is left ----
 
 TEST(Conduct, ListeningSendsNothingAndSkipsTheRest) {
-  const auto outcome = Conducted(MakeSettings(Version::k300), {.level = Level::kListen});
+  const auto outcome = Conform(MakeSettings(Version::k300), {.level = Level::kListen});
   for (const CaseResult& result : outcome.results) {
     if (result.of.level != Level::kListen) {
       EXPECT_EQ(result.judgement.verdict, Verdict::kSkipped) << result.of.id;
@@ -216,8 +215,8 @@ TEST(Conduct, ListeningSendsNothingAndSkipsTheRest) {
 }
 
 TEST(Conduct, OnlyAndSkipNameCasesAndGroups) {
-  const auto outcome = Conducted(MakeSettings(Version::k210),
-                                 {.level = Level::kActions, .only = {"h", "I01"}, .skip = {"H03"}});
+  const auto outcome = Conform(MakeSettings(Version::k210),
+                               {.level = Level::kActions, .only = {"h", "I01"}, .skip = {"H03"}});
   Ids ids;
   for (const CaseResult& result : outcome.results) ids.emplace(result.of.id);
   EXPECT_EQ(ids, (Ids{"H01", "H02", "H04", "I01"}));
@@ -226,7 +225,7 @@ TEST(Conduct, OnlyAndSkipNameCasesAndGroups) {
 TEST(Conduct, EndsWhenTheModeChanges) {
   auto settings = MakeSettings(Version::k300);
   settings.mode_changes = {{std::chrono::seconds(60), "MANUAL"}};
-  const auto outcome = Conducted(settings);
+  const auto outcome = Conform(settings);
   EXPECT_EQ(Describe(outcome, Verdict::kFail), "");
   const std::string open = Describe(outcome, Verdict::kInconclusive);
   EXPECT_NE(open.find("operating mode"), std::string::npos) << open;
@@ -236,7 +235,7 @@ TEST(Conduct, ASilentRobotIsInconclusive) {
   auto settings = MakeSettings(Version::k210);
   settings.silent = true;
   const auto outcome =
-      Conducted(settings, {.level = Level::kDrive, .only = {"I", "O", "D", "X", "S01"}});
+      Conform(settings, {.level = Level::kDrive, .only = {"I", "O", "D", "X", "S01"}});
   EXPECT_EQ(Describe(outcome, Verdict::kFail), "");
   EXPECT_TRUE(With(outcome, Verdict::kPass).empty());
 }

@@ -31,7 +31,7 @@ TestReport MakeReport() {
   return report;
 }
 
-std::string Run(const std::vector<std::string>& arguments) {
+std::string Read(const std::vector<std::string>& arguments) {
   return testing::Run({.arguments = arguments}).output;
 }
 
@@ -39,12 +39,12 @@ TEST(TestReport, JUnitIsReadByAnotherParser) {
   const TemporaryFolder folder;
   const auto file = folder.Write("out.xml", ToJUnit(MakeReport()));
   const std::string read =
-      Run({"python3", "-c",
-           "import sys, xml.etree.ElementTree as e\n"
-           "r = e.parse(sys.argv[1]).getroot(); s = r.find('testsuite')\n"
-           "print(r.tag, s.get('tests'), s.get('failures'), s.get('skipped'), s.get('name'))\n"
-           "for c in s.findall('testcase'): print(c.get('name'), [x.tag for x in c])",
-           file.string()});
+      Read({"python3", "-c",
+            "import sys, xml.etree.ElementTree as e\n"
+            "r = e.parse(sys.argv[1]).getroot(); s = r.find('testsuite')\n"
+            "print(r.tag, s.get('tests'), s.get('failures'), s.get('skipped'), s.get('name'))\n"
+            "for c in s.findall('testcase'): print(c.get('name'), [x.tag for x in c])",
+            file.string()});
   EXPECT_EQ(read,
             "testsuites 3 1 1 conform KIT/<1>\nH01 keeps \"it\" []\nH02 says # once ['failure']\n"
             "S01 comes ['skipped']\n");
@@ -53,7 +53,7 @@ TEST(TestReport, JUnitIsReadByAnotherParser) {
 TEST(TestReport, TapIsReadByProve) {
   const TemporaryFolder folder;
   const auto file = folder.Write("out.tap", ToTap(MakeReport()));
-  const std::string read = Run({"prove", "-e", "cat", file.string()});
+  const std::string read = Read({"prove", "-e", "cat", file.string()});
   EXPECT_THAT(read, AllOf(HasSubstr("Tests: 3 Failed: 1"), HasSubstr("Failed test:  2")));
 }
 
