@@ -262,6 +262,7 @@ const std::map<std::string, std::map<std::string, World>>& Worlds() {
            {"Fleet, watch, await", kLooking},
            {"Show", kShow},
            {"Recordings", kRecordings},
+           {"Conformance", {.setup = "online KIT/0001"}},
            {"SoAR", kSoar},
            {"Validation",
             {.setup = "mkdir orders\n"

@@ -5,7 +5,9 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <span>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -68,13 +70,12 @@ struct Selection {
   std::chrono::nanoseconds listen = seconds(40);  ///< at least so long in all
 };
 
-/// Runs the cases: active ones first, the passive ones over all that was heard. Ends what it began:
-/// `leftover` says what could not be ended.
 struct Outcome {
-  std::vector<CaseResult> results;
-  std::vector<std::string> leftover;
+  std::vector<CaseResult> results;    ///< in the order of ListCases()
+  std::vector<std::string> leftover;  ///< what could not be taken back
 };
 using Progress = std::function<void(const CaseResult& result)>;
+/// Runs the cases: active ones first, the passive ones over all that was heard. Takes back what it did.
 [[nodiscard]] Outcome Conduct(Run& run, const Selection& selection, const Progress& progress = {});
 
 }  // namespace fleetpub::app::conformance

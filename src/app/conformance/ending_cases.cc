@@ -138,8 +138,14 @@ Judgement JudgePause(Run& run) {
     const Heard& last = *run.last_state();
     const RobotState& state = *last.state;
     judged = Pass("it stood, and drove on", {last.Evidence()});
-    if (IsIdle(state) && state.last_node_sequence_id == order.LastSequenceId()) {
+    const auto is_there = [&](const RobotState& one) {
+      return IsIdle(one) && one.last_node_sequence_id == order.LastSequenceId();
+    };
+    if (paused.found->state->nodes.empty() &&
+        paused.found->state->last_node_sequence_id == order.LastSequenceId()) {
       judged = Inconclusive("it was at its end before it stood: the way is too short");
+    } else if (is_there(state)) {
+      judged = Fault("it drove on while it was paused", {last.Evidence()});
     } else if (state.nodes.empty() || state.order_id != order.id) {
       judged = Fault("the order is gone", {last.Evidence()});
     } else if (state.driving.value_or(false)) {

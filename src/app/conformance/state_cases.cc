@@ -55,10 +55,7 @@ Judgement JudgeSchema(Run& run) {
 
 Judgement JudgeLongest(Run& run) {
   const auto states = Live(run);
-  if (states.empty()) {
-    if (run.Now() - run.began() < kLongestSilence) return Inconclusive("no state came");
-    return Fault("no state came in 35 s");
-  }
+  if (states.empty()) return Inconclusive("no state came");
   const double usual = Timing(run, "defaultStateInterval", "defaultStateInterval");
   const auto limit = std::chrono::duration<double>(usual > 30 ? 1.2 * usual : 35);
   TimePoint last = run.began();
