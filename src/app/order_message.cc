@@ -111,11 +111,10 @@ class OrderComposer {
                          base::FormatElapsed(base::WallTime::clock::now() - sent.at));
       }
     }
-    return Refuse(
-        fmt::format("it has order {}, {}, and is at {}. try: fleetpub order follow {n}, or "
-                    "fleetpub order replace {n} NODE...",
-                    Shown(state.order_id), by,
-                    base::NonEmptyOr(Shown(state.last_node_id), "no node"), fmt::arg("n", Name())));
+    return Refuse(fmt::format(
+        "it has order {}, {}, and is at {}; order replace cancels that first. try: "
+        "fleetpub order follow {}",
+        Shown(state.order_id), by, base::NonEmptyOr(Shown(state.last_node_id), "no node"), Name()));
   }
 
   // A robot passes over, in silence, an order of an id that it has had (2.1 §6.6.4).

@@ -20,7 +20,7 @@ void DeclareRobot(OptionSet& set, RobotOptions& o) {
 Result<app::Targets> ResolveTarget(const RobotOptions& o, std::string_view example,
                                    const Context& context) {
   if (o.target.empty()) {
-    return Fail(ErrorKind::kUsage, fmt::format("which robot? try: {}", example));
+    return Fail(ErrorKind::kUsage, fmt::format("name the robot: {}", example));
   }
   const auto spec = app::ParseTargetSpec({o.target}, context.config, context.output);
   if (!spec) return Fail(spec.error());

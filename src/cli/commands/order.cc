@@ -219,8 +219,8 @@ Result<std::optional<std::size_t>> ParseReleaseWord(const std::string& word) {
   const auto count = ParseBetween<std::size_t>(word, 1, 1'000'000);
   if (count) return *count;
   return Fail(ErrorKind::kUsage,
-              fmt::format("'{}' is no number of nodes. try: fleetpub order release KIT/0001 2, or "
-                          "all",
+              fmt::format("'{}' is no number of nodes, nor all. try: fleetpub order release "
+                          "KIT/0001 2",
                           base::Printable(word)));
 }
 

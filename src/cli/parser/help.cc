@@ -228,7 +228,7 @@ std::string EverydayHelp() {
     commands += TwoColumns(fmt::format("{} {}", command.name, command.arguments), command.summary);
   }
   return fmt::format(
-      "Commands for robots (VDA 5050, SoAR) over MQTT. No emergency stop.\n\n"
+      "Commands for robots (VDA 5050, SoAR) over MQTT. No emergency stop.\n"
       "  fleetpub pause KIT/0001 --wait -b mqtt://localhost:1883\n"
       "{}\n"
       "fleetpub COMMAND -h explains one, fleetpub --help lists all of them.\n",
