@@ -17,9 +17,9 @@ namespace {
 
 using base::Printable;
 
-class Checker {
+class ElementChecker {
  public:
-  Checker(const Site& site, std::vector<LayoutFinding>& findings)
+  ElementChecker(const Site& site, std::vector<LayoutFinding>& findings)
       : site_(site), findings_(findings) {}
 
   void Check() {
@@ -172,7 +172,7 @@ class Checker {
 }  // namespace
 
 void CheckElements(const Site& site, std::vector<LayoutFinding>& findings) {
-  Checker(site, findings).Check();
+  ElementChecker(site, findings).Check();
 }
 
 }  // namespace fleetpub::layout

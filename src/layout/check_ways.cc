@@ -89,9 +89,9 @@ class Parts {
   std::size_t parts_ = 0;
 };
 
-class Checker {
+class WayChecker {
  public:
-  Checker(const Site& site, std::vector<LayoutFinding>& findings)
+  WayChecker(const Site& site, std::vector<LayoutFinding>& findings)
       : site_(site), findings_(findings) {}
 
   void Check(const std::string& type) {
@@ -212,7 +212,7 @@ class Checker {
 }  // namespace
 
 void CheckWays(const Site& site, std::vector<LayoutFinding>& findings) {
-  Checker checker(site, findings);
+  WayChecker checker(site, findings);
   constexpr std::size_t kMost = 100;
   const auto types = site.VehicleTypes();
   for (std::size_t i = 0; i < types.size() && i < kMost; ++i) checker.Check(types[i]);

@@ -58,7 +58,7 @@ struct Command {
   PayloadTemplate payload;
   /// How it is sent the first time that it is sent again. Never for what moves anything.
   std::optional<OtherWay> other_way = {};
-  std::optional<std::uint32_t> header_id;    ///< asked for outright
+  std::optional<std::uint32_t> header_id;  ///< asked for outright
   /// It was made of what was sent before: it leaves only under this header id, so that nothing else
   /// was sent on the topic meanwhile.
   std::optional<std::uint32_t> expected_header_id = {};

@@ -4,9 +4,9 @@
 
 #include <algorithm>
 
+#include "base/csv.h"
 #include "base/json.h"
 #include "base/text.h"
-#include "base/csv.h"
 
 namespace fleetpub::soar {
 namespace {

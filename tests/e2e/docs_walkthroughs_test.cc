@@ -123,7 +123,8 @@ TEST(DocsWalkthroughs, TellRecipesThatWork) {
   const Mosquitto broker;
   const Finished run =
       RunPage("echo '" + hall + "' > hall.lif.json\nexport FLEETPUB_BROKER=" + broker.Url() +
-              "\nfleetpub simulate KIT/0001 --count 3 --state-interval 1s --time-scale 10 --at n1 --layout hall.lif.json &\n"
+              "\nfleetpub simulate KIT/0001 --count 3 --state-interval 1s --time-scale 10 --at n1 "
+              "--layout hall.lif.json &\n"
               "fleetpub await KIT/0003 connection connectionState=ONLINE\n" +
               commands);
   EXPECT_EQ(run.exit_code, 0) << run.output << run.errors;

@@ -85,7 +85,8 @@ TEST_F(RobotsAsBuilt, AreNotCalledSilentNorAskedTwiceWhenTheyCannotBeRead) {
   Say("state", "[" + Listed("RUNNING") + "]");
   Say("state", Listed("RUNNING").substr(1));
   EXPECT_EQ(run->Wait(), 6);
-  EXPECT_THAT(run->Output(), AllOf(HasSubstr("2 of its messages"), Not(HasSubstr("no state since"))));
+  EXPECT_THAT(run->Output(),
+              AllOf(HasSubstr("2 of its messages"), Not(HasSubstr("no state since"))));
   EXPECT_THAT(subscriber.SoFar(), SizeIs(1));
 }
 

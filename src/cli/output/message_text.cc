@@ -22,7 +22,7 @@ using vda5050::Shown;
 using Statements = std::vector<Statement>;
 
 constexpr std::size_t kLongestName = 40;
-constexpr std::size_t kLongestText = 100;
+constexpr std::size_t kLongestShown = 100;
 
 std::string Name(std::string_view text) { return Shown(text, kLongestName); }
 
@@ -60,7 +60,7 @@ void AddTrouble(const vda5050::RobotState& state, Statements& said) {
         {name,
          fmt::format(
              "{} {}{}", name, Name(error.level),
-             error.description.empty() ? "" : " (" + Shown(error.description, kLongestText) + ")"),
+             error.description.empty() ? "" : " (" + Shown(error.description, kLongestShown) + ")"),
          name + " is over"});
   }
 }
@@ -211,7 +211,7 @@ void AddMembers(const JsonValue& message, Statements& said) {
     const std::string key = Name(base::ToView(name));
     said.push_back({key,
                     fmt::format("{} {}", key,
-                                value.IsString() ? Shown(base::ToView(value), kLongestText)
+                                value.IsString() ? Shown(base::ToView(value), kLongestShown)
                                                  : base::ToJson(value)),
                     ""});
   }
@@ -223,7 +223,7 @@ Statements DescribeMessage(const mqtt::Message& message, const vda5050::TopicLev
   if (message.payload.empty()) return {{"message", "no longer retained", ""}};
   const auto document = vda5050::ReadMessage(message.payload);
   if (!document && levels == nullptr) {
-    return {{"message", Shown(message.payload, kLongestText), ""}};
+    return {{"message", Shown(message.payload, kLongestShown), ""}};
   }
   if (!document) return {{"message", "cannot be read: " + Shown(document.error().message), ""}};
   Statements said;

@@ -175,9 +175,9 @@ std::string DescribePosition(const RobotState& state) {
 std::string DescribeProgress(const RobotState& state) {
   if (!state.nodes_left) return "progress not said";
   if (*state.nodes_left + state.edges_left.value_or(0) == 0) return "nothing left of it";
-  const auto last = std::max_element(
-      state.nodes.begin(), state.nodes.end(),
-      [](const auto& a, const auto& b) { return a.sequence_id < b.sequence_id; });
+  const auto last =
+      std::max_element(state.nodes.begin(), state.nodes.end(),
+                       [](const auto& a, const auto& b) { return a.sequence_id < b.sequence_id; });
   if (last == state.nodes.end() || !state.last_node_sequence_id ||
       *state.last_node_sequence_id > last->sequence_id) {
     return fmt::format("{} node{} to go", *state.nodes_left, *state.nodes_left == 1 ? "" : "s");

@@ -16,7 +16,7 @@ using base::JsonString;
 using base::Printable;
 
 constexpr std::string_view kNodes = "order.nodes";
-constexpr std::string_view kPosition = "order.nodes.nodePosition";
+constexpr std::string_view kNodePosition = "order.nodes.nodePosition";
 constexpr std::string_view kEdges = "order.edges";
 
 constexpr std::array<std::string_view, 4> Always(std::string_view name) {
@@ -31,12 +31,12 @@ constexpr std::array<std::string_view, 4> Until30(std::string_view name, std::st
 constexpr auto kMembers = std::to_array<OrderMember>({
     {kNodes, "nodeDescription", Until30("nodeDescription", "nodeDescriptor"), false},
     {kNodes, "nodePosition", Always("nodePosition"), false},
-    {kPosition, "theta", Always("theta"), false},
-    {kPosition,
+    {kNodePosition, "theta", Always("theta"), false},
+    {kNodePosition,
      "allowedDeviationXY",
      {"allowedDeviationXy", "allowedDeviationXY", "allowedDeviationXY", "allowedDeviationXY"},
      false},
-    {kPosition, "allowedDeviationTheta", Always("allowedDeviationTheta"), false},
+    {kNodePosition, "allowedDeviationTheta", Always("allowedDeviationTheta"), false},
     {kEdges, "edgeDescription", Until30("edgeDescription", "edgeDescriptor"), false},
     {kEdges, "maxSpeed", Until30("maxSpeed", "maximumSpeed"), true},
     {kEdges, "maxRotationSpeed", Until30("maxRotationSpeed", "maximumRotationSpeed"), true},

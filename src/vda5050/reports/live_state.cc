@@ -40,8 +40,7 @@ std::size_t CountBytes(const RobotState& state) {
   std::size_t size = state.operating_mode.size() + state.emergency_stop.size() +
                      state.order_id.size() + state.last_node_id.size() +
                      CountBytes(state.action_states) + CountBytes(state.instant_action_states) +
-                     CountBytes(state.zone_action_states) +
-                     state.nodes.size() * sizeof(NodeState);
+                     CountBytes(state.zone_action_states) + state.nodes.size() * sizeof(NodeState);
   for (const NodeState& node : state.nodes) size += node.id.size();
   if (state.position) size += state.position->map_id.size();
   for (const RobotError& error : state.errors) {

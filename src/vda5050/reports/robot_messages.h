@@ -125,9 +125,9 @@ struct RobotState {
   std::optional<bool> field_violation;
   std::string order_id;
   std::optional<std::uint32_t> order_update_id;
-  std::optional<std::size_t> nodes_left;         ///< entries of `nodeStates`
-  std::optional<std::size_t> edges_left;         ///< entries of `edgeStates`
-  std::vector<NodeState> nodes;                  ///< `nodeStates`: those that have a sequenceId
+  std::optional<std::size_t> nodes_left;  ///< entries of `nodeStates`
+  std::optional<std::size_t> edges_left;  ///< entries of `edgeStates`
+  std::vector<NodeState> nodes;           ///< `nodeStates`: those that have a sequenceId
   std::optional<bool> new_base_request;
   std::string last_node_id;
   std::optional<std::uint32_t> last_node_sequence_id;

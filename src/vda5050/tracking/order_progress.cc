@@ -122,9 +122,9 @@ void OrderProgress::Record(const RobotState& state) {
 
 // Nodes have the even sequence ids, from 0 (1.1–2.1 §6.6, 3.0 §6.1).
 void OrderProgress::AddPlace(const RobotState& state) {
-  std::string place = fmt::format("{} ({} of {})", Shown(state.last_node_id),
-                                  state.last_node_sequence_id.value_or(0) / 2 + 1,
-                                  last_sequence_id_ / 2 + 1);
+  std::string place =
+      fmt::format("{} ({} of {})", Shown(state.last_node_id),
+                  state.last_node_sequence_id.value_or(0) / 2 + 1, last_sequence_id_ / 2 + 1);
   if (state.paused || state.driving) place += fmt::format("  {}", DescribeMotion(state));
   for (const Action& action : actions_) {
     if (action.status == "RUNNING" || action.status == "INITIALIZING") {
