@@ -2,6 +2,8 @@
 #include <gmock/gmock.h>
 
 #include <algorithm>
+#include <chrono>
+#include <thread>
 
 #include "base/file.h"
 #include "support/operator.h"
@@ -42,7 +44,7 @@ class Record : public EndToEnd {
     for (int i = 0; i < 1'000; ++i) {
       const auto lines = Lines(*base::ReadFile(File(name)));
       if (Topics(lines).size() >= count) return lines;
-      usleep(10'000);
+      std::this_thread::sleep_for(std::chrono::microseconds(10'000));
     }
     ADD_FAILURE() << "fewer than " << count << " messages";
     return {};
@@ -150,7 +152,8 @@ TEST_F(Record, CompressesAsTheNameSays) {
     for (int i = 0; i < 500; ++i) lines += "{\"headerId\": " + std::to_string(i) + "}\n";
     Flood("uagv/v2/KIT/0001/state", lines);
     const std::vector<std::string> read = {"tail", "--from", File(name), "-o", "json"};
-    for (int i = 0; i < 500 && Lines(Fleetpub(read).output).size() < 500; ++i) usleep(10'000);
+    for (int i = 0; i < 500 && Lines(Fleetpub(read).output).size() < 500; ++i)
+      std::this_thread::sleep_for(std::chrono::microseconds(10'000));
     EXPECT_THAT(Lines(Fleetpub(read).output), SizeIs(500)) << name;  // flushed
     recorder->Signal();
     EXPECT_EQ(recorder->Wait(), 0);
@@ -168,7 +171,8 @@ TEST_F(Record, BeginsNewFilesAndReadsThemAsOne) {
   for (int i = 0; i < 3; ++i) {
     Say("uagv/v2/KIT/0001/state", "{\"s\": \"" + std::string(1'000, 'x') + "\"}", false);
     const auto next = File("a.000" + std::to_string(i + 2) + ".jsonl");
-    for (int j = 0; j < 1'000 && !std::filesystem::exists(next); ++j) usleep(10'000);
+    for (int j = 0; j < 1'000 && !std::filesystem::exists(next); ++j)
+      std::this_thread::sleep_for(std::chrono::microseconds(10'000));
   }
   recorder->Signal();
   EXPECT_EQ(recorder->Wait(), 0);

@@ -4,6 +4,9 @@
 #include <gmock/gmock.h>
 #include <sys/stat.h>
 
+#include <chrono>
+#include <thread>
+
 #include "base/file.h"
 #include "recording/writer.h"
 #include "support/temporary_folder.h"
@@ -88,7 +91,7 @@ TEST_P(RecordingFile, CanBeReadWhileItIsWritten) {
   ASSERT_TRUE(writer->Add(Said("1")));
   for (int i = 0; i < 500 && ReadAll(path_).payloads.empty(); ++i) {
     ASSERT_TRUE(writer->Add(Said("2")));
-    usleep(10'000);
+    std::this_thread::sleep_for(std::chrono::microseconds(10'000));
   }
   const Contents contents = ReadAll(path_);
   ASSERT_FALSE(contents.payloads.empty());
@@ -115,7 +118,8 @@ TEST_P(RecordingFile, BeginsANewPartAndIsReadInTheirOrder) {
   for (const char* payload : {"1", "2", "3"}) {
     ASSERT_TRUE(writer->Add(Said(payload)));
     const auto next = PartPath(path_, payload[0] - '0' + 1);
-    for (int i = 0; i < 500 && !std::filesystem::exists(next); ++i) usleep(10'000);
+    for (int i = 0; i < 500 && !std::filesystem::exists(next); ++i)
+      std::this_thread::sleep_for(std::chrono::microseconds(10'000));
   }
   ASSERT_TRUE(writer->End());
   EXPECT_FALSE(std::filesystem::exists(path_));
