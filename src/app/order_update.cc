@@ -11,22 +11,11 @@ namespace fleetpub::app {
 namespace {
 
 using base::FindArray;
-using base::FindMember;
 using base::StringMember;
 using Value = base::JsonValue;
 
 // So many orders of one robot are looked through for one.
 constexpr int kOrdersRead = 500;
-
-std::uint32_t ReadNumber(const Value& object, std::string_view name) {
-  const Value* member = FindMember(object, name);
-  return member != nullptr && member->IsUint() ? member->GetUint() : 0;
-}
-
-bool IsReleased(const Value& leg) {
-  const Value* released = FindMember(leg, "released");
-  return released != nullptr && released->IsBool() && released->GetBool();
-}
 
 std::string WithReleased(const std::string& json, bool released) {
   base::JsonDocument leg = std::move(*base::ParseJson(json, {.exact = true}));
@@ -62,7 +51,7 @@ Result<OrderHistory> ReadOrderHistory(ledger::Ledger& ledger, const std::string&
     if (record.actions.empty() || record.actions.front().id != order_id) continue;
     auto message = base::ParseJson(record.payload, {.exact = true});
     if (!message) continue;
-    const std::uint32_t update_id = ReadNumber(*message, "orderUpdateId");
+    const std::uint32_t update_id = base::UintMember(*message, "orderUpdateId").value_or(0);
     history.sent.push_back({.update_id = update_id,
                             .by = record.user + "@" + record.host,
                             .at = record.recorded_at,
@@ -110,8 +99,9 @@ Result<CurrentOrder> CurrentOrder::Find(const OrderHistory& history,
                     id, name));
   }
   rapidjson::SizeType decision = 0;
-  while (decision + 1 < nodes->Size() && IsReleased((*nodes)[decision + 1])) ++decision;
-  const std::uint32_t decision_id = ReadNumber((*nodes)[decision], "sequenceId");
+  while (decision + 1 < nodes->Size() && base::IsTrueMember((*nodes)[decision + 1], "released"))
+    ++decision;
+  const std::uint32_t decision_id = base::UintMember((*nodes)[decision], "sequenceId").value_or(0);
   const bool has_ended = !IsUnderWay(state);
   if (has_ended && state.last_node_sequence_id.value_or(decision_id) != decision_id) {
     return Fail(
@@ -132,7 +122,7 @@ std::string CurrentOrder::last_node() const {
 }
 
 std::uint32_t CurrentOrder::last_sequence_id() const {
-  return ReadNumber(*base::ParseJson(nodes_.back()), "sequenceId");
+  return base::UintMember(*base::ParseJson(nodes_.back()), "sequenceId").value_or(0);
 }
 
 std::vector<std::string> CurrentOrder::horizon_nodes() const {

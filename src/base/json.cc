@@ -434,6 +434,23 @@ std::string_view StringMember(const JsonValue& object, std::string_view name) {
   return member != nullptr && member->IsString() ? ToView(*member) : std::string_view();
 }
 
+std::optional<std::uint32_t> UintMember(const JsonValue& object, std::string_view name) {
+  const JsonValue* member = FindMember(object, name);
+  if (member == nullptr || !member->IsUint()) return std::nullopt;
+  return member->GetUint();
+}
+
+std::optional<double> NumberMember(const JsonValue& object, std::string_view name) {
+  const JsonValue* member = FindMember(object, name);
+  if (member == nullptr || !member->IsNumber()) return std::nullopt;
+  return member->GetDouble();
+}
+
+bool IsTrueMember(const JsonValue& object, std::string_view name) {
+  const JsonValue* member = FindMember(object, name);
+  return member != nullptr && member->IsTrue();
+}
+
 const JsonValue* FindMember(const JsonValue& value, std::string_view name) {
   if (!value.IsObject()) return nullptr;
   const JsonValue key(

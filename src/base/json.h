@@ -2,6 +2,8 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -55,6 +57,16 @@ template <class Texts>
 
 /// The member's text, or "" when it is not there or no string.
 [[nodiscard]] std::string_view StringMember(const JsonValue& object, std::string_view name);
+
+/// The member as a whole number of 32 bits; nothing when it is not there or none.
+[[nodiscard]] std::optional<std::uint32_t> UintMember(const JsonValue& object,
+                                                      std::string_view name);
+
+/// The member as a number; nothing when it is not there or none.
+[[nodiscard]] std::optional<double> NumberMember(const JsonValue& object, std::string_view name);
+
+/// Whether the member is there and true.
+[[nodiscard]] bool IsTrueMember(const JsonValue& object, std::string_view name);
 
 /// The member, or null when it is not there or `value` is no object.
 [[nodiscard]] const JsonValue* FindMember(const JsonValue& value, std::string_view name);

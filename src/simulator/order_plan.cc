@@ -13,26 +13,16 @@ namespace {
 
 using base::FindArray;
 using base::FindMember;
+using base::NumberMember;
 using base::StringMember;
 using vda5050::Version;
 using Value = base::JsonValue;
 
-std::uint32_t ReadCount(const Value& object, std::string_view name) {
-  const Value* number = FindMember(object, name);
-  return number != nullptr && number->IsUint() ? number->GetUint() : 0;
-}
-
-std::optional<double> ReadNumber(const Value& object, std::string_view name) {
-  const Value* number = FindMember(object, name);
-  return number != nullptr && number->IsNumber() ? std::optional(number->GetDouble())
-                                                 : std::nullopt;
-}
-
 // Under the first of its names that is there.
 std::optional<double> ReadNumber(const Value& object, std::string_view name,
                                  std::string_view other) {
-  const auto number = ReadNumber(object, name);
-  return number ? number : ReadNumber(object, other);
+  const auto number = NumberMember(object, name);
+  return number ? number : NumberMember(object, other);
 }
 
 bool ReadFlag(const Value& object, std::string_view name) {
@@ -65,28 +55,28 @@ void AddActions(const Value& leg, std::uint32_t sequence_id, const ProtocolTerms
 }
 
 Leg ReadLeg(const Value& leg, std::string_view id) {
-  return {std::string(StringMember(leg, id)), ReadCount(leg, "sequenceId"),
+  return {std::string(StringMember(leg, id)), base::UintMember(leg, "sequenceId").value_or(0),
           ReadFlag(leg, "released")};
 }
 
 // A radius up to 2.1, an ellipse from 3.0.
 void ReadDeviation(const Value& position, Place& place) {
-  place.deviation_theta = ReadNumber(position, "allowedDeviationTheta").value_or(0);
+  place.deviation_theta = NumberMember(position, "allowedDeviationTheta").value_or(0);
   place.deviation_a = ReadNumber(position, "allowedDeviationXY", "allowedDeviationXy").value_or(0);
   place.deviation_b = place.deviation_a;
   const Value* ellipse = FindMember(position, "allowedDeviationXY");
   if (ellipse == nullptr || !ellipse->IsObject()) return;
-  place.deviation_a = ReadNumber(*ellipse, "a").value_or(0);
-  place.deviation_b = ReadNumber(*ellipse, "b").value_or(0);
-  place.deviation_angle = ReadNumber(*ellipse, "theta").value_or(0);
+  place.deviation_a = NumberMember(*ellipse, "a").value_or(0);
+  place.deviation_b = NumberMember(*ellipse, "b").value_or(0);
+  place.deviation_angle = NumberMember(*ellipse, "theta").value_or(0);
 }
 
 std::optional<Place> ReadPlace(const Value& node) {
   const Value* position = FindMember(node, "nodePosition");
   if (position == nullptr) return std::nullopt;
-  Place place{.x = ReadNumber(*position, "x").value_or(0),
-              .y = ReadNumber(*position, "y").value_or(0),
-              .theta = ReadNumber(*position, "theta"),
+  Place place{.x = NumberMember(*position, "x").value_or(0),
+              .y = NumberMember(*position, "y").value_or(0),
+              .theta = NumberMember(*position, "theta"),
               .map_id = std::string(StringMember(*position, "mapId"))};
   ReadDeviation(*position, place);
   return place;
@@ -96,14 +86,14 @@ EdgeLeg ReadEdge(const Value& edge, const ProtocolTerms& terms) {
   EdgeLeg leg{ReadLeg(edge, "edgeId")};
   leg.max_speed = ReadNumber(edge, "maxSpeed", "maximumSpeed");
   leg.length = ReadNumber(edge, "length", "distance");
-  leg.orientation = ReadNumber(edge, "orientation");
+  leg.orientation = NumberMember(edge, "orientation");
   leg.is_global =
       terms.version == Version::k110 || StringMember(edge, "orientationType") == "GLOBAL";
   const Value* trajectory = FindMember(edge, "trajectory");
   const Value* points = trajectory == nullptr ? nullptr : FindArray(*trajectory, "controlPoints");
   if (points == nullptr) return leg;
   for (const Value& point : points->GetArray()) {
-    leg.via.push_back({ReadNumber(point, "x").value_or(0), ReadNumber(point, "y").value_or(0)});
+    leg.via.push_back({NumberMember(point, "x").value_or(0), NumberMember(point, "y").value_or(0)});
   }
   return leg;
 }
@@ -170,7 +160,7 @@ bool Has(const Value& value, std::string_view path) {
 OrderPlan ReadOrder(const Value& message, const ProtocolTerms& terms) {
   OrderPlan plan;
   plan.order.id = StringMember(message, "orderId");
-  plan.order.update_id = ReadCount(message, "orderUpdateId");
+  plan.order.update_id = base::UintMember(message, "orderUpdateId").value_or(0);
   plan.order.zone_set_id = StringMember(message, "zoneSetId");
   const Value* nodes = FindArray(message, "nodes");
   const Value* edges = FindArray(message, "edges");

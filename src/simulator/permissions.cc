@@ -15,16 +15,12 @@ using base::FindMember;
 using base::StringMember;
 using Value = base::JsonValue;
 
-double ReadNumber(const Value& object, std::string_view name) {
-  const Value* number = FindMember(object, name);
-  return number != nullptr && number->IsNumber() ? number->GetDouble() : 0;
-}
-
 std::vector<Point> ReadCorners(const Value& zone) {
   std::vector<Point> corners;
   if (const Value* vertices = FindArray(zone, "vertices")) {
     for (const Value& vertex : vertices->GetArray()) {
-      corners.push_back({ReadNumber(vertex, "x"), ReadNumber(vertex, "y")});
+      corners.push_back({base::NumberMember(vertex, "x").value_or(0),
+                         base::NumberMember(vertex, "y").value_or(0)});
     }
   }
   return corners;
@@ -48,7 +44,9 @@ bool LeadsInto(const Value& order, const ReleaseZone& zone, std::string_view map
   return std::any_of(nodes->Begin(), nodes->End(), [&](const Value& node) {
     const Value* position = FindMember(node, "nodePosition");
     return position != nullptr && StringMember(*position, "mapId") == map_id &&
-           IsInside({ReadNumber(*position, "x"), ReadNumber(*position, "y")}, zone.corners);
+           IsInside({base::NumberMember(*position, "x").value_or(0),
+                     base::NumberMember(*position, "y").value_or(0)},
+                    zone.corners);
   });
 }
 
@@ -117,7 +115,8 @@ void AskForPermissions(const Value& order, RobotState& state) {
     if (!NeedsRelease(edge)) continue;
     Ask({.type = "CORRIDOR",
          .edge_id = std::string(StringMember(edge, "edgeId")),
-         .sequence_id = static_cast<std::uint32_t>(ReadNumber(edge, "sequenceId"))},
+         .sequence_id =
+             static_cast<std::uint32_t>(base::NumberMember(edge, "sequenceId").value_or(0))},
         state);
   }
 }

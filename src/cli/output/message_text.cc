@@ -94,10 +94,8 @@ void AddState(const JsonValue& message, Statements& said) {
                                 update == 0 ? "" : fmt::format(" update {}", update)),
                     "no order"});
   }
-  if (state.paused == true) {
-    said.push_back({"motion", "paused", ""});
-  } else if (state.driving) {
-    said.push_back({"motion", *state.driving ? "driving" : "standing", ""});
+  if (state.paused == true || state.driving) {
+    said.push_back({"motion", std::string(vda5050::DescribeMotion(state)), ""});
   }
   if (!state.operating_mode.empty() && state.operating_mode != "AUTOMATIC") {
     said.push_back({"mode", "mode " + Name(state.operating_mode), "mode AUTOMATIC"});
@@ -129,8 +127,7 @@ void AddOrder(const JsonValue& message, Statements& said) {
   std::size_t released = 0;
   for (rapidjson::SizeType i = 0; i < nodes->Size(); ++i) {
     const JsonValue& node = (*nodes)[i];
-    const JsonValue* is_released = FindMember(node, "released");
-    if (is_released != nullptr && is_released->IsBool() && is_released->GetBool()) ++released;
+    if (base::IsTrueMember(node, "released")) ++released;
     const bool is_shown = i + 1 < kShown || i + 1 == nodes->Size();
     if (is_shown) way += (i == 0 ? "" : " → ") + Name(StringMember(node, "nodeId"));
     if (i + 1 == kShown && nodes->Size() > kShown) way += " → …";

@@ -32,10 +32,7 @@ struct Leg {
   std::string path;
   bool is_node;
 
-  [[nodiscard]] bool IsReleased() const {
-    const Value* released = FindMember(value, "released");
-    return released != nullptr && released->IsBool() && released->GetBool();
-  }
+  [[nodiscard]] bool IsReleased() const { return base::IsTrueMember(value, "released"); }
 };
 
 std::vector<Leg> ReadLegs(const Value& nodes, const Value& edges) {

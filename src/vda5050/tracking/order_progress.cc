@@ -12,16 +12,10 @@ namespace fleetpub::vda5050 {
 namespace {
 
 using base::FindArray;
-using base::FindMember;
 using base::StringMember;
 using message::CommandStatus;
 using message::Progress;
 using Value = base::JsonValue;
-
-std::uint32_t Number(const Value& object, std::string_view name) {
-  const Value* member = FindMember(object, name);
-  return member != nullptr && member->IsUint() ? member->GetUint() : 0;
-}
 
 std::string FormatPlace(const RobotState& state) {
   return fmt::format("{} {}", state.last_node_sequence_id.value_or(0), state.last_node_id);
@@ -36,7 +30,7 @@ std::string Joined(std::vector<std::string> parts) {
 
 OrderProgress::OrderProgress(const Value& order, WaitFor wait_for)
     : id_(StringMember(order, "orderId")),
-      update_id_(Number(order, "orderUpdateId")),
+      update_id_(base::UintMember(order, "orderUpdateId").value_or(0)),
       wait_for_(wait_for) {
   const auto each = [&](std::string_view list, std::string_view id_key) {
     const Value* legs = FindArray(order, list);
@@ -49,7 +43,7 @@ OrderProgress::OrderProgress(const Value& order, WaitFor wait_for)
   if (list != nullptr && !list->Empty()) {
     const Value& last = (*list)[list->Size() - 1];
     last_node_ = StringMember(last, "nodeId");
-    last_sequence_id_ = Number(last, "sequenceId");
+    last_sequence_id_ = base::UintMember(last, "sequenceId").value_or(0);
     last_node_occurs_twice_ =
         std::count_if(nodes.begin(), nodes.end(), [&](const ErrorReference& part) {
           return part.key == "nodeId" && part.value == last_node_;
