@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "app/command_factory.h"
+#include "app/deliver.h"
 #include "base/text.h"
-#include "delivery/send_all.h"
 
 namespace fleetpub::app {
 namespace {
@@ -48,14 +48,10 @@ void AskForStates(std::span<const ListedRobot* const> robots, std::chrono::milli
     log.Warn(
         fmt::format("{}: not asked for its state: {}", base::Printable(done.target), done.message));
   };
-  delivery::CommandList list(requests, report);
-  delivery::CommandSession session(link.transport, **ledger,
-                                   {.lock_timeout = patience, .acknowledge_timeout = patience}, {},
-                                   {.report = report,
-                                    .sent = {},
-                                    .reconnect = MakeReconnectHooks(link.connection, log),
-                                    .news = {}});
-  if (auto sent = delivery::SendAll(list, session, {}); !sent) {
+  const auto sent =
+      SendBeside(requests, link, **ledger,
+                 {.lock_timeout = patience, .acknowledge_timeout = patience}, {}, report, log);
+  if (!sent) {
     log.Warn("no robot was asked for its state: " + sent.error().message);
   }
 }

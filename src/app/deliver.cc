@@ -85,6 +85,18 @@ Status Deliver(delivery::CommandSource& source, Link& link, ledger::Ledger& ledg
   return sent;
 }
 
+Status SendBeside(std::span<const Command> commands, Link& link, ledger::Ledger& ledger,
+                  const delivery::SendOptions& send, const delivery::WaitOptions& wait,
+                  const delivery::ReportSink& report, Log& log) {
+  delivery::CommandList list(commands, report);
+  delivery::CommandSession session(link.transport, ledger, send, wait,
+                                   {.report = report,
+                                    .sent = {},
+                                    .reconnect = MakeReconnectHooks(link.connection, log),
+                                    .news = {}});
+  return delivery::SendAll(list, session, {});
+}
+
 namespace {
 
 // Errors: nothing was sent.

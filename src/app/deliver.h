@@ -3,6 +3,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -42,6 +43,14 @@ void WarnOfSilentRefusals(mqtt::ProtocolVersion version, mqtt::Qos qos, Log& log
                              const SendSettings& settings,
                              const std::optional<delivery::WaitOptions>& wait, Observer& observer,
                              const delivery::ReportSink& ended = {});
+
+/// Sends these over a link that serves something else, and tells only `report` of them.
+/// `link.transport` is null afterwards if that has cost the connection. Errors: as
+/// delivery::SendAll's.
+[[nodiscard]] Status SendBeside(std::span<const message::Command> commands, Link& link,
+                                ledger::Ledger& ledger, const delivery::SendOptions& send,
+                                const delivery::WaitOptions& wait,
+                                const delivery::ReportSink& report, Log& log);
 
 /// Sends all of these commands, or none when one is invalid.
 [[nodiscard]] Status SendMessages(const std::vector<message::Command>& commands,

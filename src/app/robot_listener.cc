@@ -3,8 +3,8 @@
 #include <fmt/format.h>
 
 #include "app/ask_states.h"
+#include "app/deliver.h"
 #include "base/text.h"
-#include "delivery/send_all.h"
 
 namespace fleetpub::app {
 
@@ -65,30 +65,18 @@ Status RobotListener::CheckPresence() const {
 }
 
 Status RobotListener::Send(const message::Command& command, mqtt::Qos qos) {
-  Status sent = Fail(ErrorKind::kBroker, "not sent: there is no connection");
-  Lend([&](Link& link) { sent = Publish(command, qos, link); });
-  return sent;
-}
-
-Status RobotListener::Publish(const message::Command& command, mqtt::Qos qos, Link& link) {
-  if (link.transport == nullptr) {
-    return Fail(ErrorKind::kBroker, "not sent: there is no connection");
-  }
   auto ledger = environment_.ledger(ledger::OpenMode::kCreate);
   if (!ledger) return Fail(std::move(ledger.error()));
   Status outcome;
-  delivery::CommandSession session(link.transport, **ledger,
-                                   {.qos = qos, .acknowledge_timeout = link.connection.timeout}, {},
-                                   {.report =
-                                        [&](const message::Report& report) {
-                                          if (report.error)
-                                            outcome = Fail(*report.error, report.message);
-                                        },
-                                    .sent = {},
-                                    .reconnect = MakeReconnectHooks(link.connection, observer_),
-                                    .news = {}});
-  delivery::CommandList list({&command, 1});
-  auto sent = delivery::SendAll(list, session, {});
+  const auto report = [&](const message::Report& done) {
+    if (done.error) outcome = Fail(*done.error, done.message);
+  };
+  Status sent = Fail(ErrorKind::kBroker, "not sent: there is no connection");
+  Lend([&](Link& link) {
+    sent = SendBeside({&command, 1}, link, **ledger,
+                      {.qos = qos, .acknowledge_timeout = link.connection.timeout}, {}, report,
+                      observer_);
+  });
   return sent ? outcome : sent;
 }
 

@@ -56,7 +56,6 @@ class RobotListener {
  private:
   void Lend(const std::function<void(Link& link)>& use);
   [[nodiscard]] Status CheckPresence() const;
-  [[nodiscard]] Status Publish(const message::Command& command, mqtt::Qos qos, Link& link);
 
   const FollowRequest& request_;
   const Environment& environment_;

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "app/command_factory.h"
+#include "app/deliver.h"
 #include "base/text.h"
-#include "delivery/send_all.h"
 
 namespace fleetpub::app {
 namespace {
@@ -72,15 +72,10 @@ void TidyUp::Run(std::span<const ListedRobot* const> robots, Link& link, ledger:
       warn(done.target, fmt::format("{}  {}", GetName(done.status), done.message));
     }
   };
-  delivery::CommandList list(commands, report);
-  delivery::CommandSession session(link.transport, ledger,
-                                   {.qos = qos, .acknowledge_timeout = link.connection.timeout},
-                                   {.total = kPatience},
-                                   {.report = report,
-                                    .sent = {},
-                                    .reconnect = MakeReconnectHooks(link.connection, observer),
-                                    .news = {}});
-  if (auto sent = delivery::SendAll(list, session, {}); !sent) {
+  const auto sent = SendBeside(commands, link, ledger,
+                               {.qos = qos, .acknowledge_timeout = link.connection.timeout},
+                               {.total = kPatience}, report, observer);
+  if (!sent) {
     observer.Warn(
         fmt::format("lists of instant actions were not cleared: {}", sent.error().message));
   }
