@@ -53,7 +53,7 @@ void WarnOfSilent(const Fleet& fleet, const Environment& environment, bool asked
     log.Warn(
         fmt::format("{} of {} robots sent no state within {}; they repeat it at least every 30 s{}",
                     silent, seen, base::FormatElapsed(state_wait),
-                    state_wait >= std::chrono::seconds(35) ? ""
+                    state_wait >= vda5050::kLongestSilence ? ""
                     : asked                                ? ": --state-wait 35s waits for it"
                                                            : ": --ask has them send it"));
   }

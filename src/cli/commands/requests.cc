@@ -90,7 +90,7 @@ Result<ExitCode> RunRequests(const FleetDiscoveryOptions& options, const Context
 Run DeclareRequests(OptionSet& set) {
   const auto options = std::make_shared<FleetDiscoveryOptions>();
   // Requests stand in states only, which a robot may send no more often than every 30 s.
-  options->state_wait = std::chrono::seconds(35);
+  options->state_wait = vda5050::kLongestSilence;
   DeclareFleetDiscoveryOptions(set, *options);
   return [options](const Context& context) { return RunRequests(*options, context); };
 }

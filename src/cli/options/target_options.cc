@@ -20,8 +20,6 @@ Result<std::vector<vda5050::Condition>> ParseConditions(const std::vector<std::s
   return conditions;
 }
 
-constexpr std::chrono::seconds kStateWait{35};  // each repeats its own every 30 s
-
 constexpr const char* kTargets = "Targets";
 
 }  // namespace
@@ -83,7 +81,7 @@ Result<app::TargetRequest> ParseTargetOptions(const TargetOptions& options) {
                             .except = options.except,
                             .where = *std::move(where),
                             .online = options.online,
-                            .state_wait = options.state_wait.value_or(kStateWait),
+                            .state_wait = options.state_wait.value_or(vda5050::kLongestSilence),
                             .expect = options.expect};
 }
 

@@ -8,6 +8,7 @@
 // robot's own and untrusted: whoever shows one passes it through base::Printable.
 #pragma once
 
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -22,6 +23,10 @@
 #include "vda5050/model/robot_address.h"
 
 namespace fleetpub::vda5050 {
+
+/// How long a robot that is there may say nothing: states come at least every 30 s (1.1–2.1 §6.6 and
+/// §6.10, 3.0 §6.6), and some more for the way.
+inline constexpr std::chrono::seconds kLongestSilence{35};
 
 /// What every message begins with.
 struct MessageHeader {
