@@ -20,8 +20,6 @@ namespace fleetpub::app {
 namespace {
 
 using base::FindArray;
-using base::FindMember;
-using base::StringMember;
 using message::CommandStatus;
 using std::chrono::steady_clock;
 using vda5050::RobotState;
@@ -29,8 +27,7 @@ using vda5050::Shown;
 using Value = base::JsonValue;
 
 std::uint32_t ReadSequenceId(const Value& leg) {
-  const Value* id = FindMember(leg, "sequenceId");
-  return id != nullptr && id->IsUint() ? id->GetUint() : 0;
+  return base::UintMember(leg, "sequenceId").value_or(0);
 }
 
 // Nodes or edges by their sequenceId, as the messages up to this update leave them: each one replaces
@@ -192,10 +189,8 @@ class OrderFollower {
                                   .state = &*state_},
                                  environment_.ledger);
     if (!composed) return Fail(std::move(composed.error()));
-    auto command = vda5050::BuildUserMessage(listener_.address(), listener_.dialect(), "order",
-                                             composed->message, vda5050::HeaderMismatch::kReplace);
+    auto command = BuildOrder(*composed, listener_.address(), listener_.dialect());
     if (!command) return Fail(std::move(command.error()));
-    command->expected_header_id = composed->expected_header_id;
     schema::Registry registry(environment_.schema_directory);
     if (auto valid = ValidateCommand(*command, registry); !valid) return Fail(valid.error());
     Status sent = listener_.Send(*command, request_.qos);

@@ -295,13 +295,10 @@ class OrderMessage final : public RobotMessage {
   [[nodiscard]] Result<message::Command> Build(
       const vda5050::RobotAddress& robot, const vda5050::Dialect& dialect,
       std::optional<std::uint32_t> header_id) const override {
+    if (composed_) return BuildOrder(*composed_, robot, dialect, header_id);
     // Before Prepare() it stands for whatever is not sent.
-    const base::JsonDocument nothing = vda5050::MakeOrder(task_->order_id, 0, "", {}, {});
-    auto command =
-        vda5050::BuildUserMessage(robot, dialect, "order", composed_ ? composed_->message : nothing,
-                                  vda5050::HeaderMismatch::kReplace, header_id);
-    if (command && composed_) command->expected_header_id = composed_->expected_header_id;
-    return command;
+    const ComposedOrder nothing{.message = vda5050::MakeOrder(task_->order_id, 0, "", {}, {})};
+    return BuildOrder(nothing, robot, dialect, header_id);
   }
 
   [[nodiscard]] vda5050::PreflightFindings Check(const vda5050::RobotAddress& robot,
@@ -327,6 +324,15 @@ class OrderMessage final : public RobotMessage {
 Result<ComposedOrder> ComposeOrder(const OrderTask& task, const OrderRobot& robot,
                                    const LedgerHook& ledger) {
   return OrderComposer(task, robot, ledger).Run();
+}
+
+Result<message::Command> BuildOrder(const ComposedOrder& order, const vda5050::RobotAddress& robot,
+                                    const vda5050::Dialect& dialect,
+                                    std::optional<std::uint32_t> header_id) {
+  auto command = vda5050::BuildUserMessage(robot, dialect, "order", order.message,
+                                           vda5050::HeaderMismatch::kReplace, header_id);
+  if (command) command->expected_header_id = order.expected_header_id;
+  return command;
 }
 
 std::unique_ptr<RobotMessage> MakeOrderMessage(std::shared_ptr<const OrderTask> task,

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <set>
@@ -55,6 +56,12 @@ struct ComposedOrder {
 /// elsewhere, no route, not supported), kLedger. `ledger` is opened for reading when it is needed.
 [[nodiscard]] Result<ComposedOrder> ComposeOrder(const OrderTask& task, const OrderRobot& robot,
                                                  const LedgerHook& ledger);
+
+/// The order as a command. Errors: as vda5050::BuildUserMessage's.
+[[nodiscard]] Result<message::Command> BuildOrder(const ComposedOrder& order,
+                                                  const vda5050::RobotAddress& robot,
+                                                  const vda5050::Dialect& dialect,
+                                                  std::optional<std::uint32_t> header_id = {});
 
 /// Composes for whichever robot it is prepared for. The task and the hook are shared.
 [[nodiscard]] std::unique_ptr<RobotMessage> MakeOrderMessage(std::shared_ptr<const OrderTask> task,

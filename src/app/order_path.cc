@@ -441,7 +441,7 @@ class PathPlanner {
   const PathRobot& robot_;
   std::string type_;
   PlannedPath planned_;
-  std::vector<std::vector<layout::LayoutAction>> offered_;  // at each node
+  std::vector<std::span<const layout::LayoutAction>> offered_;  // at each node
 };
 
 }  // namespace

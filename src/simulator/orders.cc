@@ -56,8 +56,10 @@ void VirtualRobot::ReceiveOrder(std::string_view payload, const Moment& now,
   if (inspection.fault.empty()) {
     plan = ReadOrder(inspection.message, shared_.terms);
     if (Has(Fault::kIgnoreUpdates) && plan.order.id == state_.order.id) return;
-    decision = Decide({inspection, plan, state_, shared_.settings, shared_.terms,
-                       HasSameContent(accepted_order_, inspection.message), IsCancelling()});
+    decision = Decide(
+        {inspection, plan, state_, shared_.settings, shared_.terms,
+         plan.order.id == state_.order.id && HasSameContent(accepted_order_, inspection.message),
+         IsCancelling()});
   } else {
     decision.error = RefuseMalformed(inspection, shared_.settings);
   }

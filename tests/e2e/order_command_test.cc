@@ -161,6 +161,16 @@ TEST_F(OrderCommand, IsReplacedOnceTheRobotHasCancelledIt) {
   EXPECT_EQ(idle.exit_code, 0) << idle.output << idle.errors;
 }
 
+// Standard input is there once.
+TEST_F(OrderCommand, IsReplacedByTheRowsOfStandardInput) {
+  const auto robot = DrivingRobot();
+  Command command = operator_.Prepare({"order", "replace", "KIT/0001", "--route", "-", "--wait"});
+  command.input = "node,x,y,map\nn1,0,0,map-1\nn2,3,0,map-1\n";
+  const Finished run = fleetpub::testing::Run(command);
+  EXPECT_EQ(run.exit_code, 0) << run.output << run.errors;
+  EXPECT_EQ(Nodes(SentOrders().back()), "n1+ n2+");
+}
+
 TEST_F(OrderCommand, BeginsWhereTheRobotStands) {
   const auto robot = DrivingRobot();
   const Finished elsewhere = Order({"KIT/0001", "n3", "n4"});

@@ -187,16 +187,15 @@ Result<app::PathRequest> ParsePath(const Options& o) {
 
 Result<std::set<std::string>> ParseWithout(const Options& o) {
   std::set<std::string> names;
-  std::vector<std::string> known;
+  std::vector<std::string_view> known;
   for (const vda5050::OrderMember& member : vda5050::OrderMembers()) {
     for (const std::string_view name : member.names) {
-      if (!name.empty()) known.emplace_back(name);
+      if (!name.empty()) known.push_back(name);
     }
   }
   for (const std::string& name : o.without) {
     if (std::find(known.begin(), known.end(), name) == known.end()) {
-      const std::vector<std::string_view> views(known.begin(), known.end());
-      const auto near = base::Nearest(name, views);
+      const auto near = base::Nearest(name, known);
       return Fail(ErrorKind::kUsage,
                   fmt::format("--without: {} is no member that can be left out{}",
                               base::Printable(name), near ? ": did you mean " + *near + "?" : ""));
@@ -263,9 +262,7 @@ Result<ExitCode> Follow(const app::FollowRequest& request, const Context& contex
 
 // --- Sending
 
-Result<ExitCode> SendOrder(OrderKind kind, const Options& o, const Context& context) {
-  auto task = MakeTask(kind, o, context);
-  if (!task) return Fail(std::move(task.error()));
+Result<ExitCode> SendOrder(OrderTask task, const Options& o, const Context& context) {
   auto targets = ResolveTarget(o, kExample, context);
   if (!targets) return Fail(std::move(targets.error()));
   auto resolver = app::DialectResolver::Make(o.vda, context.config);
@@ -282,9 +279,9 @@ Result<ExitCode> SendOrder(OrderKind kind, const Options& o, const Context& cont
   const auto timeout = o.waiting.timeout.value_or(std::chrono::hours(1));
   if (!o.waiting.timeout) waiting->wait.done = timeout;
   if (o.auto_release) waiting->wait_for = vda5050::WaitFor::kAccepted;
-  task->is_online = !settings->dry_run;
+  task.is_online = !settings->dry_run;
   const app::Environment environment = MakeEnvironment(context);
-  const auto shared = std::make_shared<const OrderTask>(*std::move(task));
+  const auto shared = std::make_shared<const OrderTask>(std::move(task));
   auto sent = SendToRobots(
       {.targets = *std::move(targets),
        .resolver = *std::move(resolver),
@@ -304,10 +301,17 @@ Result<ExitCode> SendOrder(OrderKind kind, const Options& o, const Context& cont
   return Follow(*request, context);
 }
 
+Result<ExitCode> MakeAndSendOrder(OrderKind kind, const Options& o, const Context& context) {
+  auto task = MakeTask(kind, o, context);
+  if (!task) return Fail(std::move(task.error()));
+  return SendOrder(*std::move(task), o, context);
+}
+
 // What it drives ends first: orders that come while it cancels are cancelled too.
 Result<ExitCode> ReplaceOrder(const Options& o, const Context& context) {
-  if (auto task = MakeTask(OrderKind::kNew, o, context); !task) return Fail(task.error());
-  if (o.sending.dry_run) return SendOrder(OrderKind::kNew, o, context);
+  auto task = MakeTask(OrderKind::kNew, o, context);
+  if (!task) return Fail(std::move(task.error()));
+  if (o.sending.dry_run) return SendOrder(*std::move(task), o, context);
   InstantSendingOptions cancel;
   cancel.targets.words = {o.target};
   cancel.instant.vda = o.vda;
@@ -320,15 +324,14 @@ Result<ExitCode> ReplaceOrder(const Options& o, const Context& context) {
   if (!cancelled || *cancelled != ExitCode::kDone) return cancelled;
   auto request = MakeFollowRequest(o, kExample, context);
   if (!request) return Fail(std::move(request.error()));
-  constexpr std::chrono::seconds kUntilIdle{35};
-  request->timeout = kUntilIdle;
+  request->timeout = vda5050::kLongestSilence;
   {
     SendingObserver observer(context.output, SendingObserver::Show::kResults, FormatSite(context));
     observer.ListenForStop();
     auto idle = app::AwaitIdle(*request, MakeEnvironment(context), observer);
     if (!idle) return Fail(std::move(idle.error()));
   }
-  return SendOrder(OrderKind::kNew, o, context);
+  return SendOrder(*std::move(task), o, context);
 }
 
 void DeclareNew(OptionSet& set, Options& o) {
@@ -348,8 +351,9 @@ void DeclareNew(OptionSet& set, Options& o) {
 Run DeclareOrder(OptionSet& set) {
   const auto options = std::make_shared<Options>();
   DeclareNew(set, *options);
-  return
-      [options](const Context& context) { return SendOrder(OrderKind::kNew, *options, context); };
+  return [options](const Context& context) {
+    return MakeAndSendOrder(OrderKind::kNew, *options, context);
+  };
 }
 
 Run DeclareOrderReplace(OptionSet& set) {
@@ -367,7 +371,7 @@ Run DeclareOrderExtend(OptionSet& set) {
                  "So many nodes behind the base [all, or none where it has a horizon]");
   DeclareSending(set, *options);
   return [options](const Context& context) {
-    return SendOrder(OrderKind::kExtend, *options, context);
+    return MakeAndSendOrder(OrderKind::kExtend, *options, context);
   };
 }
 
@@ -378,7 +382,7 @@ Run DeclareOrderRelease(OptionSet& set) {
       .Type("N");
   DeclareSending(set, *options);
   return [options](const Context& context) {
-    return SendOrder(OrderKind::kRelease, *options, context);
+    return MakeAndSendOrder(OrderKind::kRelease, *options, context);
   };
 }
 
