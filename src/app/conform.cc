@@ -8,6 +8,7 @@
 #include "app/order_path.h"
 #include "app/robot_listener.h"
 #include "base/text.h"
+#include "delivery/recorded.h"
 #include "recording/writer.h"
 #include "schema/schema.h"
 
@@ -25,18 +26,11 @@ class BrokerWire final : public conformance::Wire {
 
   Status OpenRecording() {
     if (request_.recording.empty()) return {};
-    const mqtt::ServerInfo& server = listener_.server();
-    recording::WriterOptions options{.path = request_.recording, .rotation = {}};
-    options.head = {.tool = request_.tool,
-                    .started = base::WallTime::clock::now(),
-                    .broker = server.broker.ToString(),
-                    .mqtt_version = server.version == mqtt::ProtocolVersion::k5 ? "5" : "3.1.1",
-                    .qos = 1,
-                    .retain_as_published = false,
-                    .subscriptions = listener_.filters(),
-                    .time_zero = std::chrono::duration_cast<std::chrono::microseconds>(
-                        start_.time_since_epoch())};
-    auto opened = recording::Writer::Open(std::move(options));
+    auto opened = recording::Writer::Open(
+        {.path = request_.recording,
+         .rotation = {},
+         .head = delivery::MakeHead(request_.tool, listener_.server(), listener_.filters(),
+                                    mqtt::Qos::kAtLeastOnce, start_)});
     if (!opened) return Fail(std::move(opened.error()));
     writer_ = *std::move(opened);
     return {};
@@ -75,15 +69,7 @@ class BrokerWire final : public conformance::Wire {
  private:
   void Record(const mqtt::Message& message) {
     if (writer_ == nullptr || !recorded_) return;
-    recording::Message entry;
-    entry.t = std::chrono::duration_cast<std::chrono::microseconds>(steady_clock::now() - start_);
-    entry.at = base::WallTime::clock::now();
-    entry.topic = message.topic;
-    entry.payload = message.payload;
-    entry.qos = static_cast<int>(message.qos);
-    entry.retain = message.retained;
-    entry.dup = message.duplicate;
-    recorded_ = writer_->Add(entry);
+    recorded_ = writer_->Add(delivery::ToRecorded(message, delivery::MomentSince(start_)));
   }
 
   const ConformRequest& request_;

@@ -17,12 +17,9 @@ namespace fleetpub::app {
 namespace {
 
 using std::chrono::microseconds;
-using std::chrono::seconds;
+using vda5050::kLongestSilence;
 using vda5050::RobotState;
 using vda5050::Shown;
-
-// States come at least every 30 s (3.0 §6.6, 2.1 §6.10), and some more for the way.
-constexpr seconds kLongestSilence{35};
 
 std::string Evidence(const vda5050::MessageHeader& header) {
   return header.header_id ? fmt::format("state headerId {}", *header.header_id) : "a state";
@@ -66,13 +63,13 @@ class Story {
   [[nodiscard]] std::vector<ExplainFinding> Findings() const {
     std::vector<ExplainFinding> findings;
     if (!request_.order.empty()) {
-      findings.push_back(JudgeTaking());
-      findings.push_back(JudgeNodes());
+      findings.push_back(CheckTaking());
+      findings.push_back(CheckNodes());
     }
-    findings.push_back(JudgeFailures());
-    findings.push_back(JudgeEnd());
-    findings.push_back(JudgeSilence());
-    findings.push_back(JudgeHeaderIds());
+    findings.push_back(CheckFailures());
+    findings.push_back(CheckEnd());
+    findings.push_back(CheckSilence());
+    findings.push_back(CheckHeaderIds());
     return findings;
   }
 
@@ -240,7 +237,7 @@ class Story {
     Tell("nothing of the order is left");
   }
 
-  [[nodiscard]] ExplainFinding JudgeTaking() const {
+  [[nodiscard]] ExplainFinding CheckTaking() const {
     ExplainFinding finding{.id = "taken", .clause = "6.1.2"};
     if (!order_seen_) {
       finding.text = "the order itself is not in the recording";
@@ -262,7 +259,7 @@ class Story {
     return finding;
   }
 
-  [[nodiscard]] ExplainFinding JudgeNodes() const {
+  [[nodiscard]] ExplainFinding CheckNodes() const {
     ExplainFinding finding{.id = "nodes", .clause = "6.6.2"};
     if (!backward_.empty() || !skipped_.empty()) {
       finding.verdict = Verdict::kFail;
@@ -281,7 +278,7 @@ class Story {
     return finding;
   }
 
-  [[nodiscard]] ExplainFinding JudgeFailures() const {
+  [[nodiscard]] ExplainFinding CheckFailures() const {
     ExplainFinding finding{.id = "failures", .clause = "6.6.5"};
     if (!unexplained_.empty()) {
       finding.text =
@@ -297,7 +294,7 @@ class Story {
     return finding;
   }
 
-  [[nodiscard]] ExplainFinding JudgeEnd() const {
+  [[nodiscard]] ExplainFinding CheckEnd() const {
     ExplainFinding finding{.id = "end", .clause = "6.6.2, 6.1.2.1"};
     const auto action = statuses_.find(request_.action);
     const bool has_action = action != statuses_.end() && vda5050::IsTerminal(action->second);
@@ -312,7 +309,7 @@ class Story {
     return finding;
   }
 
-  [[nodiscard]] ExplainFinding JudgeSilence() const {
+  [[nodiscard]] ExplainFinding CheckSilence() const {
     ExplainFinding finding{.id = "states", .clause = "6.6 / 6.10"};
     finding.text = "the longest time between two states was " + Elapsed(longest_silence_);
     if (longest_silence_.count() == 0) {
@@ -326,7 +323,7 @@ class Story {
     return finding;
   }
 
-  [[nodiscard]] ExplainFinding JudgeHeaderIds() const {
+  [[nodiscard]] ExplainFinding CheckHeaderIds() const {
     ExplainFinding finding{.id = "headerIds", .clause = "7.2 / 6.4"};
     if (!repeated_.empty()) {
       finding.verdict = Verdict::kFail;

@@ -137,7 +137,8 @@ class Choice {
 
 }  // namespace
 
-Status Listen(ListenRequest request, const Environment& environment, Listener& listener, Log& log) {
+Status Listen(ListenRequest request, const Environment& environment, ListenObserver& observer,
+              Log& log) {
   const auto choice = Choice::Make(request, environment.config, log);
   if (!choice) return Fail(choice.error());
   const auto filters = choice->Filters();
@@ -148,20 +149,20 @@ Status Listen(ListenRequest request, const Environment& environment, Listener& l
   auto subscription =
       delivery::Subscription::Open(std::move(link->transport), *filters,
                                    {.open = link->connection.open,
-                                    .lost = [&](const Error& error) { listener.Lost(error); },
-                                    .again = [&] { listener.ConnectedAgain(); }},
+                                    .lost = [&](const Error& error) { observer.Lost(error); },
+                                    .again = [&] { observer.ConnectedAgain(); }},
                                    request.end, request.qos);
   if (!subscription) return Fail(std::move(subscription.error()));
-  if (auto begun = listener.Begin(server, *filters); !begun) return begun;
+  if (auto begun = observer.Begin(server, *filters); !begun) return begun;
   Status taken;
   auto read = subscription->Read(
       [&](const mqtt::Message& message) {
         const auto levels = choice->Read(message.topic);
         if (!choice->IsMeant(levels)) return false;
-        taken = listener.Take(message, levels ? &*levels : nullptr);
+        taken = observer.Take(message, levels ? &*levels : nullptr);
         return !taken.has_value();
       },
-      [&] { return listener.GoesOn(); });
+      [&] { return observer.GoesOn(); });
   if (read && taken) subscription->Disconnect();
   return taken ? read : taken;
 }

@@ -25,9 +25,9 @@ struct ListenRequest {
 };
 
 /// Called on one thread.
-class Listener {
+class ListenObserver {
  public:
-  virtual ~Listener() = default;
+  virtual ~ListenObserver() = default;
 
   /// The broker has granted the subscription.
   [[nodiscard]] virtual Status Begin(const mqtt::ServerInfo& server,
@@ -42,9 +42,9 @@ class Listener {
   [[nodiscard]] virtual Result<bool> GoesOn() = 0;
 };
 
-/// Until the request's end, or the listener has enough. Errors: ErrorKind::kUsage, kBroker, kLedger; the
-/// listener's.
+/// Until the request's end, or the observer has enough. Errors: ErrorKind::kUsage, kBroker, kLedger; the
+/// observer's.
 [[nodiscard]] Status Listen(ListenRequest request, const Environment& environment,
-                            Listener& listener, Log& log);
+                            ListenObserver& observer, Log& log);
 
 }  // namespace fleetpub::app

@@ -110,7 +110,7 @@ bool OrderRun::Advance(RobotState& state, TimePoint now) {
   CatchUpWithFaults(state);
   if (const auto arrival = Arrival(); arrival && *arrival <= now) Arrive(state, now);
   CompleteActions(state, now);
-  Settle(state, now);
+  GoOn(state, now);
   return changed_;
 }
 
@@ -165,7 +165,7 @@ void OrderRun::Trigger(RobotState& state, std::uint32_t sequence_id) {
 }
 
 // Whatever can go on now does.
-void OrderRun::Settle(RobotState& state, TimePoint now) {
+void OrderRun::GoOn(RobotState& state, TimePoint now) {
   PauseActions(state, now);
   StartActions(state, now);
   if (rests_until_ && *rests_until_ <= now) rests_until_.reset();

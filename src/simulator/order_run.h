@@ -50,7 +50,7 @@ class OrderRun {
   [[nodiscard]] bool Has(Fault fault) const { return settings_.Has(fault); }
   void Trigger(RobotState& state, std::uint32_t sequence_id);
   void CatchUpWithFaults(RobotState& state);
-  void Settle(RobotState& state, TimePoint now);
+  void GoOn(RobotState& state, TimePoint now);
   void PauseActions(RobotState& state, TimePoint now);
   void StartActions(RobotState& state, TimePoint now);
   void StartAction(OrderAction& action, TimePoint now);

@@ -112,7 +112,7 @@ class Player {
       : options_(options), plan_(plan), transport_(transport) {}
 
   Result<Replayed> Run() {
-    if (auto ok = LookAround(); !ok) return Fail(std::move(ok.error()));
+    if (auto ok = CheckPlaces(); !ok) return Fail(std::move(ok.error()));
     auto played = Play();
     const Status settled = options_.keep ? Await() : PutBack();
     if (!played) return Fail(std::move(played.error()));
@@ -122,7 +122,7 @@ class Player {
 
  private:
   // What is retained where messages will be left, and whether the robots' places are free.
-  Status LookAround() {
+  Status CheckPlaces() {
     std::set<std::string> all = plan_.retained;
     all.insert(plan_.places.begin(), plan_.places.end());
     const std::vector<std::string> topics(all.begin(), all.end());

@@ -38,7 +38,7 @@ class Runner final : public Inhabitant {
   Status Connect() override {
     const bool is_first = !has_greeted_;
     may_heal_ = false;
-    auto ok = is_first ? LookAround() : Status();
+    auto ok = is_first ? CheckPlaces() : Status();
     if (ok) ok = Open();
     if (ok) ok = Greet(is_first);
     has_greeted_ = has_greeted_ || ok;
@@ -119,7 +119,7 @@ class Runner final : public Inhabitant {
   // What is retained where the robots will speak, and who is ONLINE where they would be: such a robot
   // would be heard in our voice, and be OFFLINE with us. What is retained comes before the answer to
   // the second request.
-  Status LookAround() {
+  Status CheckPlaces() {
     std::vector<std::string> filters;
     if (fleet_.size() <= kMostPutBack) filters = fleet_.RetainedTopics();
     own_.insert(filters.begin(), filters.end());

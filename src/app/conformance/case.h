@@ -1,6 +1,6 @@
 // The obligations that are tested, as data: one file for each group of them.
 //
-// A case is a row and a function that judges a Run. A passive one looks at all that was heard; an
+// A case is a row and a function that checks a Run. A passive one looks at all that was heard; an
 // active one sends, waits, and leaves the robot as it found it.
 #pragma once
 
@@ -38,7 +38,7 @@ struct Case {
   std::string_view limit;   ///< "": none
   std::string_view advice;  ///< to whoever makes the robot
   /// Null: a person has to act, and it is never run.
-  Judgement (*judge)(Run& run);
+  CaseFinding (*check)(Run& run);
 
   [[nodiscard]] bool AppliesTo(vda5050::Version version) const {
     return first <= version && version <= last;
@@ -60,7 +60,7 @@ struct Case {
 
 struct CaseResult {
   Case of;
-  Judgement judgement;
+  CaseFinding finding;
 };
 
 struct Selection {

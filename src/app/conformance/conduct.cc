@@ -22,7 +22,7 @@ bool Matches(const std::vector<std::string>& words, std::string_view id) {
 
 // Why it is not run; "": it is.
 std::string ReasonToSkip(const Case& one, const Selection& selection) {
-  if (one.judge == nullptr) return "a person has to act";
+  if (one.check == nullptr) return "a person has to act";
   if (one.level > selection.level) return fmt::format("needs --level {}", GetName(one.level));
   return {};
 }
@@ -32,14 +32,14 @@ bool IsWanted(const Case& one, const Selection& selection) {
          !Matches(selection.skip, one.id);
 }
 
-Judgement JudgeActive(const Case& one, Run& run) {
+CaseFinding CheckActive(const Case& one, Run& run) {
   if (!run.abort_reason().empty()) return Inconclusive("not run: " + run.abort_reason());
-  auto judged = one.judge(run);
+  auto finding = one.check(run);
   // What ended the run says more than what did not come for it.
-  if (!run.abort_reason().empty() && judged.verdict != Verdict::kPass) {
+  if (!run.abort_reason().empty() && finding.verdict != Verdict::kPass) {
     return Inconclusive("not finished: " + run.abort_reason());
   }
-  return judged;
+  return finding;
 }
 
 // What the robot was left in.
@@ -76,12 +76,12 @@ Outcome Conduct(Run& run, const Selection& selection, const Progress& progress) 
       outcome.results.push_back({one, Skipped(ReasonToSkip(one, selection))});
     }
   }
-  const auto judge = [&](bool is_active) {
+  const auto check = [&](bool is_active) {
     for (CaseResult& result : outcome.results) {
       const bool is_this = (result.of.level != Level::kListen) == is_active;
       if (!is_this) continue;
-      if (result.judgement.why.empty()) {
-        result.judgement = is_active ? JudgeActive(result.of, run) : result.of.judge(run);
+      if (result.finding.why.empty()) {
+        result.finding = is_active ? CheckActive(result.of, run) : result.of.check(run);
       }
       if (progress) progress(result);
     }
@@ -97,13 +97,13 @@ Outcome Conduct(Run& run, const Selection& selection, const Progress& progress) 
       run.Abort("the robot has an order already");
     }
   }
-  judge(true);
+  check(true);
   Restore(run, selection.level, outcome.leftover);
   const auto listened = run.Now() - run.began();
   if (listened < selection.listen && run.abort_reason() != "interrupted") {
     run.Listen(selection.listen - listened);
   }
-  judge(false);
+  check(false);
   return outcome;
 }
 

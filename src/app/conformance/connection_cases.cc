@@ -12,7 +12,7 @@ namespace {
 
 using vda5050::Version;
 
-Judgement JudgeRetained(Run& run) {
+CaseFinding CheckRetained(Run& run) {
   constexpr seconds kPatience{2};
   const auto found = run.Of("connection");
   for (const Heard* one : found) {
@@ -27,7 +27,7 @@ Judgement JudgeRetained(Run& run) {
 }
 
 // A broker hands it out at the QoS with which it came, at most that of the subscription.
-Judgement JudgeQos(Run& run) {
+CaseFinding CheckQos(Run& run) {
   const auto found = run.Of("connection");
   if (found.empty()) return Inconclusive("no connection message came");
   for (const Heard* one : found) {
@@ -38,7 +38,7 @@ Judgement JudgeQos(Run& run) {
   return Pass("it came with QoS 1", {found.front()->Evidence()});
 }
 
-Judgement JudgeWords(Run& run) {
+CaseFinding CheckWords(Run& run) {
   constexpr auto kUpTo21 =
       std::to_array<std::string_view>({"ONLINE", "OFFLINE", "CONNECTIONBROKEN"});
   constexpr auto kFrom30 =
@@ -62,9 +62,9 @@ Judgement JudgeWords(Run& run) {
 using enum Version;
 constexpr auto kCases = std::to_array<Case>({
     {"C01", Level::kListen, k110, k300, "6.5 / 6.14", "connection is retained", "2 s",
-     "publish connection with the retain flag, at every connect", JudgeRetained},
+     "publish connection with the retain flag, at every connect", CheckRetained},
     {"C02", Level::kListen, k200, k300, "4.1 / 6.2", "connection is published with QoS 1", "",
-     "publish connection, and set its last will, with QoS 1", JudgeQos},
+     "publish connection, and set its last will, with QoS 1", CheckQos},
     {"C03", Level::kListen, k110, k300, "6.5 / 6.14", "after a lost connection ONLINE comes again",
      "60 s", "publish ONLINE after every connect, not the first one only", nullptr},
     {"C04", Level::kListen, k110, k300, "6.5 / 6.14",
@@ -75,7 +75,7 @@ constexpr auto kCases = std::to_array<Case>({
      "publish OFFLINE before DISCONNECT, so that no last will appears", nullptr},
     {"C06", Level::kListen, k110, k300, "7.7 / 6.14",
      "connectionState is one of the version's words", "",
-     "3.0 writes CONNECTION_BROKEN, what came before it CONNECTIONBROKEN", JudgeWords},
+     "3.0 writes CONNECTION_BROKEN, what came before it CONNECTIONBROKEN", CheckWords},
 });
 
 }  // namespace

@@ -61,7 +61,7 @@ std::vector<const Heard*> States(Run& run, const Trip& trip) {
   return states;
 }
 
-Judgement JudgeDriving(Run& run) {
+CaseFinding CheckDriving(Run& run) {
   const Trip& trip = PlainTrip(run);
   if (const auto why = Unfinished(trip); !why.empty()) return Inconclusive(why);
   const auto states = States(run, trip);
@@ -83,12 +83,11 @@ Judgement JudgeDriving(Run& run) {
 std::uint32_t FirstId(const Value& state, std::string_view list) {
   const Value* array = FindArray(state, list);
   if (array == nullptr || array->Empty()) return UINT32_MAX;
-  const Value* id = FindMember((*array)[0], "sequenceId");
-  return id != nullptr && id->IsUint() ? id->GetUint() : UINT32_MAX;
+  return base::UintMember((*array)[0], "sequenceId").value_or(UINT32_MAX);
 }
 
 // Node by node, each with one state in which the edge that leads there is gone, too.
-Judgement JudgeNodesOf(Run& run, const Trip& trip) {
+CaseFinding CheckNodesOf(Run& run, const Trip& trip) {
   if (!trip.refusal.empty()) return Inconclusive(trip.refusal);
   const auto& nodes = trip.order.path.nodes;
   std::uint32_t last = 0;
@@ -118,7 +117,7 @@ Judgement JudgeNodesOf(Run& run, const Trip& trip) {
   return Pass(fmt::format("{} nodes, each in its turn", nodes.size()));
 }
 
-Judgement JudgeNodes(Run& run) { return JudgeNodesOf(run, PlainTrip(run)); }
+CaseFinding CheckNodes(Run& run) { return CheckNodesOf(run, PlainTrip(run)); }
 
 // The first state of each node of the trip.
 std::vector<std::pair<const Heard*, const vda5050::OrderNode*>> Arrivals(Run& run,
@@ -134,7 +133,7 @@ std::vector<std::pair<const Heard*, const vda5050::OrderNode*>> Arrivals(Run& ru
   return found;
 }
 
-Judgement JudgePlace(Run& run) {
+CaseFinding CheckPlace(Run& run) {
   const Trip& trip = PlainTrip(run);
   if (!trip.refusal.empty()) return Inconclusive(trip.refusal);
   bool any = false;
@@ -154,7 +153,7 @@ Judgement JudgePlace(Run& run) {
              : Inconclusive("no node with a position was reached");
 }
 
-Judgement JudgeHeading(Run& run) {
+CaseFinding CheckHeading(Run& run) {
   const std::string_view member = "order.nodes.nodePosition.theta";
   if (!Takes(run, member)) return Skipped("its factsheet does not list theta");
   const Trip& trip = PlainTrip(run);
@@ -178,7 +177,7 @@ Judgement JudgeHeading(Run& run) {
   return any ? Pass("within its deviation") : Inconclusive("no node with theta was reached");
 }
 
-Judgement JudgeSpeed(Run& run) {
+CaseFinding CheckSpeed(Run& run) {
   if (!Takes(run, run.Is30() ? "order.edges.maximumSpeed" : "order.edges.maxSpeed")) {
     return Skipped("its factsheet does not list a greatest speed");
   }
@@ -209,7 +208,7 @@ Judgement JudgeSpeed(Run& run) {
 
 // ---- Base and horizon ----
 
-Judgement JudgeEndOfBase(Run& run) {
+CaseFinding CheckEndOfBase(Run& run) {
   constexpr seconds kRest{10};
   constexpr seconds kWay{120};
   TestOrder order = AlongWay(run);
@@ -228,18 +227,18 @@ Judgement JudgeEndOfBase(Run& run) {
   run.Refresh();
   const Heard& last = *run.last_state();
   const RobotState& state = *last.state;
-  auto judged = Pass("it stands, and lists the horizon", {last.Evidence()});
+  auto finding = Pass("it stands, and lists the horizon", {last.Evidence()});
   if (state.last_node_sequence_id.value_or(0) > sequence) {
-    judged = Fault("it drove into the horizon", {last.Evidence()});
+    finding = Fault("it drove into the horizon", {last.Evidence()});
   } else if (state.order_id != order.id) {
-    judged = Inconclusive("it shows another order", {last.Evidence()});
+    finding = Inconclusive("it shows another order", {last.Evidence()});
   } else if (state.nodes.empty()) {
-    judged = Fault("the horizon is not listed any more", {last.Evidence()});
+    finding = Fault("the horizon is not listed any more", {last.Evidence()});
   } else if (state.driving.value_or(false)) {
-    judged = Fault("it does not stand", {last.Evidence()});
+    finding = Fault("it does not stand", {last.Evidence()});
   }
   EndOrder(run);
-  return judged;
+  return finding;
 }
 
 // A horizon that becomes part of the base while it drives.
@@ -286,7 +285,7 @@ const UpdatedTrip& TripWithUpdate(Run& run) {
   });
 }
 
-Judgement JudgeNewBase(Run& run) {
+CaseFinding CheckNewBase(Run& run) {
   const UpdatedTrip& made = TripWithUpdate(run);
   if (!made.trip.refusal.empty()) return Inconclusive(made.trip.refusal);
   if (made.updated.found == nullptr) return Inconclusive("it did not take the update");
@@ -305,7 +304,7 @@ Judgement JudgeNewBase(Run& run) {
                : Inconclusive("it never asked for a new base, which it need not");
 }
 
-Judgement JudgeUpdate(Run& run) {
+CaseFinding CheckUpdate(Run& run) {
   const UpdatedTrip& made = TripWithUpdate(run);
   if (!made.trip.refusal.empty()) return Inconclusive(made.trip.refusal);
   if (made.updated.found == nullptr) {
@@ -327,60 +326,60 @@ Judgement JudgeUpdate(Run& run) {
 
 // ---- Updates of an order that it keeps where it stands ----
 
-Judgement JudgeReplaced(Run& run) {
+CaseFinding CheckReplaced(Run& run) {
   TestOrder order = Holding(run, "conform-old");
   if (!Hold(run, order)) return Inconclusive(kNoHorizon);
   order.path.nodes.back().id = "conform-new";
   order.update_id = 1;
   const auto updated = SendAndAwait(run, order);
-  auto judged = Run::Missing(updated, "no state shows the update's orderUpdateId");
+  auto finding = Run::Missing(updated, "no state shows the update's orderUpdateId");
   if (updated.found != nullptr) {
     const auto& nodes = updated.found->state->nodes;
     const auto has = [&](std::string_view id) {
       return std::any_of(nodes.begin(), nodes.end(), [&](const auto& one) { return one.id == id; });
     };
     const std::vector<std::string> evidence = {updated.found->Evidence()};
-    judged = has("conform-old")   ? Fault("the old horizon is still there", evidence)
-             : has("conform-new") ? Pass("the new horizon took its place", evidence)
-                                  : Fault("the new horizon is not there", evidence);
+    finding = has("conform-old")   ? Fault("the old horizon is still there", evidence)
+              : has("conform-new") ? Pass("the new horizon took its place", evidence)
+                                   : Fault("the new horizon is not there", evidence);
   }
   EndOrder(run);
-  return judged;
+  return finding;
 }
 
-Judgement JudgeDeleted(Run& run) {
+CaseFinding CheckDeleted(Run& run) {
   TestOrder order = Holding(run);
   if (!Hold(run, order)) return Inconclusive(kNoHorizon);
   order.path.nodes.pop_back();
   order.path.edges.clear();
   order.update_id = 1;
   const auto updated = SendAndAwait(run, order);
-  auto judged = Run::Missing(updated, "no state shows the update's orderUpdateId");
+  auto finding = Run::Missing(updated, "no state shows the update's orderUpdateId");
   if (updated.found != nullptr) {
-    judged = IsIdle(*updated.found->state)
-                 ? Pass("the horizon is gone", {updated.found->Evidence()})
-                 : Fault("the horizon is still there", {updated.found->Evidence()});
+    finding = IsIdle(*updated.found->state)
+                  ? Pass("the horizon is gone", {updated.found->Evidence()})
+                  : Fault("the horizon is still there", {updated.found->Evidence()});
   }
   EndOrder(run);
-  return judged;
+  return finding;
 }
 
-Judgement JudgeStitch(Run& run) {
+CaseFinding CheckStitch(Run& run) {
   TestOrder order = Holding(run);
   if (!Hold(run, order)) return Inconclusive(kNoHorizon);
   TestOrder other = order;
   other.update_id = 1;
   other.first_sequence_id = 2;
   other.path.nodes.front().id = "conform-elsewhere";
-  auto judged = JudgeRefusal(run, Write(run, other), {"orderUpdateError", "", ""});
-  if (judged.verdict == Verdict::kPass && !HasOrder(*run.last_state()->state, order)) {
-    judged = Fault("it is refused, but the order changed", {run.last_state()->Evidence()});
+  auto finding = CheckRefusal(run, Write(run, other), {"orderUpdateError", "", ""});
+  if (finding.verdict == Verdict::kPass && !HasOrder(*run.last_state()->state, order)) {
+    finding = Fault("it is refused, but the order changed", {run.last_state()->Evidence()});
   }
   EndOrder(run);
-  return judged;
+  return finding;
 }
 
-Judgement JudgeContinued(Run& run) {
+CaseFinding CheckContinued(Run& run) {
   TestOrder order = Standing(run);
   if (SendAndAwait(run, order).found == nullptr) {
     return Inconclusive("it does not take an order of one node");
@@ -410,7 +409,7 @@ std::optional<TestOrder> DoneWithAction(Run& run) {
 
 constexpr const char* kNoAction = "it does no harmless action at a node";
 
-Judgement JudgeRerun(Run& run) {
+CaseFinding CheckRerun(Run& run) {
   auto order = DoneWithAction(run);
   if (!order) return Inconclusive(kNoAction);
   const std::string id = order->path.nodes.front().actions.front().id;
@@ -435,7 +434,7 @@ Judgement JudgeRerun(Run& run) {
   return Pass("its action is not done again", {run.last_state()->Evidence()});
 }
 
-Judgement JudgeExtraNode(Run& run) {
+CaseFinding CheckExtraNode(Run& run) {
   auto order = DoneWithAction(run);
   if (!order) return Inconclusive(kNoAction);
   auto extra = order->path.nodes.front();
@@ -464,7 +463,7 @@ Judgement JudgeExtraNode(Run& run) {
 }
 
 // There, and back to the same node.
-Judgement JudgeLoop(Run& run) {
+CaseFinding CheckLoop(Run& run) {
   TestOrder order = AlongWay(run);
   if (order.path.nodes.size() < 3) return Inconclusive("there is no way");
   if (!run.subject().way.there.nodes.empty()) return Skipped("the way is given: it may be one-way");
@@ -472,49 +471,49 @@ Judgement JudgeLoop(Run& run) {
   nodes.resize(2);
   nodes.push_back(nodes.front());
   edges = {Edge("conform-1"), Edge("conform-2")};
-  return JudgeNodesOf(run, Drive(run, std::move(order)));
+  return CheckNodesOf(run, Drive(run, std::move(order)));
 }
 
 using enum Version;
 constexpr Level kDrive = Level::kDrive;
 constexpr auto kCases = std::to_array<Case>({
     {"D01", kDrive, k110, k300, "7.8 / 6.10", "driving is true under way and false at rest",
-     "next state", "turning counts as driving, too", JudgeDriving},
+     "next state", "turning counts as driving, too", CheckDriving},
     {"D02", kDrive, k110, k300, "6.6.2",
      "with each node one state has node and edge gone and lastNodeId and lastNodeSequenceId set",
-     "next state", "change all of it in one state", JudgeNodes},
+     "next state", "change all of it in one state", CheckNodes},
     {"D03", kDrive, k210, k300, "6.6.2", "a node is reported within its allowed deviation",
-     "0.2 m more", "report it when it is reached, not before", JudgePlace},
+     "0.2 m more", "report it when it is reached, not before", CheckPlace},
     {"D04", kDrive, k110, k300, "7.3 / 6.6",
      "a node with theta is reported when the heading is reached", "0.15 rad more",
-     "turn first, then report", JudgeHeading},
+     "turn first, then report", CheckHeading},
     {"D05", kDrive, k110, k300, "7.3 / 6.6", "an edge's greatest speed is kept", "10 % more",
-     "obey maxSpeed, from 3.0 maximumSpeed", JudgeSpeed},
+     "obey maxSpeed, from 3.0 maximumSpeed", CheckSpeed},
     {"D06", kDrive, k110, k300, "6.1.2 / 6.6",
      "at the end of the base it stands, lists the horizon and does not enter it", "10 s",
-     "enter released edges only", JudgeEndOfBase},
+     "enter released edges only", CheckEndOfBase},
     {"D07", kDrive, k110, k300, "6.6.3 / 6.10", "newBaseRequest is false after the update",
-     "next state", "clear it when an update is taken", JudgeNewBase},
+     "next state", "clear it when an update is taken", CheckNewBase},
     {"D08", kDrive, k110, k300, "6.1.2 / 6.6.2",
      "an update in time is taken, and it drives on without a stop", "next state",
-     "extend the base while driving", JudgeUpdate},
+     "extend the base while driving", CheckUpdate},
     {"D09", kDrive, k110, k300, "6.1.2 / 6.6.2", "an update's horizon takes the old one's place",
-     "next state", "clear the horizon before taking the update's", JudgeReplaced},
+     "next state", "clear the horizon before taking the update's", CheckReplaced},
     {"D10", kDrive, k110, k300, "6.1.2 / 6.6.2",
      "an update of the decision point alone deletes the horizon", "next state",
-     "an update may have one node", JudgeDeleted},
+     "an update may have one node", CheckDeleted},
     {"D11", kDrive, k110, k300, "6.1.2 / 6.6.2",
      "an update that does not begin at the decision point is refused, the order goes on",
-     "next state", "compare nodeId and sequenceId", JudgeStitch},
+     "next state", "compare nodeId and sequenceId", CheckStitch},
     {"D12", kDrive, k110, k300, "6.1.2 / 6.6.2", "an update after the order's end is taken",
-     "next state", "keep orderId and lastNodeSequenceId after the end", JudgeContinued},
+     "next state", "keep orderId and lastNodeSequenceId after the end", CheckContinued},
     {"D13", kDrive, k300, k300, "6.1.2",
      "actions that come again with the decision point are not done again", "",
-     "compare their actionIds", JudgeRerun},
+     "compare their actionIds", CheckRerun},
     {"D14", kDrive, k300, k300, "6.1.2", "a further node at the same place has its action done",
-     "60 s", "take an edge that leads back to its own node", JudgeExtraNode},
+     "60 s", "take an edge that leads back to its own node", CheckExtraNode},
     {"D15", kDrive, k110, k300, "7.3 / 6.6", "an order may come to the same node twice", "",
-     "tell nodes apart by sequenceId, not by nodeId", JudgeLoop},
+     "tell nodes apart by sequenceId, not by nodeId", CheckLoop},
 });
 
 }  // namespace

@@ -25,13 +25,13 @@ StateTest ShowsEnd(const std::string& id) {
 
 // An order that is cancelled under way, and what comes after it.
 struct Cancelled {
-  Judgement cancel;
-  Judgement update;
-  Judgement next;
+  CaseFinding cancel;
+  CaseFinding update;
+  CaseFinding next;
 };
 
-Judgement JudgeCancelled(const TestOrder& order, const std::string& action, const Awaited& ended,
-                         const std::string& id) {
+CaseFinding CheckCancelled(const TestOrder& order, const std::string& action, const Awaited& ended,
+                           const std::string& id) {
   if (ended.found == nullptr) return Run::Missing(ended, "cancelOrder does not end");
   const RobotState& state = *ended.found->state;
   const std::vector<std::string> evidence = {ended.found->Evidence()};
@@ -71,7 +71,7 @@ const Cancelled& CancelledTrip(Run& run) {
     const std::string id = run.Do("cancelOrder");
     const auto ended = run.Await(ShowsEnd(id), kCancel);
     made.cancel =
-        JudgeCancelled(order, actions.empty() ? std::string() : actions.back().id, ended, id);
+        CheckCancelled(order, actions.empty() ? std::string() : actions.back().id, ended, id);
     EndOrder(run);
     if (run.Is30()) {
       TestOrder update = order;
@@ -81,7 +81,7 @@ const Cancelled& CancelledTrip(Run& run) {
       update.first_sequence_id = sequence;
       update.update_id = 1;
       const bool keeps_id = run.last_state()->state->order_id == order.id;
-      made.update = keeps_id ? JudgeRefusal(run, Write(run, update),
+      made.update = keeps_id ? CheckRefusal(run, Write(run, update),
                                             {"", "", "ORDER_UPDATE_FOLLOWING_CANCEL"})
                              : Inconclusive("it has forgotten the order");
     }
@@ -99,30 +99,30 @@ const Cancelled& CancelledTrip(Run& run) {
   });
 }
 
-Judgement JudgeCancel(Run& run) { return CancelledTrip(run).cancel; }
-Judgement JudgeUpdate(Run& run) { return CancelledTrip(run).update; }
-Judgement JudgeNext(Run& run) { return CancelledTrip(run).next; }
+CaseFinding CheckCancel(Run& run) { return CancelledTrip(run).cancel; }
+CaseFinding CheckUpdate(Run& run) { return CancelledTrip(run).update; }
+CaseFinding CheckNext(Run& run) { return CancelledTrip(run).next; }
 
-Judgement JudgeOtherId(Run& run) {
+CaseFinding CheckOtherId(Run& run) {
   const TestOrder order = Holding(run);
   if (!Hold(run, order)) return Inconclusive(kNoHorizon);
   const std::string id =
       run.Do("cancelOrder", {{"orderId", base::JsonString("conform-no-such-order")}});
   const auto ended = run.Await(ShowsEnd(id));
-  auto judged = Run::Missing(ended, "cancelOrder does not end");
+  auto finding = Run::Missing(ended, "cancelOrder does not end");
   if (ended.found != nullptr) {
     const RobotState& state = *ended.found->state;
     const bool failed = vda5050::FindActionState(state, id)->status == "FAILED";
-    judged = !failed ? Fault("cancelOrder is FINISHED", {ended.found->Evidence()})
-             : state.nodes.empty()
-                 ? Fault("the order is gone", {ended.found->Evidence()})
-                 : Pass("it is FAILED, the order goes on", {ended.found->Evidence()});
+    finding = !failed ? Fault("cancelOrder is FINISHED", {ended.found->Evidence()})
+              : state.nodes.empty()
+                  ? Fault("the order is gone", {ended.found->Evidence()})
+                  : Pass("it is FAILED, the order goes on", {ended.found->Evidence()});
   }
   EndOrder(run);
-  return judged;
+  return finding;
 }
 
-Judgement JudgePause(Run& run) {
+CaseFinding CheckPause(Run& run) {
   constexpr seconds kPause{10};
   TestOrder order = AlongWay(run);
   const std::size_t mark = run.mark();
@@ -132,29 +132,29 @@ Judgement JudgePause(Run& run) {
   }
   const std::string pause = run.Do("startPause");
   const auto paused = run.Await(ShowsEnd(pause), kPause);
-  Judgement judged = Run::Missing(paused, "startPause does not end");
+  CaseFinding finding = Run::Missing(paused, "startPause does not end");
   if (paused.found != nullptr) {
     run.Refresh();
     const Heard& last = *run.last_state();
     const RobotState& state = *last.state;
-    judged = Pass("it stood, and drove on", {last.Evidence()});
+    finding = Pass("it stood, and drove on", {last.Evidence()});
     const auto is_there = [&](const RobotState& one) {
       return IsIdle(one) && one.last_node_sequence_id == order.LastSequenceId();
     };
     if (paused.found->state->nodes.empty() &&
         paused.found->state->last_node_sequence_id == order.LastSequenceId()) {
-      judged = Inconclusive("it was at its end before it stood: the way is too short");
+      finding = Inconclusive("it was at its end before it stood: the way is too short");
     } else if (is_there(state)) {
-      judged = Fault("it drove on while it was paused", {last.Evidence()});
+      finding = Fault("it drove on while it was paused", {last.Evidence()});
     } else if (state.nodes.empty() || state.order_id != order.id) {
-      judged = Fault("the order is gone", {last.Evidence()});
+      finding = Fault("the order is gone", {last.Evidence()});
     } else if (state.driving.value_or(false)) {
-      judged = Fault("it drives while it is paused", {last.Evidence()});
+      finding = Fault("it drives while it is paused", {last.Evidence()});
     }
   }
   const std::string resume = run.Do("stopPause");
   (void)run.Await(ShowsEnd(resume), kPause);
-  if (judged.verdict == Verdict::kPass) {
+  if (finding.verdict == Verdict::kPass) {
     const auto there = run.AwaitSince(
         mark, run.Now(),
         [&](const RobotState& state) {
@@ -165,15 +165,15 @@ Judgement JudgePause(Run& run) {
     if (there.found == nullptr) {
       EndOrder(run);
       const bool drives = Unfinished(Drive(run, AlongWay(run))).empty();
-      judged = drives ? Run::Missing(there, "it does not finish the order")
-                      : Inconclusive("it does not come to the end of any way");
+      finding = drives ? Run::Missing(there, "it does not finish the order")
+                       : Inconclusive("it does not come to the end of any way");
     }
   }
   EndOrder(run);
-  return judged;
+  return finding;
 }
 
-Judgement JudgeDropped(Run& run) {
+CaseFinding CheckDropped(Run& run) {
   const std::string id = run.Do("stopPause");
   if (run.Await(ShowsEnd(id)).found == nullptr) return Inconclusive("stopPause did not end");
   const auto taken = SendAndAwait(run, Standing(run));
@@ -190,21 +190,21 @@ constexpr auto kCases = std::to_array<Case>({
     {"X01", kDrive, k110, k300, "6.1.3 / 6.6.3",
      "cancelOrder under way: it stands, the arrays are empty, the ids and actions kept, then it is "
      "FINISHED",
-     "120 s", "report FINISHED last", JudgeCancel},
+     "120 s", "report FINISHED last", CheckCancel},
     {"X03", kDrive, k300, k300, "6.1.3.1",
      "an update of a cancelled order brings ORDER_UPDATE_FOLLOWING_CANCEL", "next state",
-     "remember that the order was cancelled", JudgeUpdate},
+     "remember that the order was cancelled", CheckUpdate},
     {"X02", kDrive, k110, k300, "6.1.3.1 / 6.6.3",
      "after that it takes a new order that begins where it stands", "next state",
-     "take a node that no layout has, as the start", JudgeNext},
+     "take a node that no layout has, as the start", CheckNext},
     {"X04", kDrive, k300, k300, "6.1.3.2",
      "cancelOrder with another orderId is FAILED, and the order goes on", "next state",
-     "compare the orderId, when there is one", JudgeOtherId},
+     "compare the orderId, when there is one", CheckOtherId},
     {"X05", kDrive, k110, k300, "6.2.3 / 6.8",
      "a pause under way stops it and keeps the order; stopPause has it finished", "10 s",
-     "stop, and keep nodeStates and edgeStates", JudgePause},
+     "stop, and keep nodeStates and edgeStates", CheckPause},
     {"X06", kDrive, k110, k210, "6.10.6", "a new order drops ended instant actions from the state",
-     "next state", "clear actionStates of what has ended", JudgeDropped},
+     "next state", "clear actionStates of what has ended", CheckDropped},
     {"X07", kDrive, k110, k300, "6.6.7 / 6.10", "who switches to MANUAL clears the order",
      "next state", "clear it with the state that reports the mode", nullptr},
     {"X08", kDrive, k110, k300, "4.1 / 6.2",

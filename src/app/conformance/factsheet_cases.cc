@@ -15,7 +15,7 @@ using base::FindMember;
 using vda5050::Version;
 using Value = base::JsonValue;
 
-Judgement JudgeRetained(Run& run) {
+CaseFinding CheckRetained(Run& run) {
   constexpr seconds kPatience{2};
   const auto found = run.Of("factsheet");
   for (const Heard* one : found) {
@@ -28,7 +28,7 @@ Judgement JudgeRetained(Run& run) {
   return Fault("the robot sends states, and has left no factsheet", {run.last_state()->Evidence()});
 }
 
-Judgement JudgeSchema(Run& run) {
+CaseFinding CheckSchema(Run& run) {
   const auto found = run.Of("factsheet");
   if (found.empty()) return Inconclusive("no factsheet came");
   const Heard& one = *found.back();
@@ -38,7 +38,7 @@ Judgement JudgeSchema(Run& run) {
   return why.empty() ? Pass("it keeps its schema", {one.Evidence()}) : Fault(why, {one.Evidence()});
 }
 
-Judgement JudgeActions(Run& run) {
+CaseFinding CheckActions(Run& run) {
   const auto found = run.Of("factsheet");
   if (found.empty()) return Inconclusive("no factsheet came");
   const auto sheet = vda5050::ReadFactsheet(found.back()->json);
@@ -62,7 +62,7 @@ double VisualizationInterval(Run& run) {
 }
 
 // They have QoS 0, so that one may be lost: half of them are enough.
-Judgement JudgeInterval(Run& run) {
+CaseFinding CheckInterval(Run& run) {
   const double interval = VisualizationInterval(run);
   if (interval <= 0) return Skipped("its factsheet promises none");
   const std::chrono::duration<double> listened = run.Now() - run.began();
@@ -82,7 +82,7 @@ Judgement JudgeInterval(Run& run) {
   return Fault(text, {found.back()->Evidence()});
 }
 
-Judgement JudgeReference(Run& run) {
+CaseFinding CheckReference(Run& run) {
   const auto found = run.Of("visualization");
   if (found.empty()) return Skipped("it sends none");
   std::set<std::uint32_t> known;
@@ -103,18 +103,18 @@ Judgement JudgeReference(Run& run) {
 using enum Version;
 constexpr auto kCases = std::to_array<Case>({
     {"F01", Level::kListen, k200, k300, "6.10 / 6.15", "factsheet is retained", "2 s",
-     "publish it with the retain flag, at every connect", JudgeRetained},
+     "publish it with the retain flag, at every connect", CheckRetained},
     {"F02", Level::kListen, k200, k300, "7.10 / 6.15", "factsheet keeps its schema", "",
-     "fleetpub validate factsheet -f FILE shows every violation", JudgeSchema},
+     "fleetpub validate factsheet -f FILE shows every violation", CheckSchema},
     {"F03", Level::kListen, k300, k300, "6.2.3",
      "factsheet lists cancelOrder, startPause and stopPause", "",
-     "list what every robot must know, too", JudgeActions},
+     "list what every robot must know, too", CheckActions},
     {"V01", Level::kListen, k200, k300, "6.7 / 6.12",
      "visualization comes at the interval that the factsheet promises", "1.5 intervals",
-     "send it, or promise none", JudgeInterval},
+     "send it, or promise none", CheckInterval},
     {"V02", Level::kListen, k300, k300, "7.9",
      "visualization names a state by referenceStateHeaderId", "",
-     "write the headerId of the last state", JudgeReference},
+     "write the headerId of the last state", CheckReference},
 });
 
 }  // namespace

@@ -15,7 +15,7 @@ namespace {
 using vda5050::Shown;
 using vda5050::Version;
 
-Judgement JudgeComplete(Run& run) {
+CaseFinding CheckComplete(Run& run) {
   if (run.heard().empty()) return Inconclusive("nothing came");
   for (const Heard& one : run.heard()) {
     const auto& header = one.header;
@@ -33,7 +33,7 @@ Judgement JudgeComplete(Run& run) {
   return Pass(fmt::format("{} messages, each with its header", run.heard().size()));
 }
 
-Judgement JudgeNames(Run& run) {
+CaseFinding CheckNames(Run& run) {
   if (run.heard().empty()) return Inconclusive("nothing came");
   const vda5050::RobotAddress& robot = run.subject().address;
   std::string other;
@@ -53,7 +53,7 @@ Judgement JudgeNames(Run& run) {
 bool IsRestart(const Heard& one) { return one.topic_name == "connection" && !one.message.retained; }
 
 // Up by one for each topic. What is missing may be lost, unless other topics had these very ids.
-Judgement JudgeIds(Run& run) {
+CaseFinding CheckIds(Run& run) {
   struct Topic {
     std::uint32_t last = 0;
     std::size_t count = 0;
@@ -102,7 +102,7 @@ Judgement JudgeIds(Run& run) {
   return Pass(fmt::format("{} steps of one", steps));
 }
 
-Judgement JudgeTimes(Run& run) {
+CaseFinding CheckTimes(Run& run) {
   constexpr std::chrono::duration<double> kTolerance{5};
   std::map<std::string, base::WallTime> last;
   std::size_t live = 0;
@@ -137,16 +137,16 @@ using enum Version;
 constexpr auto kCases = std::to_array<Case>({
     {"H01", Level::kListen, k110, k300, "7.2 / 6.4",
      "every message has a whole header, its version [Major].[Minor].[Patch]", "",
-     "write version as 2.1.0, not v2 or 2.1", JudgeComplete},
+     "write version as 2.1.0, not v2 or 2.1", CheckComplete},
     {"H02", Level::kListen, k110, k300, "4.2 / 6.4",
      "the header's manufacturer and serialNumber are the robot's", "",
-     "fill in both, as in the topic", JudgeNames},
+     "fill in both, as in the topic", CheckNames},
     {"H03", Level::kListen, k110, k300, "7.2 / 6.4",
      "headerId goes up by one with each message of a topic", "", "keep a counter for each topic",
-     JudgeIds},
+     CheckIds},
     {"H04", Level::kListen, k110, k300, "7.2 / 6.4",
      "timestamp is UTC with Z, rises, and is within 5 s of ours", "5 s",
-     "synchronise the clock, write 2026-01-02T03:04:05.678Z", JudgeTimes},
+     "synchronise the clock, write 2026-01-02T03:04:05.678Z", CheckTimes},
 });
 
 }  // namespace

@@ -29,7 +29,7 @@ bool Names(const RobotError& error, std::string_view id) {
 }
 
 // The action came to its end: this one, and told in time.
-Judgement JudgeEnd(const Awaited& awaited, const std::string& id, std::string_view status) {
+CaseFinding CheckEnd(const Awaited& awaited, const std::string& id, std::string_view status) {
   if (awaited.found == nullptr) return Run::Missing(awaited, "no state shows how the action ended");
   const ActionState* action = vda5050::FindActionState(*awaited.found->state, id);
   if (action->status == status) {
@@ -39,7 +39,7 @@ Judgement JudgeEnd(const Awaited& awaited, const std::string& id, std::string_vi
                {awaited.found->Evidence()});
 }
 
-Judgement JudgeStateRequest(Run& run) {
+CaseFinding CheckStateRequest(Run& run) {
   const TimePoint from = run.Now();
   const std::size_t mark = run.mark();
   const std::string id = run.Do("stateRequest");
@@ -47,18 +47,18 @@ Judgement JudgeStateRequest(Run& run) {
   if (awaited.found != nullptr && awaited.is_late && !awaited.has_hole) {
     return Fault("no state came within 5 s", {awaited.found->Evidence()});
   }
-  return JudgeEnd(awaited, id, "FINISHED");
+  return CheckEnd(awaited, id, "FINISHED");
 }
 
-Judgement JudgeFactsheetRequest(Run& run) {
+CaseFinding CheckFactsheetRequest(Run& run) {
   if (run.Knows("factsheetRequest", "INSTANT") == false)
     return Skipped("its factsheet has no such action");
   // It has QoS 0: one may be lost.
   for (int attempt = 0; attempt < 3; ++attempt) {
     const std::size_t mark = run.mark();
     const std::string id = run.Do("factsheetRequest");
-    auto judged = JudgeEnd(run.Await(ShowsEnd(id)), id, "FINISHED");
-    if (judged.verdict != Verdict::kPass) return judged;
+    auto finding = CheckEnd(run.Await(ShowsEnd(id)), id, "FINISHED");
+    if (finding.verdict != Verdict::kPass) return finding;
     run.Listen(seconds(1));
     for (std::size_t i = mark; i < run.heard().size(); ++i) {
       const Heard& one = run.heard()[i];
@@ -69,7 +69,7 @@ Judgement JudgeFactsheetRequest(Run& run) {
 }
 
 // Also in time: what is due is due with the next state.
-Judgement JudgeReported(Run& run) {
+CaseFinding CheckReported(Run& run) {
   const TimePoint from = run.Now();
   const std::size_t mark = run.mark();
   const std::string id = run.Do("stopPause");
@@ -86,7 +86,7 @@ Judgement JudgeReported(Run& run) {
 
 constexpr std::string_view kUnknown = "fleetpubConformanceTest";
 
-Judgement JudgeUnknown(Run& run) {
+CaseFinding CheckUnknown(Run& run) {
   const std::string id = run.Do(kUnknown);
   const auto awaited = run.Await([&](const RobotState& state) {
     const ActionState* action = vda5050::FindActionState(state, id);
@@ -117,7 +117,7 @@ Judgement JudgeUnknown(Run& run) {
   return Pass("it is FAILED, and INVALID_INSTANT_ACTION names it", {awaited.found->Evidence()});
 }
 
-Judgement JudgeTwice(Run& run) {
+CaseFinding CheckTwice(Run& run) {
   const std::string id = run.Do("stopPause");
   const auto first = run.Await(ShowsEnd(id));
   if (first.found == nullptr) return Inconclusive("it did not end the first time");
@@ -136,11 +136,11 @@ Judgement JudgeTwice(Run& run) {
   return Inconclusive("no state shows it any more");
 }
 
-Judgement JudgePaused(Run& run, std::string_view type, bool paused) {
+CaseFinding CheckPaused(Run& run, std::string_view type, bool paused) {
   constexpr seconds kPause{10};
   const std::string id = run.Do(type);
-  auto judged = JudgeEnd(run.Await(ShowsEnd(id), kPause), id, "FINISHED");
-  if (judged.verdict != Verdict::kPass) return judged;
+  auto finding = CheckEnd(run.Await(ShowsEnd(id), kPause), id, "FINISHED");
+  if (finding.verdict != Verdict::kPass) return finding;
   const Heard& last = *run.last_state();
   if (last.state->paused == paused) {
     return Pass(paused ? "paused is true" : "paused is false", {last.Evidence()});
@@ -152,23 +152,23 @@ Judgement JudgePaused(Run& run, std::string_view type, bool paused) {
   return Pass("paused follows", {later.found->Evidence()});
 }
 
-Judgement JudgeStartPause(Run& run) {
-  auto judged = JudgePaused(run, "startPause", true);
-  if (judged.verdict == Verdict::kPass) {
-    judged = JudgePaused(run, "startPause", true);
-    if (judged.verdict == Verdict::kFail) judged.why = "the second time: " + judged.why;
+CaseFinding CheckStartPause(Run& run) {
+  auto finding = CheckPaused(run, "startPause", true);
+  if (finding.verdict == Verdict::kPass) {
+    finding = CheckPaused(run, "startPause", true);
+    if (finding.verdict == Verdict::kFail) finding.why = "the second time: " + finding.why;
   }
-  (void)JudgePaused(run, "stopPause", false);
-  return judged;
+  (void)CheckPaused(run, "stopPause", false);
+  return finding;
 }
 
-Judgement JudgeStopPause(Run& run) {
-  const auto paused = JudgePaused(run, "startPause", true);
-  auto judged = JudgePaused(run, "stopPause", false);
-  if (judged.verdict == Verdict::kPass && paused.verdict != Verdict::kPass) {
+CaseFinding CheckStopPause(Run& run) {
+  const auto paused = CheckPaused(run, "startPause", true);
+  auto finding = CheckPaused(run, "stopPause", false);
+  if (finding.verdict == Verdict::kPass && paused.verdict != Verdict::kPass) {
     return Inconclusive("it was not paused before");
   }
-  return judged;
+  return finding;
 }
 
 bool IsIdle(const Run& run) {
@@ -177,13 +177,13 @@ bool IsIdle(const Run& run) {
          last->state->edges_left.value_or(0) == 0;
 }
 
-Judgement JudgeCancelIdle(Run& run) {
+CaseFinding CheckCancelIdle(Run& run) {
   run.Refresh();
   if (!IsIdle(run)) return Inconclusive("it has an order");
   const std::string id = run.Do("cancelOrder");
   const auto awaited = run.Await(ShowsEnd(id));
-  auto judged = JudgeEnd(awaited, id, "FAILED");
-  if (judged.verdict != Verdict::kPass) return judged;
+  auto finding = CheckEnd(awaited, id, "FAILED");
+  if (finding.verdict != Verdict::kPass) return finding;
   const std::string_view type = run.Is30() ? "NO_ORDER_TO_CANCEL" : "noOrderToCancel";
   const auto& errors = awaited.found->state->errors;
   const auto named = std::find_if(errors.begin(), errors.end(),
@@ -199,7 +199,7 @@ Judgement JudgeCancelIdle(Run& run) {
   return Pass(fmt::format("FAILED with {}", type), {awaited.found->Evidence()});
 }
 
-Judgement JudgeKept(Run& run) {
+CaseFinding CheckKept(Run& run) {
   const std::string id = run.Do("stopPause");
   if (run.Await(ShowsEnd(id)).found == nullptr) return Inconclusive("it did not end");
   for (int i = 0; i < 3; ++i) {
@@ -212,7 +212,7 @@ Judgement JudgeKept(Run& run) {
   return Pass("it stays over three states", {run.last_state()->Evidence()});
 }
 
-Judgement JudgeClear(Run& run) {
+CaseFinding CheckClear(Run& run) {
   if (run.Knows("clearInstantActions", "INSTANT") == false) {
     return Skipped("its factsheet has no such action");
   }
@@ -225,7 +225,7 @@ Judgement JudgeClear(Run& run) {
   return Pass("they are gone", {gone.found->Evidence()});
 }
 
-Judgement JudgeGarbage(Run& run) {
+CaseFinding CheckGarbage(Run& run) {
   run.SendGarbage();
   run.Listen(seconds(1));
   const std::string id = run.Do("stateRequest");
@@ -239,33 +239,33 @@ using enum Version;
 constexpr Level kActions = Level::kActions;
 constexpr auto kCases = std::to_array<Case>({
     {"I01", kActions, k110, k300, "6.2.3 / 6.8", "stateRequest brings a state and is FINISHED",
-     "5 s", "send the state in which it is FINISHED", JudgeStateRequest},
+     "5 s", "send the state in which it is FINISHED", CheckStateRequest},
     {"I02", kActions, k200, k300, "6.10 / 6.15",
      "factsheetRequest brings a factsheet and is FINISHED", "5 s",
-     "publish it anew, also when it is retained", JudgeFactsheetRequest},
+     "publish it anew, also when it is retained", CheckFactsheetRequest},
     {"I03", kActions, k110, k300, "6.2.1 / 6.9", "an instant action is reported with its actionId",
-     "next state", "send a state when an action's state changes", JudgeReported},
+     "next state", "send a state when an action's state changes", CheckReported},
     {"I04", kActions, k110, k210, "7.1", "an unknown action brings an error that names it",
-     "next state", "reference the actionId", JudgeUnknown},
+     "next state", "reference the actionId", CheckUnknown},
     {"I05", kActions, k300, k300, "6.2.1",
      "an unknown action is FAILED, and INVALID_INSTANT_ACTION names it", "next state",
-     "report both, with the actionId as reference", JudgeUnknown},
+     "report both, with the actionId as reference", CheckUnknown},
     {"I06", kActions, k110, k300, "6.2 / 6.9", "an actionId that comes twice has one entry",
-     "next state", "ignore an instant action whose actionId is known", JudgeTwice},
+     "next state", "ignore an instant action whose actionId is known", CheckTwice},
     {"I07", kActions, k110, k300, "6.2.3 / 6.8",
      "startPause makes paused true and is FINISHED, also when it is paused", "10 s",
-     "what is as wanted already is FINISHED", JudgeStartPause},
+     "what is as wanted already is FINISHED", CheckStartPause},
     {"I08", kActions, k110, k300, "6.2.3 / 6.8", "stopPause makes paused false", "10 s",
-     "report paused with the action's end", JudgeStopPause},
+     "report paused with the action's end", CheckStopPause},
     {"I09", kActions, k110, k300, "6.1.3.2 / 6.6.3.2",
      "cancelOrder without an order is FAILED, and an error names it", "next state",
-     "report noOrderToCancel, from 3.0 NO_ORDER_TO_CANCEL, with the actionId", JudgeCancelIdle},
+     "report noOrderToCancel, from 3.0 NO_ORDER_TO_CANCEL, with the actionId", CheckCancelIdle},
     {"I10", kActions, k300, k300, "7.8", "ended instant actions stay until they are cleared",
-     "3 states", "keep them until clearInstantActions", JudgeKept},
+     "3 states", "keep them until clearInstantActions", CheckKept},
     {"I11", kActions, k300, k300, "6.2.3", "clearInstantActions clears the ended ones",
-     "next state", "remove all that are FINISHED or FAILED", JudgeClear},
+     "next state", "remove all that are FINISHED or FAILED", CheckClear},
     {"I12", kActions, k110, k300, "–", "a message that is no JSON changes nothing", "35 s",
-     "pass over what cannot be parsed", JudgeGarbage},
+     "pass over what cannot be parsed", CheckGarbage},
 });
 
 }  // namespace

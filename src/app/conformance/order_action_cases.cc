@@ -67,7 +67,7 @@ Pair DoPair(Run& run, std::string_view first, std::string_view second) {
   return pair;
 }
 
-Judgement JudgeHard(Run& run) {
+CaseFinding CheckHard(Run& run) {
   const Pair pair = DoPair(run, "SOFT", "HARD");
   if (!pair.refusal.empty()) return Inconclusive(pair.refusal);
   bool any = false;
@@ -84,7 +84,7 @@ Judgement JudgeHard(Run& run) {
   return any ? Pass("alone, and standing") : Inconclusive("no state shows it RUNNING");
 }
 
-Judgement JudgeSoft(Run& run) {
+CaseFinding CheckSoft(Run& run) {
   const Pair pair = DoPair(run, "SOFT", "SOFT");
   if (!pair.refusal.empty()) return Inconclusive(pair.refusal);
   const Heard* waits = nullptr;
@@ -101,7 +101,7 @@ Judgement JudgeSoft(Run& run) {
   return Inconclusive("no state shows them RUNNING");
 }
 
-Judgement JudgeArray(Run& run) {
+CaseFinding CheckArray(Run& run) {
   const Pair pair = DoPair(run, "SOFT", "HARD");
   if (!pair.refusal.empty()) return Inconclusive(pair.refusal);
   bool any = false;
@@ -143,7 +143,7 @@ ActionTrip DriveWith(Run& run, std::string_view blocking_type, bool on_edge) {
 }
 
 // No state at rest between the first that drives and the last node.
-Judgement JudgeNoStop(Run& run, const ActionTrip& made) {
+CaseFinding CheckNoStop(Run& run, const ActionTrip& made) {
   if (!made.trip.refusal.empty()) return Inconclusive(made.trip.refusal);
   bool drives = false;
   bool ran = false;
@@ -162,10 +162,10 @@ Judgement JudgeNoStop(Run& run, const ActionTrip& made) {
   return drives ? Pass("it drove on") : Inconclusive("no state says that it drove");
 }
 
-Judgement JudgeNone(Run& run) { return JudgeNoStop(run, DriveWith(run, "NONE", false)); }
-Judgement JudgeSingle(Run& run) { return JudgeNoStop(run, DriveWith(run, "SINGLE", false)); }
+CaseFinding CheckNone(Run& run) { return CheckNoStop(run, DriveWith(run, "NONE", false)); }
+CaseFinding CheckSingle(Run& run) { return CheckNoStop(run, DriveWith(run, "SINGLE", false)); }
 
-Judgement JudgeEdgeAction(Run& run) {
+CaseFinding CheckEdgeAction(Run& run) {
   const ActionTrip made = DriveWith(run, "NONE", true);
   if (!made.trip.refusal.empty()) return Inconclusive(made.trip.refusal);
   for (const Heard* one : run.StatesSince(made.trip.mark)) {
@@ -183,17 +183,17 @@ using enum Version;
 constexpr Level kDrive = Level::kDrive;
 constexpr auto kCases = std::to_array<Case>({
     {"A01", kDrive, k110, k300, "6.2.2 / 6.12", "a NONE action on a passed node does not stop it",
-     "", "drive on while it runs", JudgeNone},
+     "", "drive on while it runs", CheckNone},
     {"A02", kDrive, k110, k300, "6.2.2, 6.6.2 / 6.12", "a HARD action runs alone, and standing", "",
-     "wait until all before it have ended", JudgeHard},
+     "wait until all before it have ended", CheckHard},
     {"A03", kDrive, k110, k300, "6.2.2 / 6.12", "SOFT actions run side by side", "",
-     "begin all NONE and SOFT actions together", JudgeSoft},
+     "begin all NONE and SOFT actions together", CheckSoft},
     {"A04", kDrive, k300, k300, "6.2.2", "a SINGLE action does not stop it", "",
-     "it runs alone, and may drive", JudgeSingle},
+     "it runs alone, and may drive", CheckSingle},
     {"A05", kDrive, k110, k300, "6.2.2 / 6.12", "actions begin in the order of the array", "",
-     "do not sort by blockingType", JudgeArray},
+     "do not sort by blockingType", CheckArray},
     {"A06", kDrive, k110, k300, "6.6.2", "an edge's action has ended at its end", "next state",
-     "end it with the edge", JudgeEdgeAction},
+     "end it with the edge", CheckEdgeAction},
     {"A08", kDrive, k110, k300, "6.6.5 / 6.10",
      "a failing action is FAILED, an error names it, and the order is kept", "next state",
      "never give an order up by itself", nullptr},

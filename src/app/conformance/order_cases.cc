@@ -34,7 +34,7 @@ const Taking& FirstTaking(Run& run) {
   });
 }
 
-Judgement JudgeOneNode(Run& run) {
+CaseFinding CheckOneNode(Run& run) {
   const Taking& taking = FirstTaking(run);
   if (taking.taken.found == nullptr) {
     return Run::Missing(taking.taken, "no state shows its orderId and orderUpdateId");
@@ -42,7 +42,7 @@ Judgement JudgeOneNode(Run& run) {
   return Pass("it is taken", {taking.taken.found->Evidence()});
 }
 
-Judgement JudgeFirstNode(Run& run) {
+CaseFinding CheckFirstNode(Run& run) {
   const Taking& taking = FirstTaking(run);
   if (taking.taken.found == nullptr) return Inconclusive(kNoStanding);
   const RobotState& state = *taking.taken.found->state;
@@ -57,7 +57,7 @@ Judgement JudgeFirstNode(Run& run) {
       evidence);
 }
 
-Judgement JudgeNotListed(Run& run) {
+CaseFinding CheckNotListed(Run& run) {
   const Taking& taking = FirstTaking(run);
   if (taking.taken.found == nullptr) return Inconclusive(kNoStanding);
   for (const Heard* one : run.StatesSince(taking.mark)) {
@@ -70,7 +70,7 @@ Judgement JudgeNotListed(Run& run) {
   return Pass("it is not in nodeStates", {taking.taken.found->Evidence()});
 }
 
-Judgement JudgeAction(Run& run) {
+CaseFinding CheckAction(Run& run) {
   constexpr seconds kLong{60};
   TestOrder order = Standing(run);
   const auto action = HarmlessAction(run, "NODE", "HARD");
@@ -97,7 +97,7 @@ Judgement JudgeAction(Run& run) {
   return Pass("it ran and ended", {ended.found->Evidence()});
 }
 
-Judgement JudgeListed(Run& run) {
+CaseFinding CheckListed(Run& run) {
   TestOrder order = Holding(run);
   const auto action = HarmlessAction(run, "NODE", "HARD");
   if (!action.type.empty()) order.path.nodes.back().actions = {action};
@@ -105,25 +105,25 @@ Judgement JudgeListed(Run& run) {
   if (taken.found == nullptr) return Inconclusive("it does not take an order with a horizon");
   const RobotState& state = *taken.found->state;
   const auto* listed = vda5050::FindActionState(state, action.id);
-  Judgement judged = Pass("they are listed", {taken.found->Evidence()});
+  CaseFinding finding = Pass("they are listed", {taken.found->Evidence()});
   const bool has_node = std::any_of(state.nodes.begin(), state.nodes.end(), [&](const auto& node) {
     return node.id == order.path.nodes.back().id;
   });
   if (!has_node || state.edges_left.value_or(0) != 1) {
-    judged = Fault("the horizon is not in nodeStates and edgeStates", {taken.found->Evidence()});
+    finding = Fault("the horizon is not in nodeStates and edgeStates", {taken.found->Evidence()});
   } else if (!action.type.empty() && listed == nullptr) {
-    judged = Fault("an action of the horizon is not in actionStates", {taken.found->Evidence()});
+    finding = Fault("an action of the horizon is not in actionStates", {taken.found->Evidence()});
   } else if (!action.type.empty() && listed->status != "WAITING") {
-    judged = Fault("an action of the horizon is " + vda5050::Shown(listed->status),
-                   {taken.found->Evidence()});
+    finding = Fault("an action of the horizon is " + vda5050::Shown(listed->status),
+                    {taken.found->Evidence()});
   }
   EndOrder(run);
-  return judged;
+  return finding;
 }
 
 // ---- What comes again ----
 
-Judgement JudgeResend(Run& run) {
+CaseFinding CheckResend(Run& run) {
   const TestOrder order = Standing(run);
   if (SendAndAwait(run, order).found == nullptr) return Inconclusive(kNoStanding);
   const std::size_t errors = run.last_state()->state->errors.size();
@@ -142,32 +142,32 @@ Judgement JudgeResend(Run& run) {
   return Pass("nothing changed", {run.last_state()->Evidence()});
 }
 
-Judgement JudgeOtherContent(Run& run) {
+CaseFinding CheckOtherContent(Run& run) {
   TestOrder order = Standing(run);
   if (SendAndAwait(run, order).found == nullptr) return Inconclusive(kNoStanding);
   order.path.nodes.front().id = "conform-other";
-  return JudgeRefusal(run, Write(run, order), {"", "", "SAME_ORDER_UPDATE_ID"});
+  return CheckRefusal(run, Write(run, order), {"", "", "SAME_ORDER_UPDATE_ID"});
 }
 
 // An order that has been updated once, and a message of the update before.
-Judgement RefuseLower(Run& run, RobotError* error) {
+CaseFinding RefuseLower(Run& run, RobotError* error) {
   TestOrder order = Standing(run);
   if (SendAndAwait(run, order).found == nullptr) return Inconclusive(kNoStanding);
   order.update_id = 2;
   if (SendAndAwait(run, order).found == nullptr) return Inconclusive("it takes no update");
   order.update_id = 1;
-  auto judged =
-      JudgeRefusal(run, Write(run, order),
+  auto finding =
+      CheckRefusal(run, Write(run, order),
                    {"orderUpdateError", "orderUpdateError", "OUTDATED_ORDER_UPDATE"}, error);
-  if (judged.verdict == Verdict::kPass && run.last_state()->state->order_update_id != 2U) {
+  if (finding.verdict == Verdict::kPass && run.last_state()->state->order_update_id != 2U) {
     return Fault("orderUpdateId changed", {run.last_state()->Evidence()});
   }
-  return judged;
+  return finding;
 }
 
-Judgement JudgeLower(Run& run) { return RefuseLower(run, nullptr); }
+CaseFinding CheckLower(Run& run) { return RefuseLower(run, nullptr); }
 
-Judgement JudgeReferences(Run& run) {
+CaseFinding CheckReferences(Run& run) {
   RobotError error;
   const auto refused = RefuseLower(run, &error);
   if (refused.verdict != Verdict::kPass) return Inconclusive("no error to look at: " + refused.why);
@@ -183,14 +183,14 @@ Judgement JudgeReferences(Run& run) {
 // ---- What is refused ----
 
 // With a fresh order of one node before, so that no older error is there.
-Judgement Refuse(
+CaseFinding Refuse(
     Run& run, const TestOrder& order, const ErrorTypes& types,
     void (*spoil)(base::JsonDocument& order) = [](base::JsonDocument&) {},
     RobotError* error = nullptr) {
   if (!TakeStanding(run)) return Inconclusive(kNoStanding);
   base::JsonDocument message = Write(run, order);
   spoil(message);
-  return JudgeRefusal(run, message, types, error);
+  return CheckRefusal(run, message, types, error);
 }
 
 constexpr ErrorTypes kMalformed = {"validationError", "validationError", "VALIDATION_FAILURE"};
@@ -203,9 +203,9 @@ TestOrder TwoNodes(Run& run) {
   return order;
 }
 
-Judgement JudgeMember(Run& run) { return Refuse(run, Standing(run), kMalformed, DropUpdateId); }
+CaseFinding CheckMember(Run& run) { return Refuse(run, Standing(run), kMalformed, DropUpdateId); }
 
-Judgement JudgeStays(Run& run) {
+CaseFinding CheckStays(Run& run) {
   RobotError error;
   const auto refused = Refuse(run, Standing(run), kMalformed, DropUpdateId, &error);
   if (refused.verdict != Verdict::kPass) return Inconclusive("no error to look at: " + refused.why);
@@ -228,23 +228,23 @@ Judgement JudgeStays(Run& run) {
   return Pass("it stays until an order is taken", {taken.found->Evidence()});
 }
 
-Judgement JudgeEdges(Run& run) {
+CaseFinding CheckEdges(Run& run) {
   return Refuse(run, TwoNodes(run), kMalformed,
                 [](base::JsonDocument& order) { order["nodes"].PopBack(); });
 }
 
-Judgement JudgeSequence(Run& run) {
+CaseFinding CheckSequence(Run& run) {
   return Refuse(run, TwoNodes(run), kMalformed,
                 [](base::JsonDocument& order) { order["nodes"][1]["sequenceId"].SetUint(4); });
 }
 
-Judgement JudgeAboveZero(Run& run) {
+CaseFinding CheckAboveZero(Run& run) {
   TestOrder order = Standing(run);
   order.update_id = 1;
   return Refuse(run, order, {});
 }
 
-Judgement JudgeUnknownAction(Run& run) {
+CaseFinding CheckUnknownAction(Run& run) {
   TestOrder order = Standing(run);
   order.path.nodes.front().actions = {{.type = "fleetpubConformanceTest",
                                        .id = run.MakeId("conform"),
@@ -281,7 +281,7 @@ constexpr auto kUnsupported = std::to_array<Unsupported>({
      [](base::JsonDocument& order) { AddNumber(order, "maximumMobileRobotHeight"); }},
 });
 
-Judgement JudgeUnsupported(Run& run) {
+CaseFinding CheckUnsupported(Run& run) {
   const auto& sheet = run.subject().factsheet;
   if (!sheet || !sheet->has_optional_parameters) {
     return Skipped("no factsheet says which members it takes");
@@ -299,7 +299,7 @@ Judgement JudgeUnsupported(Run& run) {
   return Skipped("it takes all members that could be tried");
 }
 
-Judgement JudgeFarStart(Run& run) {
+CaseFinding CheckFarStart(Run& run) {
   TestOrder order = Standing(run);
   auto& first = order.path.nodes.front();
   if (!first.position) return Skipped("the robot says no position");
@@ -308,7 +308,7 @@ Judgement JudgeFarStart(Run& run) {
   return Refuse(run, order, {"noRouteError", "", "START_NODE_OUT_OF_RANGE"});
 }
 
-Judgement JudgeUnknownMap(Run& run) {
+CaseFinding CheckUnknownMap(Run& run) {
   TestOrder order = TwoNodes(run);
   auto& last = order.path.nodes.back();
   if (!last.position) return Skipped("the robot says no position");
@@ -316,67 +316,67 @@ Judgement JudgeUnknownMap(Run& run) {
   return Refuse(run, order, {"", "", "UNKNOWN_MAP_ID"});
 }
 
-Judgement JudgeBusy(Run& run) {
+CaseFinding CheckBusy(Run& run) {
   if (!Hold(run, Holding(run))) return Inconclusive(kNoHorizon);
   // Not from the decision point: 1.1 has an order that begins there take the other's place.
   TestOrder other = Standing(run);
   other.path.nodes.front().id = "conform-other";
-  auto judged =
-      JudgeRefusal(run, Write(run, other), {"orderUpdateError", "", "OTHER_ORDER_ACTIVE"});
+  auto finding =
+      CheckRefusal(run, Write(run, other), {"orderUpdateError", "", "OTHER_ORDER_ACTIVE"});
   EndOrder(run);
-  return judged;
+  return finding;
 }
 
 constexpr Level kDrive = Level::kDrive;
 constexpr auto kCases = std::to_array<Case>({
     {"O01", kDrive, k110, k300, "6.1.2 / 6.6.1", "an order of one node, where it stands, is taken",
-     "next state", "an order has no edges when it has one node", JudgeOneNode},
+     "next state", "an order has no edges when it has one node", CheckOneNode},
     {"O02", kDrive, k110, k300, "6.1.1 / 6.6.1",
      "lastNodeId and lastNodeSequenceId are those of a new order's first node", "next state",
-     "set both when the order is taken", JudgeFirstNode},
+     "set both when the order is taken", CheckFirstNode},
     {"O03", kDrive, k300, k300, "6.1.1", "the first node of a new order is not in nodeStates",
-     "next state", "it is traversed when the order is taken", JudgeNotListed},
+     "next state", "it is traversed when the order is taken", CheckNotListed},
     {"O04", kDrive, k110, k300, "6.6.2, 6.1.2.1 / 6.6.2",
      "an action of the order runs and ends; then the arrays are empty, the ids kept", "60 s",
-     "keep orderId and orderUpdateId until the next order", JudgeAction},
+     "keep orderId and orderUpdateId until the next order", CheckAction},
     {"O05", kDrive, k110, k300, "6.6.9 / 6.11",
      "a new order's nodes, edges and actions are all listed, those of the horizon too",
-     "next state", "list the horizon's actions as WAITING", JudgeListed},
+     "next state", "list the horizon's actions as WAITING", CheckListed},
     {"O06", kDrive, k110, k300, "6.1.4.5 / 6.6.4.3",
      "an order that comes again is no error and changes nothing", "2 states",
-     "compare orderId and orderUpdateId, and discard it", JudgeResend},
+     "compare orderId and orderUpdateId, and discard it", CheckResend},
     {"O07", kDrive, k300, k300, "6.1.4.5",
      "the same ids with another content bring SAME_ORDER_UPDATE_ID", "next state",
-     "compare the content", JudgeOtherContent},
+     "compare the content", CheckOtherContent},
     {"O08", kDrive, k110, k300, "6.1.4.4 / 6.6.4.3",
      "a lower orderUpdateId is refused, and the order goes on", "next state",
-     "report orderUpdateError, from 3.0 OUTDATED_ORDER_UPDATE", JudgeLower},
+     "report orderUpdateError, from 3.0 OUTDATED_ORDER_UPDATE", CheckLower},
     {"O09", kDrive, k110, k300, "6.1.4 / 6.6.4",
      "the error of a refused order is in every state until an order is taken", "3 states",
-     "keep it until then", JudgeStays},
+     "keep it until then", CheckStays},
     {"O10", kDrive, k300, k300, "6.6.5.4",
      "the error of a refused update names orderId and orderUpdateId", "next state",
-     "add both as errorReferences", JudgeReferences},
+     "add both as errorReferences", CheckReferences},
     {"O11", kDrive, k110, k300, "6.1.4.1 / 6.6.4", "an order without one of its members is refused",
-     "next state", "report validationError, from 3.0 VALIDATION_FAILURE", JudgeMember},
+     "next state", "report validationError, from 3.0 VALIDATION_FAILURE", CheckMember},
     {"O12", kDrive, k110, k300, "6.1.1 / 6.6.1", "an order has one edge less than nodes",
-     "next state", "count them", JudgeEdges},
+     "next state", "count them", CheckEdges},
     {"O13", kDrive, k110, k300, "6.1.1 / 6.6.1",
      "an order with a gap in its sequenceIds is refused", "next state",
-     "compare each sequenceId with the one before", JudgeSequence},
+     "compare each sequenceId with the one before", CheckSequence},
     {"O14", kDrive, k300, k300, "6.1.2", "a new order begins with orderUpdateId 0", "next state",
-     "refuse another one", JudgeAboveZero},
+     "refuse another one", CheckAboveZero},
     {"O15", kDrive, k110, k300, "6.1.4.3 / 6.6.4.2", "an order with an unknown action is refused",
-     "next state", "report orderError, from 3.0 INVALID_ORDER_ACTION", JudgeUnknownAction},
+     "next state", "report orderError, from 3.0 INVALID_ORDER_ACTION", CheckUnknownAction},
     {"O16", kDrive, k200, k300, "6.1.4.2 / 6.6.4.2",
      "an order with an optional member that it cannot use is refused", "next state",
-     "report orderError, from 3.0 UNSUPPORTED_PARAMETER", JudgeUnsupported},
+     "report orderError, from 3.0 UNSUPPORTED_PARAMETER", CheckUnsupported},
     {"O17", kDrive, k110, k300, "6.1.4.7 / 6.6.4", "an order that begins 100 m away is refused",
-     "next state", "report noRouteError, from 3.0 START_NODE_OUT_OF_RANGE", JudgeFarStart},
+     "next state", "report noRouteError, from 3.0 START_NODE_OUT_OF_RANGE", CheckFarStart},
     {"O18", kDrive, k210, k300, "6.1.4.10 / 6.7.1", "an order with an unknown map is refused",
-     "next state", "look at every node's mapId before taking it", JudgeUnknownMap},
+     "next state", "look at every node's mapId before taking it", CheckUnknownMap},
     {"O19", kDrive, k110, k300, "6.1.4.6 / 6.6.4", "another order is refused while one is active",
-     "next state", "an order with a horizon is active also at the end of its base", JudgeBusy},
+     "next state", "an order with a horizon is active also at the end of its base", CheckBusy},
     {"O20", kDrive, k300, k300, "6.1.4.9", "an order in MANUAL brings MOBILE_ROBOT_NOT_AVAILABLE",
      "next state", "refuse it", nullptr},
 });

@@ -151,12 +151,10 @@ void EndOrder(Run& run) {
   }
 }
 
-Judgement JudgeRefusal(Run& run, const base::JsonDocument& order, const ErrorTypes& types,
-                       RobotError* told) {
+CaseFinding CheckRefusal(Run& run, const base::JsonDocument& order, const ErrorTypes& types,
+                         RobotError* told) {
   const std::string id(base::StringMember(order, "orderId"));
-  const auto* update = base::FindMember(order, "orderUpdateId");
-  const std::optional<std::uint32_t> update_id =
-      update != nullptr && update->IsUint() ? std::optional(update->GetUint()) : std::nullopt;
+  const auto update_id = base::UintMember(order, "orderUpdateId");
   if (run.last_state() == nullptr) return Inconclusive("no state came");
   const std::vector<RobotError> before = run.last_state()->state->errors;
   const auto has_it = [&](const RobotState& state) {
@@ -174,9 +172,9 @@ Judgement JudgeRefusal(Run& run, const base::JsonDocument& order, const ErrorTyp
       kNextState);
   if (awaited.found == nullptr) return Run::Missing(awaited, "no error says that it is refused");
   if (is_taken(*awaited.found->state)) {
-    auto judged = Fault("the robot took it", {awaited.found->Evidence()});
+    auto finding = Fault("the robot took it", {awaited.found->Evidence()});
     EndOrder(run);
-    return judged;
+    return finding;
   }
   const auto errors = NewErrors(*awaited.found->state, before);
   const std::string_view wanted = run.Is30()                                ? types.from_30

@@ -54,8 +54,9 @@ struct ErrorTypes {
   std::string_view from_30;
 };
 /// Sends what must be refused, and leaves nothing behind. `error`: what it was refused with.
-[[nodiscard]] Judgement JudgeRefusal(Run& run, const base::JsonDocument& order,
-                                     const ErrorTypes& types, vda5050::RobotError* error = nullptr);
+[[nodiscard]] CaseFinding CheckRefusal(Run& run, const base::JsonDocument& order,
+                                       const ErrorTypes& types,
+                                       vda5050::RobotError* error = nullptr);
 
 // ---- Driving ----
 

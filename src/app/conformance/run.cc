@@ -25,14 +25,14 @@ bool IsHole(const Heard& before, const Heard& after) {
 
 }  // namespace
 
-Judgement Pass(std::string why, std::vector<std::string> evidence) {
+CaseFinding Pass(std::string why, std::vector<std::string> evidence) {
   return {Verdict::kPass, std::move(why), std::move(evidence)};
 }
-Judgement Fault(std::string why, std::vector<std::string> evidence) {
+CaseFinding Fault(std::string why, std::vector<std::string> evidence) {
   return {Verdict::kFail, std::move(why), std::move(evidence)};
 }
-Judgement Skipped(std::string why) { return {Verdict::kSkipped, std::move(why)}; }
-Judgement Inconclusive(std::string why, std::vector<std::string> evidence) {
+CaseFinding Skipped(std::string why) { return {Verdict::kSkipped, std::move(why)}; }
+CaseFinding Inconclusive(std::string why, std::vector<std::string> evidence) {
   return {Verdict::kInconclusive, std::move(why), std::move(evidence)};
 }
 
@@ -180,7 +180,7 @@ void Run::Refresh() {
       kNextState);
 }
 
-Judgement Run::Missing(const Awaited& awaited, std::string what) {
+CaseFinding Run::Missing(const Awaited& awaited, std::string what) {
   if (awaited.IsRefuted()) return Fault(std::move(what), {awaited.last->Evidence()});
   if (awaited.has_hole) return Inconclusive(what + ", but states are missing");
   return Inconclusive(what + ", as no state came");

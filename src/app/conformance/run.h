@@ -1,7 +1,7 @@
-// One robot under test: what it said, and what it is told. Cases (case.h) judge by it.
+// One robot under test: what it said, and what it is told. Cases (case.h) check by it.
 //
 // Time and transport are the Wire's, so that tests run in virtual time. What a broker lost shows in
-// the header ids of states: a judgement that would need what is missing is INCONCLUSIVE.
+// the header ids of states: a finding that would need what is missing is INCONCLUSIVE.
 #pragma once
 
 #include <chrono>
@@ -38,19 +38,18 @@ using TimePoint = std::chrono::steady_clock::time_point;
 
 /// For whatever is due with the next state; the texts name no time.
 inline constexpr seconds kNextState{5};
-/// States come at least every 30 s (3.0 §6.6, 2.1 §6.10), and some more for the way.
-inline constexpr seconds kLongestSilence{35};
+using vda5050::kLongestSilence;
 
-struct Judgement {
+struct CaseFinding {
   Verdict verdict = Verdict::kInconclusive;
   std::string why;                         ///< printable
   std::vector<std::string> evidence = {};  ///< `state headerId 17`
 };
 
-[[nodiscard]] Judgement Pass(std::string why, std::vector<std::string> evidence = {});
-[[nodiscard]] Judgement Fault(std::string why, std::vector<std::string> evidence = {});
-[[nodiscard]] Judgement Skipped(std::string why);
-[[nodiscard]] Judgement Inconclusive(std::string why, std::vector<std::string> evidence = {});
+[[nodiscard]] CaseFinding Pass(std::string why, std::vector<std::string> evidence = {});
+[[nodiscard]] CaseFinding Fault(std::string why, std::vector<std::string> evidence = {});
+[[nodiscard]] CaseFinding Skipped(std::string why);
+[[nodiscard]] CaseFinding Inconclusive(std::string why, std::vector<std::string> evidence = {});
 
 /// The first violation, `/path: what`, that is none of the header, which has its own cases; "": none.
 [[nodiscard]] std::string DescribeViolation(std::span<const message::Violation> violations);
@@ -147,8 +146,8 @@ class Run {
                      std::chrono::nanoseconds limit);
   /// Has the robot send its state, and waits until that has ended.
   void Refresh();
-  /// A judgement on what did not come: FAIL when that is certain.
-  [[nodiscard]] static Judgement Missing(const Awaited& awaited, std::string what);
+  /// A finding on what did not come: FAIL when that is certain.
+  [[nodiscard]] static CaseFinding Missing(const Awaited& awaited, std::string what);
 
   // ---- What is said ----
 

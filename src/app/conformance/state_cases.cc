@@ -36,7 +36,7 @@ double Timing(Run& run, std::string_view old_name, std::string_view name) {
   return number != nullptr && number->IsNumber() ? number->GetDouble() : 0;
 }
 
-Judgement JudgeSchema(Run& run) {
+CaseFinding CheckSchema(Run& run) {
   const auto states = Live(run);
   if (states.empty()) return Inconclusive("no state came");
   for (const Heard* one : states) {
@@ -53,7 +53,7 @@ Judgement JudgeSchema(Run& run) {
   return Pass(fmt::format("{} states", states.size()));
 }
 
-Judgement JudgeLongest(Run& run) {
+CaseFinding CheckLongest(Run& run) {
   const auto states = Live(run);
   if (states.empty()) return Inconclusive("no state came");
   const double usual = Timing(run, "defaultStateInterval", "defaultStateInterval");
@@ -77,7 +77,7 @@ Judgement JudgeLongest(Run& run) {
   return Pass(fmt::format("{:.0f} s at most", longest.count()));
 }
 
-Judgement JudgeShortest(Run& run) {
+CaseFinding CheckShortest(Run& run) {
   const double limit = Timing(run, "minStateInterval", "minimumStateInterval");
   if (limit <= 0) return Skipped("its factsheet sets no limit");
   const auto states = Live(run);
@@ -127,7 +127,7 @@ std::string FindDisorder(std::span<const Leg> legs, std::uint32_t parity) {
   return {};
 }
 
-Judgement JudgeOrderOfLegs(Run& run) {
+CaseFinding CheckOrderOfLegs(Run& run) {
   bool any = false;
   for (const Heard* one : Live(run)) {
     const auto nodes = ReadLegs(one->json, "nodeStates");
@@ -140,7 +140,7 @@ Judgement JudgeOrderOfLegs(Run& run) {
   return any ? Pass("in order") : Inconclusive("no state showed a way ahead");
 }
 
-Judgement JudgeNoOrder(Run& run) {
+CaseFinding CheckNoOrder(Run& run) {
   bool any = false;
   for (const Heard* one : Live(run)) {
     const Value* id = FindMember(one->json, "orderId");
@@ -157,7 +157,7 @@ Judgement JudgeNoOrder(Run& run) {
   return any ? Pass("it says so") : Inconclusive("no state came");
 }
 
-Judgement JudgeInstantStates(Run& run) {
+CaseFinding CheckInstantStates(Run& run) {
   const auto states = Live(run);
   if (states.empty()) return Inconclusive("no state came");
   for (const Heard* one : states) {
@@ -173,7 +173,7 @@ Judgement JudgeInstantStates(Run& run) {
   return Pass(fmt::format("{} states", states.size()));
 }
 
-Judgement JudgeLocalized(Run& run) {
+CaseFinding CheckLocalized(Run& run) {
   bool any = false;
   for (const Heard* one : Live(run)) {
     const RobotState& state = *one->state;
@@ -196,7 +196,7 @@ Judgement JudgeLocalized(Run& run) {
 }
 
 // It may take the next state to stop.
-Judgement JudgeStops(Run& run) {
+CaseFinding CheckStops(Run& run) {
   bool any = false;
   const Heard* before = nullptr;
   for (const Heard* one : Live(run)) {
@@ -213,7 +213,7 @@ Judgement JudgeStops(Run& run) {
   return any ? Pass("it stands") : Inconclusive("no such error occurred");
 }
 
-Judgement JudgeErrorTypes(Run& run) {
+CaseFinding CheckErrorTypes(Run& run) {
   constexpr auto kOld = std::to_array<std::string_view>(
       {"validationError", "validationOrder", "orderError", "orderUpdateError", "noRouteError",
        "noOrderToCancel", "controlError", "instantActionError"});
@@ -232,27 +232,27 @@ Judgement JudgeErrorTypes(Run& run) {
 using enum Version;
 constexpr auto kCases = std::to_array<Case>({
     {"S01", Level::kListen, k110, k300, "7.8 / 6.10", "state keeps its schema, theta is within ±π",
-     "", "fleetpub validate --live shows every violation", JudgeSchema},
+     "", "fleetpub validate --live shows every violation", CheckSchema},
     {"S02", Level::kListen, k110, k300, "6.6 / 6.10", "a state comes at least every 30 s", "35 s",
-     "send a state 30 s after the last one, whatever happened", JudgeLongest},
+     "send a state 30 s after the last one, whatever happened", CheckLongest},
     {"S03", Level::kListen, k200, k300, "6.6 / 6.10",
      "states keep the shortest interval of the factsheet", "", "put events of one moment together",
-     JudgeShortest},
+     CheckShortest},
     {"S04", Level::kListen, k110, k300, "6.1.1 / 6.6",
      "nodeStates and edgeStates ascend, even and odd, the base first", "",
-     "keep both arrays in the order's order", JudgeOrderOfLegs},
+     "keep both arrays in the order's order", CheckOrderOfLegs},
     {"S05", Level::kListen, k110, k300, "7.8 / 6.10",
      "before its first order orderId is \"\" and orderUpdateId 0", "", "not null, not \"-1\"",
-     JudgeNoOrder},
+     CheckNoOrder},
     {"S06", Level::kListen, k300, k300, "7.8", "instant actions stand in instantActionStates", "",
-     "keep them apart from the order's actionStates", JudgeInstantStates},
+     "keep them apart from the order's actionStates", CheckInstantStates},
     {"S07", Level::kListen, k300, k300, "7.8",
      "localized is false exactly while LOCALIZATION_ERROR FATAL is reported", "",
-     "report the error, and do not drive", JudgeLocalized},
+     "report the error, and do not drive", CheckLocalized},
     {"S08", Level::kListen, k300, k300, "6.6.5.1", "with a CRITICAL or FATAL error it stands",
-     "next state", "stop before or with the state that reports the error", JudgeStops},
+     "next state", "stop before or with the state that reports the error", CheckStops},
     {"S09", Level::kListen, k300, k300, "6.6.5.4", "errorType has the names of 3.0", "",
-     "VALIDATION_FAILURE, not validationError", JudgeErrorTypes},
+     "VALIDATION_FAILURE, not validationError", CheckErrorTypes},
     {"S10", Level::kListen, k110, k300, "6.6 / 6.10",
      "a pressed emergency stop shows in safetyState", "next state", "send a state at once",
      nullptr},

@@ -66,7 +66,7 @@ std::string ListJson(const Case& one) {
   return fmt::format(
       R"({{"id":"{}","level":"{}","versions":"{}","clause":"{}","says":{},"limit":"{}","advice":{},"person":{}}})",
       one.id, GetName(one.level), FormatVersions(one), one.clause, JsonString(one.says), one.limit,
-      JsonString(one.advice), one.judge == nullptr);
+      JsonString(one.advice), one.check == nullptr);
 }
 
 ExitCode ShowCases(Output& output) {
@@ -76,7 +76,7 @@ ExitCode ShowCases(Output& output) {
       continue;
     }
     output.Line(fmt::format("{}  {:<7}  {:<7}  {} ({}){}{}", one.id,
-                            one.judge == nullptr ? "person" : GetName(one.level),
+                            one.check == nullptr ? "person" : GetName(one.level),
                             FormatVersions(one), one.says, one.clause,
                             one.limit.empty() ? "" : "; ", one.limit));
   }
@@ -93,20 +93,20 @@ Tone FindTone(Verdict verdict) {
 
 void Show(const CaseResult& result, const std::string& target, std::string_view version,
           Output& output) {
-  const auto& [of, judgement] = result;
+  const auto& [of, finding] = result;
   if (output.json()) {
     return output.Line(fmt::format(
         R"({{"target":{},"version":"{}","id":"{}","level":"{}","verdict":"{}","says":{},"clause":"{}","limit":"{}","why":{},"evidence":{},"advice":{}}})",
-        JsonString(target), version, of.id, GetName(of.level), GetName(judgement.verdict),
-        JsonString(of.says), of.clause, of.limit, JsonString(judgement.why),
-        base::JsonStrings(judgement.evidence), JsonString(of.advice)));
+        JsonString(target), version, of.id, GetName(of.level), GetName(finding.verdict),
+        JsonString(of.says), of.clause, of.limit, JsonString(finding.why),
+        base::JsonStrings(finding.evidence), JsonString(of.advice)));
   }
   output.Line(fmt::format(
       "{}  {}  {} ({}): {}{}",
-      output.Toned(FindTone(judgement.verdict), fmt::format("{:<12}", GetName(judgement.verdict))),
-      of.id, of.says, of.clause, judgement.why,
-      judgement.evidence.empty() ? "" : "; see " + base::Join(judgement.evidence, ", ")));
-  if (judgement.verdict == Verdict::kFail) {
+      output.Toned(FindTone(finding.verdict), fmt::format("{:<12}", GetName(finding.verdict))),
+      of.id, of.says, of.clause, finding.why,
+      finding.evidence.empty() ? "" : "; see " + base::Join(finding.evidence, ", ")));
+  if (finding.verdict == Verdict::kFail) {
     output.Line(fmt::format("              advice: {}", of.advice));
   }
 }
@@ -121,7 +121,7 @@ struct Counts {
 Counts Tally(const app::conformance::Outcome& outcome) {
   Counts counts;
   for (const CaseResult& result : outcome.results) {
-    switch (result.judgement.verdict) {
+    switch (result.finding.verdict) {
       case Verdict::kPass:
         ++counts.passed;
         break;
@@ -152,18 +152,18 @@ TestReport MakeReport(const app::ConformReport& report, const Options& o, const 
                   .results = {}};
   if (!report.abort_reason.empty())
     made.properties.emplace_back("ended early", report.abort_reason);
-  for (const auto& [of, judgement] : report.outcome.results) {
+  for (const auto& [of, finding] : report.outcome.results) {
     TestResult result{.group = std::string(of.id.substr(0, 1)),
                       .id = std::string(of.id),
                       .says = std::string(of.says),
-                      .outcome = judgement.verdict == Verdict::kPass   ? TestOutcome::kPassed
-                                 : judgement.verdict == Verdict::kFail ? TestOutcome::kFailed
-                                                                       : TestOutcome::kSkipped,
-                      .verdict = std::string(GetName(judgement.verdict)),
-                      .why = judgement.why,
-                      .details = judgement.evidence};
+                      .outcome = finding.verdict == Verdict::kPass   ? TestOutcome::kPassed
+                                 : finding.verdict == Verdict::kFail ? TestOutcome::kFailed
+                                                                     : TestOutcome::kSkipped,
+                      .verdict = std::string(GetName(finding.verdict)),
+                      .why = finding.why,
+                      .details = finding.evidence};
     result.details.push_back(fmt::format("clause {}", of.clause));
-    if (judgement.verdict == Verdict::kFail) {
+    if (finding.verdict == Verdict::kFail) {
       result.details.push_back("advice: " + std::string(of.advice));
     }
     made.results.push_back(std::move(result));

@@ -18,12 +18,12 @@
 #include "cli/parser/option_set.h"
 #include "cli/parser/subcommand.h"
 #include "config/config_settings.h"
+#include "delivery/recorded.h"
 #include "recording/writer.h"
 
 namespace fleetpub::cli {
 namespace {
 
-using std::chrono::duration_cast;
 using std::chrono::microseconds;
 using std::chrono::steady_clock;
 
@@ -67,21 +67,15 @@ std::string FormatBytes(std::uint64_t bytes) {
   return fmt::format("{:.1f} MB", static_cast<double>(bytes) / 1e6);
 }
 
-class Recorder final : public app::Listener {
+class Recorder final : public app::ListenObserver {
  public:
   Recorder(const Options& options, Output& output) : options_(options), output_(output) {}
 
   Status Begin(const mqtt::ServerInfo& server, const std::vector<std::string>& filters) override {
-    const bool is_v5 = server.version == mqtt::ProtocolVersion::k5;
     recording::WriterOptions writer{.path = options_.file, .rotation = options_.rotation};
-    writer.head = {.tool = "fleetpub " FLEETPUB_VERSION,
-                   .started = base::WallTime::clock::now(),
-                   .broker = server.broker.ToString(),
-                   .mqtt_version = is_v5 ? "5" : "3.1.1",
-                   .qos = static_cast<int>(options_.qos),
-                   .retain_as_published = is_v5,
-                   .subscriptions = filters,
-                   .time_zero = duration_cast<microseconds>(start_.time_since_epoch())};
+    writer.head =
+        delivery::MakeHead("fleetpub " FLEETPUB_VERSION, server, filters, options_.qos, start_);
+    writer.head.retain_as_published = server.version == mqtt::ProtocolVersion::k5;
     auto opened = recording::Writer::Open(std::move(writer));
     if (!opened) return Fail(std::move(opened.error()));
     writer_ = *std::move(opened);
@@ -92,14 +86,7 @@ class Recorder final : public app::Listener {
   }
 
   Status Take(const mqtt::Message& message, const vda5050::TopicLevels* /*levels*/) override {
-    recording::Message entry;
-    static_cast<recording::Moment&>(entry) = Now();
-    entry.topic = message.topic;
-    entry.payload = message.payload;
-    entry.qos = static_cast<int>(message.qos);
-    entry.retain = message.retained;
-    entry.dup = message.duplicate;
-    return writer_->Add(entry);
+    return writer_->Add(delivery::ToRecorded(message, Now()));
   }
 
   void Lost(const Error& error) override {
@@ -126,10 +113,7 @@ class Recorder final : public app::Listener {
   [[nodiscard]] microseconds Lasted() const { return Now().t; }
 
  private:
-  [[nodiscard]] recording::Moment Now() const {
-    return {.t = duration_cast<microseconds>(steady_clock::now() - start_),
-            .at = base::WallTime::clock::now()};
-  }
+  [[nodiscard]] recording::Moment Now() const { return delivery::MomentSince(start_); }
   [[nodiscard]] recording::Event MakeEvent(std::string kind, std::string text) const {
     recording::Event event;
     static_cast<recording::Moment&>(event) = Now();

@@ -29,7 +29,7 @@ struct Options {
   bool changes = false;
 };
 
-class Tail final : public app::Listener {
+class Tail final : public app::ListenObserver {
  public:
   Tail(const Options& options, const app::Environment& environment, Output& output)
       : options_(options), environment_(environment), output_(output) {}

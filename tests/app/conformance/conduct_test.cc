@@ -45,16 +45,16 @@ Outcome Conform(const simulator::Settings& settings, Selection selection = {.lev
 Ids With(const Outcome& outcome, Verdict verdict) {
   Ids ids;
   for (const CaseResult& result : outcome.results) {
-    if (result.judgement.verdict == verdict) ids.emplace(result.of.id);
+    if (result.finding.verdict == verdict) ids.emplace(result.of.id);
   }
   return ids;
 }
 
 std::string Describe(const Outcome& outcome, Verdict verdict) {
   std::string text;
-  for (const auto& [of, judgement] : outcome.results) {
-    if (judgement.verdict == verdict) {
-      text += std::string(of.id) + ": " + judgement.why + "\n";
+  for (const auto& [of, finding] : outcome.results) {
+    if (finding.verdict == verdict) {
+      text += std::string(of.id) + ": " + finding.why + "\n";
     }
   }
   return text;
@@ -208,7 +208,7 @@ TEST(Conduct, ListeningSendsNothingAndSkipsTheRest) {
   const auto outcome = Conform(MakeSettings(Version::k300), {.level = Level::kListen});
   for (const CaseResult& result : outcome.results) {
     if (result.of.level != Level::kListen) {
-      EXPECT_EQ(result.judgement.verdict, Verdict::kSkipped) << result.of.id;
+      EXPECT_EQ(result.finding.verdict, Verdict::kSkipped) << result.of.id;
     }
   }
   EXPECT_TRUE(With(outcome, Verdict::kPass).contains("S02"));
