@@ -20,13 +20,13 @@ constexpr auto kEnds = std::to_array<base::Choice<vda5050::WaitFor>>({
 void DeclareWaitOptions(OptionSet& set, WaitingOptions& options) {
   set.AddFlag("-w,--wait", options.wait, "Wait until the robot says so (--wait-for)")
       .Group(kWaiting);
-  set.AddOption(
-         "--wait-for", OneOf(options.wait_for, kEnds),
-         "accepted: the robot lists it; finished: it is done [orders: accepted, else finished]")
+  set.AddOption("--wait-for", OneOf(options.wait_for, kEnds),
+                "accepted: the robot lists it; finished: it is done [publish order: accepted, else "
+                "finished]")
       .Type("END")
       .Group(kWaiting);
   set.AddOption("-W,--timeout", Duration(options.timeout),
-                "How long to wait in total [35s to be seen, then 10m]")
+                "How long to wait in total [35s to be seen, then 10m; order 1h]")
       .Group(kWaiting);
 }
 

@@ -151,12 +151,19 @@ struct KeyOptions {
   std::array<std::string_view, 5> names;
 };
 constexpr auto kKeyOptions = std::to_array<KeyOptions>({
+    {"order", {"--to", "--layout", "--action", "--release", "--wait"}},
+    {"order extend", {"--to", "--layout", "--action", "--release", "--wait"}},
+    {"order replace", {"--to", "--layout", "--action", "--release", "--wait"}},
     {"publish", {"--file", "--wait", "--dry-run", "--all", "--where"}},
     {"respond", {"--lease-expiry", "--wait", "--dry-run", "--vda", "--broker"}},
     {"batch", {"--wait", "--rate", "--stop-on-error", "--dry-run", "--broker"}},
     {"validate", {"--vda", "--topic", "--lines", "--live", "--schema"}},
     {"history", {"--target", "--since", "--status", "--user", "--limit"}},
     {"simulate", {"--count", "--vda", "--delay", "--fail", "--broker"}},
+    {"record", {"--file", "--for", "--rotate", "--topic", "--broker"}},
+    {"tail", {"--topic", "--changes", "--from", "--where", "--broker"}},
+    {"replay", {"--map", "--speed", "--restamp", "--commands", "--broker"}},
+    {"conform", {"--level", "--distance", "--only", "--report", "--record"}},
     {"soar mission-plan", {"--plan-id", "--platform-id", "--waypoint", "--plan", "--wait"}},
     {"", {"--wait", "--dry-run", "--all", "--where", "--broker"}},
 });
