@@ -147,7 +147,7 @@ TEST_F(ManyRobots, ABulkJobKeepsNobodyWaiting) {
 }
 
 TEST_F(ManyRobots, ATerminalShowsHowFarItHasCome) {
-  const auto robots = Robot({"KIT/0001", "--count", "3", "--delay", "1s"});
+  const auto robots = Robot({"KIT/0001", "--count", "3", "--delay", "3s"});
   Command command = operator_.Prepare({"charge", "KIT/*", "--wait", "--yes"});
   command.arguments = {"script", "-qec", command.arguments[0] + " charge 'KIT/*' --wait --yes",
                        "/dev/null"};

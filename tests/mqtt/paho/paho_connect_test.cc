@@ -137,7 +137,7 @@ TEST(ConnectPaho, GivesUpAtItsTimeout) {
     const auto start = steady_clock::now();
     EXPECT_THAT(Refusal(options).message, HasSubstr("answer within 150 ms")) << scheme;
     EXPECT_GE(steady_clock::now() - start, milliseconds(150)) << scheme;
-    EXPECT_LT(steady_clock::now() - start, milliseconds(900)) << scheme;
+    EXPECT_LT(steady_clock::now() - start, milliseconds(5000)) << scheme;
   }
 }
 
