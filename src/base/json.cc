@@ -8,6 +8,7 @@
 #include <charconv>
 #include <cmath>
 #include <cstdlib>
+#include <cstring>
 #include <optional>
 #include <unordered_set>
 #include <utility>
@@ -20,9 +21,21 @@ namespace {
 
 // RapidJSON's own reading of numbers is not used: it makes 1.9e22 of `0e41`, and reads beyond its
 // table at very small ones.
-constexpr unsigned kParseFlags = rapidjson::kParseIterativeFlag |
-                                 rapidjson::kParseValidateEncodingFlag |
-                                 rapidjson::kParseNumbersAsStringsFlag;
+constexpr unsigned kParseFlags =
+    rapidjson::kParseIterativeFlag | rapidjson::kParseNumbersAsStringsFlag;
+
+// Most messages are, and RapidJSON looks at each byte by itself to see that a text is UTF-8.
+bool IsAscii(std::string_view text) {
+  std::uint64_t bits = 0;
+  for (; text.size() >= sizeof(bits); text.remove_prefix(sizeof(bits))) {
+    std::uint64_t some = 0;
+    std::memcpy(&some, text.data(), sizeof(some));
+    bits |= some;
+  }
+  for (const char c : text) bits |= static_cast<unsigned char>(c);
+  constexpr std::uint64_t kHighBits = 0x8080808080808080;
+  return (bits & kHighBits) == 0;
+}
 
 // RapidJSON decodes an escaped low surrogate that has no high one before it (`"\uDC00"`) to bytes
 // that are no UTF-8: ED A0..BF.
@@ -108,7 +121,7 @@ class Guard {
 // Feeds a Document from a text: JsonDocument::Populate calls it with the document as
 // handler.
 struct Generator {
-  rapidjson::MemoryStream stream;
+  std::string_view text;
   int depth;
   bool exact = false;
   rapidjson::ParseResult result = {};
@@ -119,7 +132,10 @@ struct Generator {
   bool operator()(JsonDocument& document) {
     JsonReader reader;
     Guard guard(document, depth, exact);
-    result = reader.Parse<kParseFlags>(stream, guard);
+    rapidjson::MemoryStream stream(text.data(), text.size());
+    result = IsAscii(text)
+                 ? reader.Parse<kParseFlags>(stream, guard)
+                 : reader.Parse<kParseFlags | rapidjson::kParseValidateEncodingFlag>(stream, guard);
     too_deep = guard.too_deep();
     too_large = guard.too_large();
     inexact = guard.inexact();
@@ -342,9 +358,7 @@ Result<JsonDocument> ParseJsonLeniently(std::string_view text, JsonLimits limits
   if (strict || text.size() > limits.bytes) return strict;
   const std::string repaired = Repaired(text);
   JsonDocument document;
-  Generator generator{.stream = rapidjson::MemoryStream(repaired.data(), repaired.size()),
-                      .depth = limits.depth,
-                      .exact = limits.exact};
+  Generator generator{.text = repaired, .depth = limits.depth, .exact = limits.exact};
   document.Populate(generator);
   if (generator.result.IsError()) return Fail(ParseError(repaired, generator));
   KeepLastOfEachName(document, document.GetAllocator());
@@ -362,9 +376,7 @@ Result<JsonDocument> ParseJson(std::string_view text, JsonLimits limits) {
                 fmt::format("not valid JSON at {}: a NUL byte", Place(text, nul)));
   }
   JsonDocument document;
-  Generator generator{.stream = rapidjson::MemoryStream(text.data(), text.size()),
-                      .depth = limits.depth,
-                      .exact = limits.exact};
+  Generator generator{.text = text, .depth = limits.depth, .exact = limits.exact};
   document.Populate(generator);
   if (generator.result.IsError()) return Fail(ParseError(text, generator));
   if (const std::string name = FindRepeatedName(document); !name.empty()) {

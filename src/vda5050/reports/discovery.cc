@@ -1,7 +1,7 @@
 #include "vda5050/reports/discovery.h"
 
 #include <algorithm>
-#include <map>
+#include <array>
 #include <utility>
 
 #include "base/text.h"
@@ -15,8 +15,31 @@ constexpr std::string_view kAny = "\uF8FF";
 
 // ── reading a topic back ──
 
-// What the template's placeholders stand for in a topic; a text that is fixed is matched.
-using Values = std::map<std::string, std::string, std::less<>>;
+// What the template's placeholders stand for in a topic: every message that is heard comes here, so
+// that nothing is copied before its topic has matched.
+class Values {
+ public:
+  /// False when the placeholder stands for another text elsewhere, or is none of a template's.
+  bool Set(std::string_view name, std::string_view value) {
+    for (auto& [known, text] : values_) {
+      if (known != name) continue;
+      if (text.empty()) text = value;
+      return text == value;
+    }
+    return false;
+  }
+
+  [[nodiscard]] std::string Get(std::string_view name) const {
+    for (const auto& [known, text] : values_) {
+      if (known == name) return std::string(text);
+    }
+    return "";
+  }
+
+ private:
+  std::array<std::pair<std::string_view, std::string_view>, 5> values_ = {
+      {{"interface", ""}, {"major", ""}, {"manufacturer", ""}, {"serial", ""}, {"topic", ""}}};
+};
 
 // Matches one level; each placeholder takes the shortest text before the literal behind it, at
 // least one byte. False when the level cannot have been made by the pattern.
@@ -27,7 +50,7 @@ bool MatchLevel(std::string_view pattern, std::string_view level, Values& values
     if (open == std::string_view::npos) return true;
     const std::size_t close = pattern.find('}', open);
     if (close == std::string_view::npos) return false;
-    const std::string name(pattern.substr(open + 1, close - open - 1));
+    const std::string_view name = pattern.substr(open + 1, close - open - 1);
     level.remove_prefix(open);
     pattern.remove_prefix(close + 1);
     const std::string_view literal = pattern.substr(0, pattern.find('{'));
@@ -35,8 +58,7 @@ bool MatchLevel(std::string_view pattern, std::string_view level, Values& values
                             : literal == pattern ? level.rfind(literal)
                                                  : level.find(literal, 1);
     if (end == 0 || end == std::string_view::npos) return false;
-    const auto [value, is_new] = values.emplace(name, level.substr(0, end));
-    if (!is_new && value->second != level.substr(0, end)) return false;
+    if (!values.Set(name, level.substr(0, end))) return false;
     level.remove_prefix(end);
   }
   return level.empty();
@@ -49,15 +71,12 @@ std::string Replaced(std::string text, std::string_view what, std::string_view b
   return text;
 }
 
-// The template with what the user states in place.
-std::string MakeTemplate(const TopicScheme& scheme) {
-  if (scheme.interface_name.empty()) return scheme.topic_template;
-  return Replaced(scheme.topic_template, "{interface}", scheme.interface_name);
-}
-
-std::string Take(Values& values, std::string_view name) {
-  const auto found = values.find(name);
-  return found == values.end() ? std::string() : std::move(found->second);
+// Takes the first level away; true while there are more behind it.
+bool CutLevel(std::string_view& topic, std::string_view& level) {
+  const std::size_t slash = topic.find('/');
+  level = topic.substr(0, slash);
+  topic.remove_prefix(slash == std::string_view::npos ? topic.size() : slash + 1);
+  return slash != std::string_view::npos;
 }
 
 // ── dialects ──
@@ -182,21 +201,27 @@ Result<std::vector<std::string>> TopicsAnywhere(const TopicScheme& scheme,
 std::optional<TopicLevels> ReadTopic(const TopicScheme& scheme, std::string_view topic,
                                      std::string_view manufacturer) {
   if (!scheme.Names("{topic}")) return std::nullopt;  // what comes there is our own
-  const auto patterns = base::Split(MakeTemplate(scheme), '/');
-  const auto levels = base::Split(topic, '/');
-  if (patterns.size() != levels.size()) return std::nullopt;
+  // The template, with what the user states in place.
+  std::string stated;
+  std::string_view patterns = scheme.topic_template;
+  if (!scheme.interface_name.empty()) {
+    patterns = stated = Replaced(scheme.topic_template, "{interface}", scheme.interface_name);
+  }
   Values values;
-  for (std::size_t i = 0; i < levels.size(); ++i) {
-    if (!MatchLevel(patterns[i], levels[i], values)) return std::nullopt;
+  for (bool more = true; more;) {
+    std::string_view pattern;
+    std::string_view level;
+    more = CutLevel(patterns, pattern);
+    if (CutLevel(topic, level) != more || !MatchLevel(pattern, level, values)) return std::nullopt;
   }
   // Only what could be addressed is a robot.
-  RobotAddress robot{Take(values, "manufacturer"), Take(values, "serial")};
+  RobotAddress robot{values.Get("manufacturer"), values.Get("serial")};
   if (!scheme.Names("{manufacturer}")) robot.manufacturer = manufacturer;
   if (!IsAddressable(robot)) return std::nullopt;
   return TopicLevels{.robot = std::move(robot),
-                     .interface_name = Take(values, "interface"),
-                     .major = Take(values, "major"),
-                     .topic_name = Take(values, "topic")};
+                     .interface_name = values.Get("interface"),
+                     .major = values.Get("major"),
+                     .topic_name = values.Get("topic")};
 }
 
 std::optional<Discovered> DialectFrom(const Dialect& base, std::string_view topic,
