@@ -10,6 +10,7 @@
 
 #include "base/json.h"
 #include "base/text.h"
+#include "schema/violations.h"
 
 namespace fleetpub::schema {
 namespace {
@@ -48,21 +49,39 @@ std::optional<std::string> NearestTo(std::string_view name,
   return same != known.end() ? std::optional<std::string>(*same) : base::Nearest(name, known);
 }
 
+// What a schema says of a member that bears the name.
+template <typename Visit>
+void VisitMember(const SchemaNode& node, std::string_view name, const Visit& visit) {
+  const SchemaNode* known = node.FindProperty(name);
+  if (known != nullptr) visit(known);
+  for (const auto& [pattern, each] : node.pattern_properties) {
+    if (pattern.Matches(name)) visit(each);
+  }
+  // Others may be called anything.
+  if (known == nullptr && node.additional_properties != nullptr &&
+      node.additional_properties->source->IsObject()) {
+    visit(node.additional_properties);
+  }
+}
+
 class Speller {
  public:
-  void Check(const Nodes& schemas, const Value& value, const std::string& pointer) {
-    if (found_.size() >= Schema::kMostViolations) return;
+  void Check(const Nodes& schemas, const Value& value, const Where& where) {
+    if (found_.size() >= Schema::kMostViolations || !HasMembers(value)) return;
     Nodes nodes;
     for (const SchemaNode* each : schemas) ListNodes(each, nodes);
-    if (value.IsObject()) Object(nodes, value, pointer);
-    if (value.IsArray()) Array(nodes, value, pointer);
+    if (value.IsObject()) Object(nodes, value, where);
+    if (value.IsArray()) Array(nodes, value, where);
   }
 
   [[nodiscard]] std::vector<Violation> Take() { return std::move(found_); }
 
  private:
-  void Array(const Nodes& nodes, const Value& array, const std::string& pointer) {
+  static bool HasMembers(const Value& value) { return value.IsObject() || value.IsArray(); }
+
+  void Array(const Nodes& nodes, const Value& array, const Where& where) {
     for (rapidjson::SizeType i = 0; i < array.Size(); ++i) {
+      if (!HasMembers(array[i])) continue;
       Nodes below;
       for (const SchemaNode* node : nodes) {
         const bool is_listed = i < node->listed_items.size();
@@ -70,16 +89,24 @@ class Speller {
                         : node->items_are_listed ? node->additional_items
                                                  : node->items);
       }
-      Check(below, array[i], fmt::format("{}/{}", pointer, i));
+      Check(below, array[i], {.up = &where, .index = i});
     }
   }
 
-  void Object(const Nodes& nodes, const Value& object, const std::string& pointer) {
+  void Object(const Nodes& nodes, const Value& object, const Where& where) {
+    std::size_t index = 0;
     for (const auto& [key, value] : object.GetObject()) {
       const std::string_view name = ToView(key);
-      const std::string here = fmt::format("{}/{}", pointer, base::PointerToken(name));
-      const Nodes below = Below(nodes, name);
-      if (below.empty()) {
+      const Where here = {.up = &where, .name = name, .index = index++};
+      bool is_known = false;
+      Nodes below;
+      for (const SchemaNode* node : nodes) {
+        VisitMember(*node, name, [&](const SchemaNode* each) {
+          is_known = true;
+          if (HasMembers(value)) below.push_back(each);
+        });
+      }
+      if (!is_known) {
         Unknown(nodes, object, name, here);
       } else {
         Check(below, value, here);
@@ -87,26 +114,7 @@ class Speller {
     }
   }
 
-  // Empty: nobody knows the member.
-  static Nodes Below(const Nodes& nodes, std::string_view name) {
-    Nodes below;
-    for (const SchemaNode* node : nodes) {
-      const SchemaNode* known = node->FindProperty(name);
-      if (known != nullptr) below.push_back(known);
-      for (const auto& [pattern, each] : node->pattern_properties) {
-        if (pattern.Matches(name)) below.push_back(each);
-      }
-      // Others may be called anything.
-      if (known == nullptr && node->additional_properties != nullptr &&
-          node->additional_properties->source->IsObject()) {
-        below.push_back(node->additional_properties);
-      }
-    }
-    return below;
-  }
-
-  void Unknown(const Nodes& nodes, const Value& object, std::string_view name,
-               const std::string& pointer) {
+  void Unknown(const Nodes& nodes, const Value& object, std::string_view name, const Where& where) {
     std::vector<std::string_view> known;
     for (const SchemaNode* node : nodes) {
       // It is a violation already.
@@ -117,8 +125,9 @@ class Speller {
     }
     const auto near = NearestTo(name, known);
     if (!near || found_.size() >= Schema::kMostViolations) return;
-    found_.push_back({pointer, fmt::format("the member \"{}\" is not known: did you mean {}?",
-                                           base::Printable(name), base::Printable(*near))});
+    found_.push_back(
+        {MakePointer(where), fmt::format("the member \"{}\" is not known: did you mean {}?",
+                                         base::Printable(name), base::Printable(*near))});
   }
 
   std::vector<Violation> found_;
@@ -128,7 +137,7 @@ class Speller {
 
 std::vector<Violation> CollectMisspellings(const CheckedSchema& schema, const Value& message) {
   Speller speller;
-  speller.Check({&schema.root()}, message, "");
+  speller.Check({&schema.root()}, message, {});
   return speller.Take();
 }
 

@@ -24,20 +24,6 @@ using Value = base::JsonValue;
 using Node = SchemaNode;
 using Nodes = std::vector<const Node*>;
 
-// Where in the message. A link of a chain on the stack.
-struct Where {
-  const Where* up = nullptr;
-  std::string_view name = {};  // of a member; data() is null for an item
-  std::size_t index = 0;       // among its siblings
-};
-
-std::string MakePointer(const Where& where) {
-  if (where.up == nullptr) return {};
-  const std::string above = MakePointer(*where.up);
-  if (where.name.data() == nullptr) return fmt::format("{}/{}", above, where.index);
-  return fmt::format("{}/{}", above, base::PointerToken(where.name));
-}
-
 std::vector<std::size_t> MakeOrder(const Where& where) {
   if (where.up == nullptr) return {};
   std::vector<std::size_t> order = MakeOrder(*where.up);
@@ -417,6 +403,13 @@ class Walk {
 };
 
 }  // namespace
+
+std::string MakePointer(const Where& where) {
+  if (where.up == nullptr) return {};
+  const std::string above = MakePointer(*where.up);
+  if (where.name.data() == nullptr) return fmt::format("{}/{}", above, where.index);
+  return fmt::format("{}/{}", above, base::PointerToken(where.name));
+}
 
 std::vector<Violation> CollectViolations(const CheckedSchema& schema, const Value& message,
                                          int most_work) {
