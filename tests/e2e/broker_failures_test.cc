@@ -118,6 +118,8 @@ TEST_F(BrokerFailures, OfRefusalsSayWhatToDo) {
       {0x8B, "5", "shutting down: try again later"},
       {0x8C, "5", "another kind of authentication"},
       {0x97, "5", "quota exceeded"},
+      {0x9A, "5", "it takes no retained last will"},
+      {0x9B, "5", "it takes no last will at this QoS"},
       {0x9C, "5", "name that one with --broker"},
       {0x9D, "5", "name the new server with --broker"},
       {0x9F, "5", "too many connections"},

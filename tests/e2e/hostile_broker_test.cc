@@ -96,6 +96,18 @@ TEST_P(HostileBroker, IsQuotedWhenItEndsTheConnection) {
   EXPECT_THAT(run.output + run.errors, HasSubstr("quota exceeded (0x97), 'quota'"));
 }
 
+TEST_P(HostileBroker, IsQuotedWhenItRefusesAMessageOrASubscription) {
+  const ScriptedBroker full({.on_publish = std::string("\x40\x0c\0\1\x97\x08\x1f\0\5quota", 14)});
+  const Finished sent = Call(full, WithoutLook({"pause", "KIT/0001", "-V", "5", "-q", "1"}));
+  EXPECT_EQ(sent.exit_code, 4);
+  EXPECT_THAT(sent.output + sent.errors, HasSubstr("quota exceeded (0x97), 'quota'"));
+  const ScriptedBroker closed(
+      {.on_subscribe = std::string("\x90\x0f\0\1\x08\x1f\0\5staff\x87\x87\x87\x87", 17)});
+  const Finished asked = Call(closed, {"await", "KIT/0001", "paused=true", "-V", "5"});
+  EXPECT_EQ(asked.exit_code, 4);
+  EXPECT_THAT(asked.output + asked.errors, HasSubstr("not authorized (0x87), 'staff'"));
+}
+
 // A message that has left at QoS 0 has left, whatever follows.
 TEST_P(HostileBroker, DoesNotUndoAMessageAtQos0) {
   const ScriptedBroker broker({.on_publish = std::string(kNoPropertyLength)});
