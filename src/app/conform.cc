@@ -81,13 +81,14 @@ class BrokerWire final : public conformance::Wire {
 };
 
 // There and back along nodes that somebody named.
-Result<conformance::Way> PlanWay(const ConformRequest& request, const RobotListener& listener) {
+Result<conformance::Way> PlanWay(const ConformRequest& request, const RobotListener& listener,
+                                 Log& log) {
   conformance::Way way{.distance = request.distance};
   if (request.nodes.empty()) return way;
   if (request.nodes.size() < 3) {
     return Fail(ErrorKind::kUsage, "a way needs three nodes: --nodes n1,n2,n3");
   }
-  const auto plan = [&](std::vector<std::string> nodes) {
+  const auto plan = [&](std::vector<std::string> nodes) -> Result<vda5050::OrderPath> {
     PathRequest path{.nodes = std::move(nodes),
                      .points = {},
                      .stops = {},
@@ -96,33 +97,40 @@ Result<conformance::Way> PlanWay(const ConformRequest& request, const RobotListe
                      .blocking_type = {},
                      .vehicle_type = request.vehicle_type};
     const std::string start = path.nodes.front();
-    return PlanPath(path, request.site.get(),
-                    {.address = listener.address(),
-                     .factsheet = listener.robot().second.factsheet.get(),
-                     .state = nullptr,
-                     .start = start});
+    auto planned = PlanPath(path, request.site.get(),
+                            {.address = listener.address(),
+                             .factsheet = listener.robot().second.factsheet.get(),
+                             .state = nullptr,
+                             .start = start});
+    if (!planned) return Fail(std::move(planned.error()));
+    for (const std::string& warning : planned->warnings) log.Warn(warning);
+    return std::move(planned->path);
   };
   auto there = plan(request.nodes);
   if (!there) return Fail(std::move(there.error()));
-  way.there = std::move(there->path);
+  way.there = *std::move(there);
   if (request.nodes.front() == request.nodes.back()) return way;
   auto back = plan({request.nodes.rbegin(), request.nodes.rend()});
   if (!back) return Fail(std::move(back.error()));
-  way.back = std::move(back->path);
+  way.back = *std::move(back);
   return way;
 }
 
 std::string DescribeWay(const ConformRequest& request) {
+  const std::string load =
+      request.selection.Has("A07") ? "; picks and drops a load, if it can, where it stands" : "";
   if (request.nodes.empty()) {
-    return fmt::format("{:.1f} m straight on from where it stands, and back", request.distance);
+    return fmt::format("{:.1f} m straight on from where it stands, and back{}", request.distance,
+                       load);
   }
-  return fmt::format("along {}, and back", base::Printable(base::Join(request.nodes, ", ")));
+  return fmt::format("along {}, and back{}", base::Printable(base::Join(request.nodes, ", ")),
+                     load);
 }
 
 Result<ConformReport> Test(const ConformRequest& request, RobotListener& listener,
                            const Environment& environment, const DriveConsent& consent,
                            const conformance::Progress& progress, Observer& observer) {
-  auto way = PlanWay(request, listener);
+  auto way = PlanWay(request, listener, observer);
   if (!way) return Fail(std::move(way.error()));
   if (request.selection.level == Level::kDrive) {
     if (auto agreed = consent(listener.address(), DescribeWay(request)); !agreed) {

@@ -8,6 +8,7 @@
 #include <set>
 #include <utility>
 
+#include "app/explain_sources.h"
 #include "base/json.h"
 #include "base/text.h"
 #include "vda5050/reports/discovery.h"
@@ -52,8 +53,10 @@ class Story {
     now_ = event;
     if (event.kind == "gap" || event.kind == "overflow") {
       has_hole_ = had_hole_ = true;
-      Tell(fmt::format("the recording has a gap here{}",
-                       event.lasted.count() > 0 ? " of " + Elapsed(event.lasted) : ""));
+      Tell(!event.text.empty()
+               ? base::Printable(event.text)
+               : fmt::format("the recording has a gap here{}",
+                             event.lasted.count() > 0 ? " of " + Elapsed(event.lasted) : ""));
     }
   }
 
@@ -124,6 +127,7 @@ class Story {
     const bool has_order = !request_.order.empty() && read->order_id == request_.order;
     if (has_order && !taken_) {
       taken_ = now_;
+      taken_has_hole_ = had_hole_;
       taken_by_ = Evidence(read->header);
       Tell(fmt::format("taken: a state shows order {}", Shown(request_.order)));
     }
@@ -240,18 +244,21 @@ class Story {
   [[nodiscard]] ExplainFinding CheckTaking() const {
     ExplainFinding finding{.id = "taken", .clause = "6.1.2"};
     if (!order_seen_) {
-      finding.text = "the order itself is not in the recording";
+      finding.text = "the order itself was not heard";
     } else if (!refused_.empty()) {
       finding.verdict = Verdict::kPass;
       finding.text = "the robot refused the order with an error: " + refused_;
       finding.evidence = {taken_by_};
     } else if (taken_) {
       finding.verdict = Verdict::kPass;
-      finding.text = "a state shows the order " +
-                     Elapsed(std::max(taken_->t - order_seen_->t, microseconds(0))) + " later";
+      finding.text = "a state shows the order";
+      if (!taken_has_hole_) {
+        finding.text +=
+            " " + Elapsed(std::max(taken_->t - order_seen_->t, microseconds(0))) + " later";
+      }
       finding.evidence = {taken_by_};
     } else if (had_hole_ || !heard_ || heard_->t - order_seen_->t < kLongestSilence) {
-      finding.text = "no state shows the order, but the recording has gaps or ends too soon";
+      finding.text = "no state shows the order, but some are missing, or it ends too soon";
     } else {
       finding.verdict = Verdict::kFail;
       finding.text = "no state shows the order, and no error refuses it";
@@ -270,7 +277,7 @@ class Story {
       finding.text = "a node is missing where states are missing, too";
       finding.evidence = perhaps_skipped_;
     } else if (nodes_ < 2) {
-      finding.text = "the recording shows no way from node to node";
+      finding.text = "no states show a way from node to node";
     } else {
       finding.verdict = Verdict::kPass;
       finding.text = fmt::format("{} nodes, each in its turn", nodes_);
@@ -285,7 +292,7 @@ class Story {
           "an action is FAILED, and no error names it: right for a cancelled order alone";
       finding.evidence = unexplained_;
     } else if (statuses_.empty()) {
-      finding.text = "the recording shows no state of an action";
+      finding.text = "no state shows an action";
     } else {
       finding.verdict = Verdict::kPass;
       finding.text = explained_.empty() ? "no action failed" : "an error names each failed action";
@@ -304,7 +311,7 @@ class Story {
                                              : "the action ended " + Shown(action->second);
       if (!ended_by_.empty()) finding.evidence = {ended_by_};
     } else {
-      finding.text = "the recording shows no end";
+      finding.text = "no state shows the end";
     }
     return finding;
   }
@@ -349,6 +356,7 @@ class Story {
   std::optional<recording::Moment> taken_;
   std::optional<recording::Moment> ended_;
   std::optional<recording::Moment> heard_;  // the last live state
+  bool taken_has_hole_ = false;             // how soon, is not known
   std::string taken_by_;
   std::string refused_;
   std::string ended_by_;
@@ -374,59 +382,102 @@ class Story {
   std::vector<std::string> unexplained_;
 };
 
-// Hands the robot's messages, and the events, to whoever takes them.
-Result<recording::Faults> ReadRobot(const ExplainRequest& request,
-                                    const vda5050::TopicScheme& scheme, const auto& take_message,
-                                    const auto& take_event) {
-  auto reader = recording::Reader::Open(request.file);
-  if (!reader) return Fail(std::move(reader.error()));
-  for (;;) {
-    const auto entry = reader->Next();
-    if (!entry) return Fail(entry.error());
-    if (!*entry) return reader->faults();
-    if (const auto* event = std::get_if<recording::Event>(&**entry)) take_event(*event);
-    const auto* message = std::get_if<recording::Message>(&**entry);
-    if (message == nullptr) continue;
-    const auto levels = vda5050::ReadTopic(scheme, message->topic, request.robot.manufacturer);
-    if (levels && levels->robot == request.robot) take_message(*message, levels->topic_name);
-  }
+// What the ledger has of the robot, the newest of it, oldest first; nothing, if it cannot be read.
+std::vector<ledger::Record> ReadLedger(const ExplainRequest& request,
+                                       const Environment& environment, Log& log) {
+  constexpr int kMost = 10'000;
+  const auto ledger = environment.ledger(ledger::OpenMode::kReadOnly);
+  auto rows = ledger ? (*ledger)->History({.target = request.robot.ToString(), .limit = kMost})
+                     : Fail(ledger.error());
+  if (rows) return *std::move(rows);
+  log.Warn("who sent it is not known: " + rows.error().message);
+  return {};
 }
 
+bool IsAbout(const ledger::Record& row, const std::string& id) {
+  return !id.empty() &&
+         std::any_of(row.actions.begin(), row.actions.end(),
+                     [&](const message::ActionRef& action) { return action.id == id; });
+}
+
+// The id of its order; "": it is of none.
+std::string OrderOf(const ledger::Record& row) {
+  for (const message::ActionRef& action : row.actions) {
+    if (action.type == "order") return action.id;
+  }
+  return {};
+}
+
+// What was sent from the order on, until another one; of an action that alone.
+std::vector<recording::Entry> WhatWasSent(const ExplainRequest& request,
+                                          const std::vector<ledger::Record>& rows,
+                                          const ListeningPost& post) {
+  std::vector<recording::Entry> sent;
+  bool is_on = false;
+  for (const ledger::Record& row : rows) {
+    const bool is_it = IsAbout(row, request.order) || IsAbout(row, request.action);
+    if (is_it) is_on = request.action.empty();
+    if (!is_it && !OrderOf(row).empty()) is_on = false;
+    if (!is_it && !is_on) continue;
+    recording::Message message{post.MomentOf(row.recorded_at)};
+    message.topic = row.topic;
+    message.payload = row.payload;
+    sent.emplace_back(std::move(message));
+  }
+  return sent;
+}
+
+// ---- Telling it ----
+
 // The one that was spoken of last.
-Result<std::string> FindLastOrder(const ExplainRequest& request,
-                                  const vda5050::TopicScheme& scheme) {
+Result<std::string> FindLastOrder(const MessageSource& source) {
   std::string last;
-  auto read = ReadRobot(
-      request, scheme,
-      [&](const recording::Message& message, const std::string& topic_name) {
-        if (topic_name != "state" && topic_name != "order") return;
-        const auto document = vda5050::ReadMessage(message.payload);
-        const auto id = document ? base::StringMember(*document, "orderId") : std::string_view();
-        if (!id.empty()) last = id;
-      },
-      [](const recording::Event&) {});
+  auto read = source({.message =
+                          [&](const recording::Message& message, const std::string& topic_name) {
+                            if (topic_name != "state" && topic_name != "order") return;
+                            const auto document = vda5050::ReadMessage(message.payload);
+                            const auto id = document ? base::StringMember(*document, "orderId")
+                                                     : std::string_view();
+                            if (!id.empty()) last = id;
+                          },
+                      .event = [](const recording::Event&) {}});
   if (!read) return Fail(std::move(read.error()));
   return last;
 }
 
-// Who sent it, and what was heard of it then.
-void AddLedger(const ExplainRequest& request, const Environment& environment,
-               std::vector<TimelineEntry>& timeline, Log& log) {
-  const auto ledger = environment.ledger(ledger::OpenMode::kReadOnly);
-  const auto rows = ledger ? (*ledger)->History({.target = request.robot.ToString(), .limit = 0})
-                           : Fail(ledger.error());
-  if (!rows) return log.Warn("who sent it is not known: " + rows.error().message);
-  for (const ledger::Record& row : *rows) {
-    const bool is_it =
-        std::any_of(row.actions.begin(), row.actions.end(), [&](const message::ActionRef& action) {
-          return !action.id.empty() && (action.id == request.order || action.id == request.action);
-        });
-    if (!is_it) continue;
-    timeline.push_back(
+// Who sent it, and what was heard of it then: that counts where no state shows it.
+void AddLedger(const ExplainRequest& request, const std::vector<ledger::Record>& rows,
+               Explanation& explanation) {
+  for (const ledger::Record& row : rows) {
+    if (!IsAbout(row, request.order) && !IsAbout(row, request.action)) continue;
+    explanation.timeline.push_back(
         {row.recorded_at,
          fmt::format("sent by {} at {}: {} (fleetpub history show {})", base::Printable(row.user),
                      base::Printable(row.host), row.status, row.id)});
+    const bool has_ended = row.status == "FINISHED" || row.status == "FAILED";
+    for (ExplainFinding& finding : explanation.findings) {
+      const bool is_known = (finding.id == "end" && has_ended) ||
+                            (finding.id == "taken" && (has_ended || row.status == "ACCEPTED"));
+      if (!is_known || finding.verdict != Verdict::kInconclusive) continue;
+      finding.verdict = Verdict::kPass;
+      finding.text = fmt::format("the robot's word was heard when it was sent: {}", row.status);
+      finding.evidence = {fmt::format("history {}", row.id)};
+    }
   }
+}
+
+Error NothingKnown(const ExplainRequest& request) {
+  const std::string what = !request.order.empty()    ? "order " + Shown(request.order)
+                           : !request.action.empty() ? "action " + Shown(request.action)
+                                                     : std::string("an order");
+  const std::string robot = base::Printable(request.robot.ToString());
+  return {ErrorKind::kUnconfirmed,
+          request.file.empty()
+              ? fmt::format("neither the ledger nor the broker has anything of {} of {}. A "
+                            "recording tells more: --from FILE",
+                            what, robot)
+              : fmt::format("{} has nothing of {} of {}", base::Printable(request.file.string()),
+                            what, robot)};
 }
 
 }  // namespace
@@ -436,32 +487,40 @@ Result<Explanation> Explain(const ExplainRequest& given, const Environment& envi
   const auto dialect = ParseDialect(WithConfig(request.vda, environment.config, request.robot));
   if (!dialect) return Fail(dialect.error());
   const vda5050::TopicScheme& scheme = dialect->topics;
+  const auto rows = ReadLedger(request, environment, log);
+  const bool is_live = request.file.empty();
+  ListeningPost post(request.robot);
+  if (is_live) {
+    const auto heard = post.Listen(request.vda, request.listen, environment, log);
+    if (!heard) return Fail(heard.error());
+  }
+  MessageSource source = is_live ? FromEntries(post.heard(), request.robot, scheme)
+                                 : FromRecording(request.file, request.robot, scheme);
   if (request.order.empty() && request.action.empty()) {
-    auto order = FindLastOrder(request, scheme);
+    auto order = FindLastOrder(source);
     if (!order) return Fail(std::move(order.error()));
     request.order = *std::move(order);
+    for (auto row = rows.rbegin(); is_live && request.order.empty() && row != rows.rend(); ++row) {
+      request.order = OrderOf(*row);
+    }
+  }
+  if (is_live) {
+    auto entries = WhatWasSent(request, rows, post);
+    entries.emplace_back(post.Gap());
+    entries.insert(entries.end(), post.heard().begin(), post.heard().end());
+    source = FromEntries(std::move(entries), request.robot, scheme);
   }
   Story story(request);
-  auto faults = ReadRobot(
-      request, scheme,
-      [&](const recording::Message& message, const std::string& name) {
-        story.Take(message, name);
-      },
-      [&](const recording::Event& event) { story.Take(event); });
+  auto faults = source({.message = [&](const recording::Message& message,
+                                       const std::string& name) { story.Take(message, name); },
+                        .event = [&](const recording::Event& event) { story.Take(event); }});
   if (!faults) return Fail(std::move(faults.error()));
-  if (story.is_empty()) {
-    const std::string what = !request.order.empty()    ? "order " + Shown(request.order)
-                             : !request.action.empty() ? "action " + Shown(request.action)
-                                                       : std::string("an order");
-    return Fail(ErrorKind::kUnconfirmed,
-                fmt::format("{} has nothing of {} of {}", base::Printable(request.file.string()),
-                            what, base::Printable(request.robot.ToString())));
-  }
+  if (story.is_empty()) return Fail(NothingKnown(request));
   Explanation explanation{.order = request.order, .action = request.action};
   explanation.findings = story.Findings();
   explanation.timeline = story.TakeTimeline();
   explanation.faults = *std::move(faults);
-  AddLedger(request, environment, explanation.timeline, log);
+  AddLedger(request, rows, explanation);
   std::stable_sort(explanation.timeline.begin(), explanation.timeline.end(),
                    [](const TimelineEntry& a, const TimelineEntry& b) { return a.at < b.at; });
   return explanation;

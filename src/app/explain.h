@@ -1,7 +1,10 @@
-// What became of one order or action of a robot, as a recording shows it.
+// What became of one order or action of a robot, as a recording shows it, or the ledger and what the robot
+// says now.
 #pragma once
 
+#include <chrono>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -20,9 +23,11 @@ namespace fleetpub::app {
 struct ExplainRequest {
   vda5050::RobotAddress robot;
   VdaOptions vda;
-  std::string order;   ///< its id
-  std::string action;  ///< its id; both empty: the last order that the recording knows
-  std::filesystem::path file;
+  std::string order;           ///< its id
+  std::string action;          ///< its id; both empty: the last order that is known
+  std::filesystem::path file;  ///< a recording; empty: the ledger and the broker
+  /// The broker is listened to for so long; nothing: until the robot's next state.
+  std::optional<std::chrono::milliseconds> listen = {};
 };
 
 struct TimelineEntry {
@@ -47,8 +52,8 @@ struct Explanation {
   recording::Faults faults;
 };
 
-/// Errors: ErrorKind::kUsage, kLedger, kInvalid; kUnconfirmed: the recording has nothing of it. A ledger
-/// that cannot be read hides only who sent it.
+/// Errors: ErrorKind::kUsage, kLedger, kInvalid, kBroker; kUnconfirmed: nothing is known of it. A ledger
+/// that cannot be read hides only what it knows.
 [[nodiscard]] Result<Explanation> Explain(const ExplainRequest& request,
                                           const Environment& environment, Log& log);
 

@@ -89,11 +89,20 @@ class UserMessage final : public RobotMessage {
   }
 
   [[nodiscard]] bool IsOnlyStartPause() const override {
-    return topic_ == "instantActions" &&
-           vda5050::IsOnlyStartPause(vda5050::ActionsIn(*message_, Dialect()));
+    return vda5050::IsOnlyStartPause(Actions());
   }
+  [[nodiscard]] bool NeedsFactsheet() const override { return vda5050::NeedsFactsheet(Actions()); }
 
  private:
+  // Whatever its version calls them: it is not known yet how the robot is spoken to.
+  [[nodiscard]] std::vector<InstantAction> Actions() const {
+    if (topic_ != "instantActions") return {};
+    Dialect dialect;
+    auto actions = vda5050::ActionsIn(*message_, dialect);
+    dialect.actions_key = "instantActions";
+    return actions.empty() ? vda5050::ActionsIn(*message_, dialect) : actions;
+  }
+
   std::string_view topic_;
   std::shared_ptr<const base::JsonDocument> message_;
   vda5050::HeaderMismatch on_mismatch_;

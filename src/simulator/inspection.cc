@@ -197,7 +197,11 @@ Inspection Inspector::InspectOrder(std::string_view payload) {
   if (!inspection.fault.empty()) return inspection;
   OrderActions actions(inspection.message, settings_.version);
   for (const auto& finding : CheckOrder(inspection.message, settings_.version)) {
-    if (!finding.is_error || actions.Blame(finding.violation)) continue;
+    const std::string_view path = finding.violation.path;
+    const bool is_passed_over =
+        (settings_.Has(Fault::kTakeBaseBehindHorizon) && path.ends_with("/released")) ||
+        (settings_.Has(Fault::kTakeSequenceGaps) && path.ends_with("/sequenceId"));
+    if (!finding.is_error || is_passed_over || actions.Blame(finding.violation)) continue;
     if (inspection.fault.empty()) inspection.fault = finding.violation.message;
   }
   inspection.actions = std::move(actions).Take();

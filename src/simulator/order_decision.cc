@@ -179,7 +179,9 @@ Answer StartsElsewhere(const Asked& a) {
   const Position& here = a.state.position;
   const References node = {{"nodeId", first.id}};
   if (first.place && a.state.is_placed) {
-    if (first.place->map_id == here.map_id && IsWithin(*first.place, here)) return std::nullopt;
+    Place allowed = *first.place;
+    if (a.settings.Has(Fault::kExactStart)) allowed.deviation_a = allowed.deviation_b = 0;
+    if (allowed.map_id == here.map_id && IsWithin(allowed, here)) return std::nullopt;
     return Objection{
         fmt::format("node {} at {:.2f}, {:.2f} on {} is out of reach: the robot is at {:.2f}, "
                     "{:.2f}, heading {:.2f}, on {}",

@@ -198,7 +198,7 @@ bool OrderRun::IsStopped(const RobotState& state) const {
                        if (Has(Fault::kSingleStops) && action.blocking == Blocking::kSingle) {
                          return true;
                        }
-                       return action.Stops();
+                       return action.Stops() && !Has(Fault::kActionsNeverStop);
                      });
 }
 
@@ -373,6 +373,7 @@ void OrderRun::PauseActions(RobotState& state, TimePoint now) {
 // begins before they have.
 void OrderRun::StartActions(RobotState& state, TimePoint now) {
   if (is_paused_ || is_cancelling_) return;
+  if (Has(Fault::kEdgeActionsEarly)) StartEdgeActionsEarly(state, now);
   const bool hard_waits =
       Has(Fault::kHardFirst) && std::any_of(state.order_actions.begin(), state.order_actions.end(),
                                             [](const OrderAction& action) {
@@ -385,13 +386,24 @@ void OrderRun::StartActions(RobotState& state, TimePoint now) {
     if (!action.IsQueued()) continue;
     if (hard_waits && action.blocking != Blocking::kHard) continue;
     const bool is_soft = action.blocking == Blocking::kSoft;
-    const bool is_alone = action.IsAlone() && !Has(Fault::kHardInParallel);
+    const Fault in_parallel =
+        action.blocking == Blocking::kHard ? Fault::kHardInParallel : Fault::kSingleInParallel;
+    const bool is_alone = action.IsAlone() && !Has(in_parallel);
     const bool waits =
         (is_alone && any_before) || (is_soft && soft_before && Has(Fault::kSoftOneByOne));
     if (action.status == ActionStatus::kWaiting && !waits) StartAction(action, now);
     if (is_alone) break;
     any_before = true;
     soft_before = soft_before || is_soft;
+  }
+}
+
+void OrderRun::StartEdgeActionsEarly(RobotState& state, TimePoint now) {
+  if (state.order.edges.empty() || !state.order.edges.front().released) return;
+  for (OrderAction& action : state.order_actions) {
+    if (action.sequence_id != state.order.edges.front().sequence_id || action.is_due) continue;
+    action.is_due = true;
+    if (action.status == ActionStatus::kWaiting) StartAction(action, now);
   }
 }
 

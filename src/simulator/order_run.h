@@ -53,6 +53,7 @@ class OrderRun {
   void GoOn(RobotState& state, TimePoint now);
   void PauseActions(RobotState& state, TimePoint now);
   void StartActions(RobotState& state, TimePoint now);
+  void StartEdgeActionsEarly(RobotState& state, TimePoint now);
   void StartAction(OrderAction& action, TimePoint now);
   void CompleteActions(RobotState& state, TimePoint now);
   void Complete(RobotState& state, OrderAction& action);

@@ -79,7 +79,7 @@ void VirtualRobot::ReceiveOrder(std::string_view payload, const Moment& now,
   ForgetErrors(state_, Until::kNextOrder);
   if (decision.outcome == Outcome::kNew) {
     state_.requests.clear();
-    if (shared_.terms.OrderClearsInstantActions()) {
+    if (shared_.terms.OrderClearsInstantActions() != Has(Fault::kInstantActionsOverOrder)) {
       std::erase_if(state_.instant_actions,
                     [](const ActionState& action) { return IsEnded(action.status); });
     }

@@ -4,17 +4,20 @@
 
 #include <algorithm>
 #include <optional>
+#include <thread>
 #include <utility>
 
 #include "base/json.h"
 #include "base/text.h"
 #include "base/time.h"
+#include "delivery/reconnect.h"
 #include "delivery/retained.h"
 #include "vda5050/reports/robot_messages.h"
 
 namespace fleetpub::simulator {
 namespace {
 
+using std::chrono::duration_cast;
 using std::chrono::microseconds;
 using std::chrono::milliseconds;
 using std::chrono::steady_clock;
@@ -23,6 +26,7 @@ using vda5050::TopicLevels;
 
 constexpr milliseconds kGlance{100};  // between two looks at whether to go on
 constexpr std::chrono::seconds kPatience{10};
+constexpr auto kKept = mqtt::Qos::kAtLeastOnce;  // for what is to be retained
 
 bool IsIn(std::span<const std::string_view> names, std::string_view name) {
   return std::find(names.begin(), names.end(), name) != names.end();
@@ -108,33 +112,37 @@ std::string Rewrite(const Part& part, std::optional<std::uint32_t> header_id) {
 
 class Player {
  public:
-  Player(const ReplayOptions& options, const ReplayPlan& plan, mqtt::RobotTransport& transport)
-      : options_(options), plan_(plan), transport_(transport) {}
+  Player(const ReplayOptions& options, const ReplayPlan& plan,
+         std::unique_ptr<mqtt::RobotTransport> transport, const ReplayHooks& hooks)
+      : options_(options), plan_(plan), transport_(std::move(transport)), hooks_(hooks) {}
 
   Result<Replayed> Run() {
     if (auto ok = CheckPlaces(); !ok) return Fail(std::move(ok.error()));
+    schedule_.Connected(steady_clock::now());
     auto played = Play();
-    const Status settled = options_.keep ? Await() : PutBack();
+    const Status settled = Settle();
     if (!played) return Fail(std::move(played.error()));
     if (!settled) return Fail(settled.error());
+    if (transport_ != nullptr) transport_->Disconnect();
     return replayed_;
   }
 
  private:
+  // What the broker has to acknowledge.
+  struct Sent {
+    int token;
+    mqtt::Message message;
+    bool is_kept;
+  };
+
   // What is retained where messages will be left, and whether the robots' places are free.
   Status CheckPlaces() {
     std::set<std::string> all = plan_.retained;
     all.insert(plan_.places.begin(), plan_.places.end());
-    const std::vector<std::string> topics(all.begin(), all.end());
-    std::size_t left = topics.size();
-    auto read = delivery::ReadRetained(transport_, topics, {}, [&](const mqtt::Message& message) {
-      if (message.retained) before_[message.topic] = message.payload;
-      return message.retained && --left == 0;
-    });
-    if (read && topics.size() <= delivery::kFiltersAtOnce) {
-      read = transport_.Unsubscribe(topics, steady_clock::now() + kPatience);
-    }
-    if (!read || options_.force) return read;
+    auto found = ReadKept({all.begin(), all.end()});
+    if (!found) return Fail(std::move(found.error()));
+    before_ = *std::move(found);
+    if (options_.force) return {};
     for (const auto& [topic, payload] : before_) {
       const auto connection = vda5050::ReadConnection(payload);
       if (!connection || connection->connection_state != "ONLINE") continue;
@@ -147,12 +155,28 @@ class Player {
     return {};
   }
 
+  // By topic, what the broker keeps there.
+  Result<std::map<std::string, std::string>> ReadKept(const std::vector<std::string>& topics) {
+    std::map<std::string, std::string> kept;
+    if (topics.empty()) return kept;
+    std::size_t left = topics.size();
+    auto read = delivery::ReadRetained(*transport_, topics, {}, [&](const mqtt::Message& message) {
+      if (message.retained) kept[message.topic] = message.payload;
+      return message.retained && --left == 0;
+    });
+    if (read && topics.size() <= delivery::kFiltersAtOnce) {
+      read = transport_->Unsubscribe(topics, steady_clock::now() + kPatience);
+    }
+    if (!read) return Fail(std::move(read.error()));
+    return kept;
+  }
+
   Status Play() {
     auto reader = recording::Reader::Open(options_.file);
     if (!reader) return Fail(std::move(reader.error()));
     std::optional<microseconds> first;
-    const auto start = steady_clock::now();
-    for (;;) {
+    start_ = steady_clock::now();
+    while (true) {
       auto said = reader->NextMessage();
       if (!said) return Fail(std::move(said.error()));
       if (!*said) return {};
@@ -161,28 +185,28 @@ class Player {
       if (!*part || ((*part)->is_command && !options_.commands)) continue;
       first = first.value_or((*said)->t);
       // Time that runs backwards in the file has no gap.
-      const auto after = std::max((*said)->t - *first, microseconds(0)) / options_.speed;
-      const auto due = start + std::chrono::duration_cast<steady_clock::duration>(after);
-      auto waited = WaitUntil(due);
-      if (!waited) return Fail(std::move(waited.error()));
-      replayed_.was_stopped = !*waited;
-      if (replayed_.was_stopped) return {};
-      if (auto sent = Send(**part); !sent) return sent;
-      const auto late = std::chrono::duration_cast<microseconds>(steady_clock::now() - due);
+      const auto since = std::max((*said)->t - *first, microseconds(0)) / options_.speed;
+      const auto after = std::chrono::duration_cast<steady_clock::duration>(since);
+      if (!WaitUntil(after)) return {};
+      if (auto sent = Send(**part); !sent) return replayed_.was_stopped ? Status() : sent;
+      const auto late = duration_cast<microseconds>(steady_clock::now() - start_ - after);
       replayed_.latest = std::max(replayed_.latest, late);
     }
   }
 
-  // False: somebody has stopped it.
-  Result<bool> WaitUntil(mqtt::Deadline due) {
+  // So long behind the start, which comes later when the connection is lost. False: somebody has
+  // stopped it.
+  bool WaitUntil(steady_clock::duration after) {
     do {
       if (steady_clock::now() >= next_look_) {
         next_look_ = steady_clock::now() + kGlance;
-        if (options_.stopped()) return false;
+        replayed_.was_stopped = options_.stopped();
+        if (replayed_.was_stopped) return false;
       }
-      const auto heard = transport_.Receive(std::min(due, next_look_));
-      if (!heard) return Fail(heard.error());
-    } while (steady_clock::now() < due);
+      const auto heard = transport_->Receive(std::min(start_ + after, next_look_));
+      if (!heard && !ConnectAgain(heard.error())) return false;
+      NoteAcknowledgements();
+    } while (steady_clock::now() < start_ + after);
     return true;
   }
 
@@ -191,40 +215,135 @@ class Player {
     std::optional<std::uint32_t> header_id;
     if (options_.restamp) header_id = header_ids_[part.message.topic]++;
     if (part.is_mapped || options_.restamp) part.message.payload = Rewrite(part, header_id);
-    const auto limit = steady_clock::now() + kPatience;
-    const auto sent = is_kept ? transport_.PublishRetained(part.message, limit)
-                              : transport_.Publish(part.message, limit);
-    if (!sent) return Fail(sent.error());
-    if (is_kept) left_.insert(part.message.topic);
+    if (is_kept) left_[part.message.topic] = part.message.payload;
     ++replayed_.messages;
-    return {};
+    return Publish(part.message, is_kept);
   }
 
-  Status PutBack() {
-    for (const std::string& topic : left_) {
-      const auto before = before_.find(topic);
-      const auto sent =
-          transport_.PublishRetained({.topic = topic,
-                                      .payload = before == before_.end() ? "" : before->second,
-                                      .qos = mqtt::Qos::kAtLeastOnce},
-                                     steady_clock::now() + kPatience);
-      if (!sent) return Fail(sent.error());
+  // Over one connection after the other, until it has left. Errors: the broker would never take it, or
+  // somebody has stopped it while there was none.
+  Status Publish(const mqtt::Message& message, bool is_kept) {
+    while (true) {
+      if (auto ok = transport_->Admits(message.topic, message.payload.size(), message.qos); !ok) {
+        return ok;
+      }
+      const auto limit = steady_clock::now() + kPatience;
+      const auto token = is_kept ? transport_->PublishRetained(message, limit)
+                                 : transport_->Publish(message, limit);
+      if (token && message.qos != mqtt::Qos::kAtMostOnce) {
+        sent_.push_back({*token, message, is_kept});
+      }
+      if (token) return {};
+      if (!ConnectAgain(token.error())) return Fail(token.error());
     }
-    return Await();
   }
 
-  Status Await() {
-    const auto taken = transport_.AwaitAcknowledgements(steady_clock::now() + kPatience, 0);
-    if (!taken) return Fail(taken.error());
+  void NoteAcknowledgements() {
+    if (sent_.empty()) return;
+    const auto taken = transport_->AwaitAcknowledgements(steady_clock::now(), SIZE_MAX);
+    if (!taken) return;  // the next call of any other kind tells it, too
+    for (const mqtt::Acknowledgement& one : *taken) {
+      std::erase_if(sent_, [&](const Sent& sent) { return sent.token == one.token; });
+    }
+  }
+
+  // The recording stands still until there is a connection. False: somebody has stopped it.
+  bool ConnectAgain(Error error) {
+    NoteAcknowledgements();
+    const auto lost_at = steady_clock::now();
+    hooks_.lost(error);
+    schedule_.Lost(lost_at);
+    transport_.reset();
+    while (transport_ == nullptr) {
+      std::this_thread::sleep_until(std::min(schedule_.next(), steady_clock::now() + kGlance));
+      replayed_.was_stopped = options_.stopped();
+      if (replayed_.was_stopped) return false;
+      if (steady_clock::now() >= schedule_.next()) TryToConnect();
+    }
+    const auto lasted = steady_clock::now() - lost_at;
+    start_ += lasted;
+    ++replayed_.losses;
+    replayed_.lost += duration_cast<microseconds>(lasted);
+    hooks_.again(duration_cast<microseconds>(lasted));
+    return true;
+  }
+
+  // A connection over which all has been said again that has to be.
+  void TryToConnect() {
+    auto opened = hooks_.open();
+    if (opened) transport_ = *std::move(opened);
+    if (!opened || !SayAgain()) {
+      transport_.reset();
+      return schedule_.Failed(steady_clock::now());
+    }
+    schedule_.Connected(steady_clock::now());
+  }
+
+  // What the broker may never have had, and what it had and has kept no more.
+  Status SayAgain() {
+    std::vector<std::string> topics;
+    for (const auto& [topic, payload] : left_) topics.push_back(topic);
+    const auto kept = ReadKept(topics);
+    if (!kept) return Fail(kept.error());
+    std::vector<Sent> again = sent_;
+    for (const auto& [topic, payload] : left_) {
+      const auto is_it = [&](const Sent& sent) { return sent.message.topic == topic; };
+      if (kept->contains(topic) || std::any_of(again.begin(), again.end(), is_it)) continue;
+      again.push_back({0, {.topic = topic, .payload = payload, .qos = kKept}, true});
+    }
+    sent_.clear();
+    for (std::size_t i = 0; i < again.size(); ++i) {
+      auto& [token, message, is_kept] = again[i];
+      const auto limit = steady_clock::now() + kPatience;
+      const auto published = is_kept ? transport_->PublishRetained(message, limit)
+                                     : transport_->Publish(message, limit);
+      if (!published) {
+        sent_.insert(sent_.end(), again.begin() + static_cast<std::ptrdiff_t>(i), again.end());
+        return Fail(published.error());
+      }
+      ++replayed_.again;
+      sent_.push_back({*published, message, is_kept});
+    }
     return {};
+  }
+
+  // All of it is with the broker, and nothing is left there that was not before.
+  Status Settle() {
+    if (transport_ == nullptr) {
+      if (options_.keep ? sent_.empty() : left_.empty()) return {};
+      auto opened = hooks_.open();
+      if (!opened) return Fail(std::move(opened.error()));
+      transport_ = *std::move(opened);
+    }
+    if (!options_.keep) {
+      // The last one by topic, whatever the broker has of those before.
+      std::erase_if(sent_, [](const Sent& sent) { return sent.is_kept; });
+      for (const auto& [topic, payload] : std::exchange(left_, {})) {
+        const auto before = before_.find(topic);
+        auto sent = Publish({.topic = topic,
+                             .payload = before == before_.end() ? "" : before->second,
+                             .qos = kKept},
+                            true);
+        if (!sent) return sent;
+      }
+    }
+    while (true) {
+      const auto taken = transport_->AwaitAcknowledgements(steady_clock::now() + kPatience, 0);
+      if (taken) return {};
+      if (replayed_.was_stopped || !ConnectAgain(taken.error())) return Fail(taken.error());
+    }
   }
 
   const ReplayOptions& options_;
   const ReplayPlan& plan_;
-  mqtt::RobotTransport& transport_;
+  std::unique_ptr<mqtt::RobotTransport> transport_;  // null while it is lost
+  const ReplayHooks& hooks_;
+  delivery::ReconnectSchedule schedule_;
+  std::vector<Sent> sent_;                           // and not acknowledged
   std::map<std::string, std::string> before_;        // by topic: what was retained
-  std::set<std::string> left_;                       // topics on which we left something
+  std::map<std::string, std::string> left_;          // likewise: what we left
   std::map<std::string, std::uint32_t> header_ids_;  // by topic, the next one
+  steady_clock::time_point start_;                   // of the recording
   steady_clock::time_point next_look_;
   Replayed replayed_;
 };
@@ -290,8 +409,8 @@ Result<ReplayPlan> PlanReplay(const ReplayOptions& options) {
 }
 
 Result<Replayed> Replay(const ReplayOptions& options, const ReplayPlan& plan,
-                        mqtt::RobotTransport& transport) {
-  return Player(options, plan, transport).Run();
+                        std::unique_ptr<mqtt::RobotTransport> transport, const ReplayHooks& hooks) {
+  return Player(options, plan, std::move(transport), hooks).Run();
 }
 
 }  // namespace fleetpub::simulator

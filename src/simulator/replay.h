@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <functional>
 #include <map>
+#include <memory>
 #include <set>
 #include <string>
 #include <string_view>
@@ -58,13 +59,26 @@ struct ReplayPlan {
 
 struct Replayed {
   std::uint64_t messages = 0;
+  std::uint64_t again = 0;              ///< that were sent a second time: nobody knows of the first
+  std::uint64_t losses = 0;             ///< of the connection
+  std::chrono::microseconds lost{0};    ///< for so long in all; the recording stood still meanwhile
   std::chrono::microseconds latest{0};  ///< the message that came latest behind its time
   bool was_stopped = false;
 };
 
-/// Sends it. What was retained at these topics before is put back at the end. Errors: as PlanReplay;
-/// kBroker; kPreflight: a robot of such a name is ONLINE.
+struct ReplayHooks {
+  std::function<Result<std::unique_ptr<mqtt::RobotTransport>>()> open;
+  /// The connection was lost and is now opened again; it is there again, after so long.
+  std::function<void(const Error&)> lost;
+  std::function<void(std::chrono::microseconds)> again;
+};
+
+/// Sends it over an open connection. One that is lost is opened again for as long as nobody stops it;
+/// then what the broker has not acknowledged is sent once more, and what it has retained no more. What
+/// was retained at these topics before is put back at the end. Errors: as PlanReplay; kBroker;
+/// kPreflight: a robot of such a name is ONLINE.
 [[nodiscard]] Result<Replayed> Replay(const ReplayOptions& options, const ReplayPlan& plan,
-                                      mqtt::RobotTransport& transport);
+                                      std::unique_ptr<mqtt::RobotTransport> transport,
+                                      const ReplayHooks& hooks);
 
 }  // namespace fleetpub::simulator

@@ -2,8 +2,10 @@
 #include <gmock/gmock.h>
 
 #include <map>
+#include <set>
 
 #include "base/file.h"
+#include "layout/layouts.h"
 #include "support/document.h"
 #include "support/operator.h"
 
@@ -11,9 +13,11 @@ namespace fleetpub::testing {
 namespace {
 
 using ::testing::AllOf;
+using ::testing::Contains;
 using ::testing::HasSubstr;
-using ::testing::IsEmpty;
+using ::testing::IsSupersetOf;
 using ::testing::Not;
+using ::testing::UnorderedElementsAre;
 
 class Conform : public EndToEnd {
  protected:
@@ -78,7 +82,9 @@ TEST_F(Conform, DrivesWithConsentOnlyAndLeavesTheRobotIdle) {
   const auto robot = QuickRobot();
   const Finished refused = Test({"--level", "drive", "--distance", "8"});
   EXPECT_EQ(refused.exit_code, 2);
-  EXPECT_THAT(refused.errors, AllOf(HasSubstr("8.0 m"), HasSubstr("--yes")));
+  EXPECT_THAT(refused.errors, AllOf(HasSubstr("8.0 m"), HasSubstr("load"), HasSubstr("--yes")));
+  const Finished light = Test({"--level", "drive", "--skip", "A07"});
+  EXPECT_THAT(light.errors, Not(HasSubstr("picks and drops")));
   EXPECT_EQ(Sent(), 0U);
 
   const std::string recording = (operator_.home().path() / "test.jsonl").string();
@@ -91,6 +97,77 @@ TEST_F(Conform, DrivesWithConsentOnlyAndLeavesTheRobotIdle) {
   EXPECT_EQ(told.exit_code, 0) << told.errors;
   const Finished shown = Fleetpub({"show", "KIT/0001", "-o", "json"});
   EXPECT_THAT(shown.output, HasSubstr(R"("nodesLeft":0)"));
+}
+
+// n1 to n3 round a corner, both ways.
+class ConformOnALayout : public Conform {
+ protected:
+  [[nodiscard]] Finished Drive(std::vector<std::string> words) const {
+    words.insert(words.begin(), {"--level", "drive", "--yes", "-o", "json"});
+    return Test(std::move(words));
+  }
+  static std::string Node(const char* id, double x, double y) {
+    return NodeText(id, x, y, R"({"vehicleTypeId":"T"})", "map-1");
+  }
+  static std::string Edge(const char* from, const char* to) {
+    return EdgeText(from, to, R"("maxSpeed":1)");
+  }
+  // The ids of the nodes and edges of all orders that were heard.
+  static std::set<std::string> Ids(const Subscriber& orders) {
+    std::set<std::string> ids;
+    for (const auto& heard : orders.SoFar()) {
+      const auto order = Json(heard.payload);
+      for (const auto& node : order["nodes"].GetArray()) ids.insert(node["nodeId"].GetString());
+      for (const auto& edge : order["edges"].GetArray()) ids.insert(edge["edgeId"].GetString());
+    }
+    return ids;
+  }
+
+  std::string hall_ =
+      operator_.home()
+          .Write(
+              "hall.lif.json",
+              FileText({Node("n1", 1, 2), Node("n2", 9, 2), Node("n3", 9, 10), Node("n4", 9, 14)},
+                       {Edge("n1", "n2"), Edge("n2", "n1"), Edge("n2", "n3"), Edge("n3", "n2")}))
+          .string();
+};
+
+TEST_F(ConformOnALayout, DrivesThereAndBackAlongItsEdges) {
+  const auto robot = QuickRobot();
+  const Subscriber orders(broker_, "+/+/KIT/0001/order");
+  const Finished driven = Drive({"--nodes", "n1,n2,n3", "--layout", hall_, "--only",
+                                 "D01,D02,D03,D08,D15,A02,X01,X02,X05,S04"});
+  EXPECT_EQ(driven.exit_code, 0) << driven.output << driven.errors;
+  for (const auto& [id, verdict] : Verdicts(driven)) {
+    EXPECT_EQ(verdict, id == "D15" ? "SKIPPED" : "PASS") << id << "\n" << driven.output;
+  }
+  EXPECT_THAT(Ids(orders), IsSupersetOf({"n1", "n2", "n3", "n1-n2", "n2-n3", "n3-n2", "n2-n1"}));
+  EXPECT_THAT(Ids(orders), Not(Contains("n4")));
+}
+
+TEST_F(ConformOnALayout, DrivesALoopWhoseLastNodeIsItsFirst) {
+  const auto robot = QuickRobot();
+  const Subscriber orders(broker_, "+/+/KIT/0001/order");
+  const Finished driven =
+      Drive({"--nodes", "n1,n2,n1", "--layout", hall_, "--only", "D01,D02,X05"});
+  EXPECT_EQ(driven.exit_code, 0) << driven.output << driven.errors;
+  for (const auto& [id, verdict] : Verdicts(driven)) EXPECT_EQ(verdict, "PASS") << id;
+  EXPECT_THAT(Ids(orders), UnorderedElementsAre("n1", "n2", "n1-n2", "n2-n1"));
+}
+
+TEST_F(ConformOnALayout, SendsNothingAlongAWayThatIsNone) {
+  const auto robot = QuickRobot();
+  const auto drive = [&](std::vector<std::string> words) {
+    words.insert(words.begin(), {"--level", "drive", "--layout", hall_, "--nodes"});
+    return Test(std::move(words));
+  };
+  EXPECT_EQ(drive({"n1,n2", "--yes"}).exit_code, 2);
+  EXPECT_EQ(drive({"n1,n2,n3", "--yes", "--vehicle-type", "none"}).exit_code, 2);
+  const Finished off = drive({"n1,n2,n4"});
+  EXPECT_EQ(off.exit_code, 2) << "nobody has agreed";
+  EXPECT_THAT(off.errors, AllOf(HasSubstr("no edge from n2 to n4"), HasSubstr("no edge from n4")));
+  EXPECT_EQ(Drive({"--nodes", "n1,n2,n3", "--layout", "no.lif.json"}).exit_code, 8);
+  EXPECT_EQ(Sent(), 0U);
 }
 
 TEST_F(Conform, WritesReports) {

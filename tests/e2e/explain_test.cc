@@ -1,6 +1,8 @@
 // `fleetpub explain`: an order's and an action's way through a recording, and what cannot be known.
 #include <gmock/gmock.h>
 
+#include <chrono>
+#include <map>
 #include <random>
 
 #include "base/file.h"
@@ -39,21 +41,25 @@ std::string Order(double t) {
       R"({"headerId":1,"orderId":"o1","orderUpdateId":0,"nodes":[{"nodeId":"n0","sequenceId":0,"released":true,"actions":[]},{"nodeId":"n2","sequenceId":4,"released":true,"actions":[{"actionType":"pick","actionId":"a1"}]}],"edges":[]})");
 }
 
+// The verdict of each finding, and the exit code for `exit`.
+std::map<std::string, std::string> VerdictsOf(const Finished& run) {
+  std::map<std::string, std::string> verdicts = {{"exit", std::to_string(run.exit_code)}};
+  if (run.exit_code != 0) return verdicts;
+  const auto told = Json(run.output);
+  for (const auto& finding : told["findings"].GetArray()) {
+    verdicts[finding["id"].GetString()] = finding["verdict"].GetString();
+  }
+  return verdicts;
+}
+
 class Explain : public ::testing::Test {
  protected:
-  // The verdict of each finding, and the exit code for `exit`.
   std::map<std::string, std::string> Verdicts(const std::string& text,
                                               std::vector<std::string> more = {}) {
     const std::string file = operator_.home().Write("shift.jsonl", text).string();
     more.insert(more.begin(), {"explain", "KIT/0001", "--from", file, "-o", "json"});
     last_ = operator_.Fleetpub(more);
-    std::map<std::string, std::string> verdicts = {{"exit", std::to_string(last_.exit_code)}};
-    if (last_.exit_code != 0) return verdicts;
-    const auto told = Json(last_.output);
-    for (const auto& finding : told["findings"].GetArray()) {
-      verdicts[finding["id"].GetString()] = finding["verdict"].GetString();
-    }
-    return verdicts;
+    return VerdictsOf(last_);
   }
   static std::string Whole() {
     return Order(0) + State(1, 7, 0, "WAITING") + State(5, 8, 2, "WAITING") +
@@ -143,9 +149,77 @@ TEST_F(Explain, RefusesWhatItCannotExplain) {
   EXPECT_EQ(Verdicts(Whole(), {"--order", "other"})["exit"], "6");
   EXPECT_EQ(Verdicts("")["exit"], "6");
   EXPECT_EQ(Verdicts("text\n")["exit"], "3");
-  EXPECT_EQ(operator_.Fleetpub({"explain", "KIT/0001"}).exit_code, 2);
+  EXPECT_EQ(operator_.Fleetpub({"explain"}).exit_code, 2);
+  EXPECT_EQ(Verdicts(Whole(), {"--for", "1s"})["exit"], "2");
   EXPECT_EQ(operator_.Fleetpub({"explain", "KIT/0001", "--from", "-"}).exit_code, 2);
   EXPECT_EQ(operator_.Fleetpub({"explain", "KIT/0001", "--from", "none"}).exit_code, 8);
+}
+
+// ---- Without a recording ----
+
+class ExplainNow : public EndToEnd {
+ protected:
+  std::map<std::string, std::string> Verdicts(std::vector<std::string> more = {}) {
+    more.insert(more.begin(), {"explain", "KIT/0001", "-o", "json"});
+    last_ = Fleetpub(more);
+    return VerdictsOf(last_);
+  }
+  [[nodiscard]] std::unique_ptr<Process> QuickRobot() const {
+    return Robot({"KIT/0001", "--at", "n1", "--time-scale", "20", "--state-interval", "200ms"});
+  }
+
+  Finished last_;
+};
+
+TEST_F(ExplainNow, PutsTogetherWhatTheLedgerAndTheRobotKnow) {
+  const auto robot = QuickRobot();
+  EXPECT_EQ(Fleetpub({"order", "KIT/0001", "n1", "n2", "n3", "--wait"}).exit_code, 0);
+  const auto verdicts = Verdicts();
+  EXPECT_EQ(verdicts.at("exit"), "0") << last_.errors;
+  EXPECT_EQ(verdicts.at("taken"), "PASS");
+  EXPECT_EQ(verdicts.at("end"), "PASS");
+  EXPECT_EQ(verdicts.at("nodes"), "INCONCLUSIVE") << "nobody saw it drive";
+  for (const auto& [id, verdict] : verdicts) EXPECT_THAT(verdict, StrNe("FAIL")) << id;
+  for (const char* text : {"update 0 was sent: 3 nodes", "fleetpub history show",
+                           "nobody listened before", "node n3 (sequenceId 4)"}) {
+    EXPECT_THAT(last_.output, HasSubstr(text));
+  }
+}
+
+TEST_F(ExplainNow, FollowsAnOrderForAsLongAsSomebodyWants) {
+  const auto robot = Robot({"KIT/0001", "--at", "n1", "--edge-time", "1s"});
+  EXPECT_EQ(Fleetpub({"order", "KIT/0001", "n1", "n2", "n3", "--wait-for", "accepted"}).exit_code,
+            0);
+  const auto verdicts = Verdicts({"--for", "3s"});
+  EXPECT_EQ(verdicts.at("end"), "PASS") << last_.output;
+  EXPECT_EQ(verdicts.at("nodes"), "PASS") << last_.output;
+}
+
+TEST_F(ExplainNow, KnowsAnActionByWhatTheRobotSaidThen) {
+  const auto robot = QuickRobot();
+  EXPECT_EQ(Fleetpub({"pause", "KIT/0001", "--id", "p-1", "--wait"}).exit_code, 0);
+  EXPECT_EQ(Verdicts({"--action", "p-1"}).at("end"), "PASS") << last_.output;
+  EXPECT_THAT(last_.output, HasSubstr("startPause (p-1) was sent"));
+}
+
+TEST_F(ExplainNow, JudgesNothingOfARobotThatIsGone) {
+  Say("vda5050/v3/KIT/0001/connection", R"({"connectionState":"OFFLINE"})", true);
+  EXPECT_EQ(Send({"order", "KIT/0001", "n1", "n2"}).exit_code, 0);
+  const auto start = std::chrono::steady_clock::now();
+  const auto verdicts = Verdicts();
+  EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(5) * kSlowness);
+  EXPECT_EQ(verdicts.at("exit"), "0") << last_.errors;
+  for (const auto& [id, verdict] : verdicts) {
+    EXPECT_EQ(verdict, id == "exit" ? "0" : "INCONCLUSIVE") << id;
+  }
+  EXPECT_THAT(last_.output, HasSubstr("connection OFFLINE"));
+}
+
+TEST_F(ExplainNow, SaysThatNothingIsKnown) {
+  EXPECT_EQ(Verdicts({"--for", "200ms"}).at("exit"), "6");
+  EXPECT_THAT(last_.errors, HasSubstr("--from"));
+  broker_.Kill();
+  EXPECT_EQ(Verdicts().at("exit"), "4");
 }
 
 }  // namespace

@@ -158,6 +158,63 @@ TEST_F(Replay, EndsAtOnceAndTidiesUp) {
   EXPECT_THAT(listener.Await(2)[1].payload, IsEmpty());
 }
 
+// At QoS 1: the robot's ONLINE, then a state every 100 ms.
+TEST_F(Replay, GoesOnWhenTheBrokerComesBack) {
+  constexpr int kStates = 20;
+  const auto at_qos_1 = [](std::string line) {
+    return line.replace(line.find(R"("qos":0)"), 7, R"("qos":1)");
+  };
+  std::string text = Line(0, "0001/connection", R"({"headerId":1,"connectionState":"ONLINE"})");
+  for (int id = 0; id < kStates; ++id) {
+    text += at_qos_1(Line(0.1 * (id + 1), "0001/state", Said(id)));
+  }
+  Write(text);
+  auto listener = std::make_unique<Subscriber>(broker_, "#", 1);
+  Process player(operator_.Prepare(
+      {"replay", (operator_.home() / "shift.jsonl").string(), "--keep", "-o", "json"}));
+  ASSERT_THAT(listener->Await(3), SizeIs(3));
+  broker_.Kill();
+  const auto before = listener->SoFar();
+  listener.reset();  // it would connect again
+  ASSERT_TRUE(player.AwaitErrors("connecting again")) << player.Errors();
+  broker_.Restart();
+  const Subscriber after(broker_, "#", 1);
+  EXPECT_EQ(player.Wait(), 0) << player.Errors();
+  EXPECT_THAT(player.Errors(), HasSubstr("connected again"));
+  const auto told = Json(Lines(player.Output()).back());
+  EXPECT_EQ(told["messages"].GetInt(), kStates + 1);
+  EXPECT_EQ(told["losses"].GetInt(), 1);
+  EXPECT_GT(told["lostMs"].GetDouble(), 400);
+  EXPECT_LT(told["latestMs"].GetDouble(), told["lostMs"].GetDouble());
+
+  std::map<std::string, int> heard;
+  for (const auto& some : {before, after.SoFar()}) {
+    for (const auto& one : some) ++heard[one.payload];
+  }
+  int twice = 0;
+  for (const auto& [payload, times] : heard) twice += times - 1;
+  EXPECT_THAT(heard, SizeIs(kStates + 1)) << "nothing is missing";
+  EXPECT_LE(twice, told["sentAgain"].GetInt()) << "what was sent once is not heard twice";
+  const Subscriber later(broker_);
+  ASSERT_THAT(later.Await(1), SizeIs(1));
+  EXPECT_EQ(later.Await(1)[0].topic, "uagv/v2/KIT/0001/connection") << "the broker had lost it";
+}
+
+TEST_F(Replay, CanBeEndedWhileThereIsNoBroker) {
+  const std::string file = (operator_.home() / "shift.jsonl").string();
+  for (const auto& [topic, exit_code] : {std::pair("state", 130), {"connection", 4}}) {
+    Write(Line(0, fmt::format("0001/{}", topic), Said(1)) + Line(60, "0001/state", Said(2)));
+    const Subscriber listener(broker_);
+    Process player(operator_.Prepare({"replay", file}));
+    ASSERT_THAT(listener.Await(1), SizeIs(1));
+    broker_.Kill();
+    ASSERT_TRUE(player.AwaitErrors("connecting again")) << player.Errors();
+    player.Signal(SIGINT);
+    EXPECT_EQ(player.Wait(), exit_code) << "what is retained cannot be put back";
+    broker_.Restart();
+  }
+}
+
 TEST_F(Replay, RefusesWhatItCannotPlay) {
   Write(Line(0, "0001/state", Said(1)));
   for (const std::vector<std::string>& arguments : {std::vector<std::string>{"--map", "KIT/0001"},

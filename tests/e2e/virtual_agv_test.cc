@@ -1,6 +1,9 @@
 // A robot that we did not write: the virtual AGV of vda-5050-lib (tests/peers/virtual_agv.mjs).
 #include <gmock/gmock.h>
 
+#include <set>
+#include <string_view>
+
 #include "support/operator.h"
 
 namespace fleetpub::testing {
@@ -16,9 +19,9 @@ struct Dialect {
 
 class VirtualAgv : public EndToEnd, public ::testing::WithParamInterface<Dialect> {
  protected:
-  VirtualAgv()
+  explicit VirtualAgv(const char* state_interval = "30000")
       : robot_({.arguments = {"node", FLEETPUB_SOURCE_DIR "/tests/peers/virtual_agv.mjs",
-                              broker_.Url(), GetParam().version, "LIB", "0001"}}) {
+                              broker_.Url(), GetParam().version, "LIB", "0001", state_interval}}) {
     // Its library calls itself started before the broker has its subscriptions.
     const bool listens =
         robot_.AwaitOutput("online") && broker_.AwaitLog("/LIB/0001/instantActions (QoS");
@@ -112,6 +115,79 @@ TEST_P(VirtualAgv, IsNotTheOneWhoseSerialNumberIsMistyped) {
   const Finished run = Command({"resume", "LIB/0002"});
   EXPECT_EQ(run.exit_code, 7);
   EXPECT_THAT(run.output + run.errors, HasSubstr("LIB/0002"));
+}
+
+// ---- What `conform` finds of it ----
+
+class VirtualAgvUnderTest : public VirtualAgv {
+ protected:
+  VirtualAgvUnderTest() : VirtualAgv("200") {}
+
+  using Ids = std::set<std::string>;
+  /// The cases that fail.
+  [[nodiscard]] Ids Failures(std::vector<std::string> words) const {
+    words.insert(words.begin(), {"conform", "LIB/0001", "--for", "300ms", "-o", "json", "--vda",
+                                 GetParam().version});
+    const auto& more = GetParam().options;
+    words.insert(words.end(), more.begin(), more.end());
+    const Finished run = Fleetpub(std::move(words));
+    EXPECT_EQ(run.exit_code, 5) << run.output << run.errors;
+    Ids failed;
+    for (const std::string& line : Lines(run.output)) {
+      const auto result = Json(line);
+      if (result.HasMember("id") && result["verdict"] == "FAIL") {
+        failed.emplace(result["id"].GetString());
+      }
+    }
+    return failed;
+  }
+  [[nodiscard]] bool Is20() const { return std::string_view(GetParam().version) == "2.0.0"; }
+};
+
+INSTANTIATE_TEST_SUITE_P(Versions, VirtualAgvUnderTest,
+                         ::testing::Values(Dialect{"1.1.0", {}},
+                                           Dialect{"2.0.0", {"--actions-key", "instantActions"}}),
+                         [](const auto& robot) { return robot.index == 0 ? "V110" : "V200"; });
+
+// docs/reliability.md lists them, too.
+TEST_P(VirtualAgvUnderTest, DeviatesWithoutAnOrderWhereItIsKnownTo) {
+  Ids known = {
+      "I07",  // startPause while it is paused is FAILED: to be as wanted already is no success
+      "I09",  // cancelOrder without an order: an error, but no action state with its actionId
+  };
+  if (Is20()) {
+    known.merge(Ids{
+        "C02",  // connection, and its last will, have QoS 0
+        "F01",  // no factsheet is retained: it has to be asked for
+        "F02",  // and that one has a header, and nothing else
+    });
+  }
+  EXPECT_EQ(Failures({"--level", "actions"}), known);
+}
+
+// It knows no detectObject, which the cases of an order's actions do: from 2.0 they are left out, up to
+// 1.1, where no factsheet tells, they would be INCONCLUSIVE after 5 s each. D06 would wait for 10 s.
+const std::vector<std::string> kDrive = {"--level", "drive",  "--yes",       "--distance",
+                                         "2",       "--skip", "O04,O05,D06", "--only"};
+std::vector<std::string> Drive(const char* cases) {
+  auto words = kDrive;
+  words.emplace_back(cases);
+  return words;
+}
+
+// The state that takes an order has the lastNodeId of before; the next one has the new one.
+TEST_P(VirtualAgvUnderTest, DeviatesInTakingOrdersWhereItIsKnownTo) {
+  EXPECT_EQ(Failures(Drive("O")), Ids{"O02"});
+}
+
+// It stands for 0.2 s at every node, driving false, whatever comes behind it.
+TEST_P(VirtualAgvUnderTest, DeviatesInDrivingWhereItIsKnownTo) {
+  EXPECT_EQ(Failures(Drive("D")), Ids{"D08"});
+}
+
+// Ended instant actions outlast a new order.
+TEST_P(VirtualAgvUnderTest, DeviatesInEndingOrdersWhereItIsKnownTo) {
+  EXPECT_EQ(Failures(Drive("X")), Ids{"X06"});
 }
 
 }  // namespace

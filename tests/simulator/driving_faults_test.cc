@@ -172,6 +172,9 @@ std::vector<FaultCase> OrderFaults() {
          return Takes(Horizon(s, seconds(0)), {"o1", 1, {{"n7"}, {"n8"}}, 2}); }},
       {Fault::kTakeAnyStart, kV3, [](const Settings& s) {
          return Takes(Way(s, seconds(60)), {"o2", 0, {{"n7"}, {"n8"}}}); }},
+      {Fault::kExactStart, kV3, [](const Settings& s) {
+         return !Takes(Way(s, seconds(60)), {"o2", 0, {{"n9", true, "", At(6, 0,
+             R"(,"allowedDeviationXY":{"a":3,"b":3,"theta":0})")}}}); }},
       {Fault::kTakeWhileBusy, kV3, [](const Settings& s) {
          return Takes(Way(s, seconds(0)), {"o2", 0, {{"n1"}, {"n8"}}}); }},
       {Fault::kTakeAnyUpdateId, kV3, [](const Settings& s) {
@@ -190,6 +193,14 @@ std::vector<FaultCase> OrderFaults() {
          return Takes(Manual(s), {"o2", 0, {{"n1"}}}); }},
       {Fault::kTakeMalformed, kV3, [](const Settings& s) {
          return Takes(s, {"o2", 0, {{"n1"}, {"n2", false}, {"n3"}}}); }},
+      {Fault::kTakeBaseBehindHorizon, kV3, [](const Settings& s) {
+         return Takes(s, {"o2", 0, {{"n1"}, {"n2", false}, {"n3"}}}); }},
+      {Fault::kTakeSequenceGaps, kV3, [](const Settings& s) {
+         Play play(s);
+         std::string order = Write({"o2", 0, {{"n1"}, {"n2"}}}, kV3);
+         order.replace(order.find(R"("sequenceId":2)"), 14, R"("sequenceId":6)");
+         play.robot().Hear("order", order);
+         return play.Has("/orderId", R"("o2")"); }},
       {Fault::kRefuseResend, Version::k210, [](const Settings& s) {
          return Way(s, seconds(0)).Order({.stops = kWay}).Errors() > 0; }},
       {Fault::kRefuseResend, kV3, [](const Settings& s) {
@@ -214,6 +225,10 @@ std::vector<FaultCase> ActionFaults() {
          return AtNode(s, Act("a", "NONE") + "," + Act("b", "HARD")).Of("b") == "RUNNING"; }},
       {Fault::kHardFirst, kV3, [](const Settings& s) {
          return AtNode(s, Act("a", "NONE") + "," + Act("b", "HARD")).Of("a") == "WAITING"; }},
+      {Fault::kSingleInParallel, kV3, [](const Settings& s) {
+         return AtNode(s, Act("a", "NONE") + "," + Act("b", "SINGLE")).Of("b") == "RUNNING"; }},
+      {Fault::kActionsNeverStop, kV3, [](const Settings& s) {
+         return AtNode(s, Act("a", "HARD")).Has("/driving", "true"); }},
       {Fault::kSoftOneByOne, kV3, [](const Settings& s) {
          return AtNode(s, Act("a", "SOFT") + "," + Act("b", "SOFT")).Of("b") == "WAITING"; }},
       {Fault::kNoneStops, kV3, [](const Settings& s) {
@@ -225,6 +240,11 @@ std::vector<FaultCase> ActionFaults() {
          Play play(s);
          play.Order({.stops = {{"n1"}, {"n2", true, "", "", Act("e", "NONE")}}});
          return play.Wait(seconds(3)).Of("e") == "RUNNING"; }},
+      {Fault::kEdgeActionsEarly, kV3, [](const Settings& s) {
+         Play play(s);
+         play.Order({.stops = {{"n1", true, Act("a", "HARD")},
+                               {"n2", true, "", "", Act("e", "NONE")}}});
+         return play.Of("e") == "RUNNING"; }},
       {Fault::kNoLoads, kV3, [](const Settings& s) {
          return AtNode(s, Act("a", "HARD", "pick")).Wait(seconds(1)).Has("/loads", "[]"); }},
       {Fault::kFailureWipesOrder, kV3, [](const Settings& s) {
@@ -278,6 +298,10 @@ std::vector<FaultCase> StateFaults() {
          return Play(s).Do("startPause").Has("/instantActionStates", "[]"); }},
       {Fault::kForgetInstantActions, kV3, [](const Settings& s) {
          return Play(s).Do("startPause").Do("stopPause").Has("/instantActionStates/1", ""); }},
+      {Fault::kInstantActionsOverOrder, kV3, [](const Settings& s) {
+         return Play(s).Do("stopPause").Order({.stops = kWay}).Has("/instantActionStates", "[]"); }},
+      {Fault::kInstantActionsOverOrder, Version::k210, [](const Settings& s) {
+         return !Play(s).Do("stopPause").Order({.stops = kWay}).Done().empty(); }},
       {Fault::kHeaderIdRestart, kV3, [](const Settings& s) {
          Play play(s);
          for (int i = 0; i < 10; ++i) play.Do("stateRequest");

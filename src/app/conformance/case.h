@@ -68,6 +68,9 @@ struct Selection {
   std::vector<std::string> only = {};  ///< ids, or a group's letter; none: all
   std::vector<std::string> skip = {};
   std::chrono::nanoseconds listen = seconds(40);  ///< at least so long in all
+
+  /// Whether a case is among them, whatever its level.
+  [[nodiscard]] bool Has(std::string_view id) const;
 };
 
 struct Outcome {

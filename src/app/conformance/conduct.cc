@@ -27,11 +27,6 @@ std::string ReasonToSkip(const Case& one, const Selection& selection) {
   return {};
 }
 
-bool IsWanted(const Case& one, const Selection& selection) {
-  return (selection.only.empty() || Matches(selection.only, one.id)) &&
-         !Matches(selection.skip, one.id);
-}
-
 CaseFinding CheckActive(const Case& one, Run& run) {
   if (!run.abort_reason().empty()) return Inconclusive("not run: " + run.abort_reason());
   auto finding = one.check(run);
@@ -55,9 +50,16 @@ void Restore(Run& run, Level level, std::vector<std::string>& leftover) {
   if (level == Level::kDrive && !IsIdle(*run.last_state()->state)) {
     leftover.emplace_back("the robot still has an order. try: fleetpub cancel");
   }
+  if (run.Once<bool>(kLoaded, [] { return false; })) {
+    leftover.emplace_back("the robot still carries the load that it was told to pick");
+  }
 }
 
 }  // namespace
+
+bool Selection::Has(std::string_view id) const {
+  return (only.empty() || Matches(only, id)) && !Matches(skip, id);
+}
 
 std::vector<Case> ListCases() {
   std::vector<Case> all;
@@ -72,7 +74,7 @@ std::vector<Case> ListCases() {
 Outcome Conduct(Run& run, const Selection& selection, const Progress& progress) {
   Outcome outcome;
   for (const Case& one : ListCases()) {
-    if (one.AppliesTo(run.version()) && IsWanted(one, selection)) {
+    if (one.AppliesTo(run.version()) && selection.Has(one.id)) {
       outcome.results.push_back({one, Skipped(ReasonToSkip(one, selection))});
     }
   }

@@ -15,6 +15,7 @@ using vda5050::RobotState;
 using vda5050::Version;
 
 constexpr seconds kCancel{120};
+constexpr milliseconds kUnderWay{200};  // so that it has left its node
 
 StateTest ShowsEnd(const std::string& id) {
   return [id](const RobotState& state) {
@@ -54,6 +55,40 @@ CaseFinding CheckCancelled(const TestOrder& order, const std::string& action, co
   return Pass("it stands, the arrays are empty, the ids kept", evidence);
 }
 
+// It begins at the node that it was at last, with a deviation that reaches to where it stands, and at
+// a node that no layout has. Without positions the node's name alone can be kept.
+std::vector<TestOrder> NextOrders(Run& run, const TestOrder& before) {
+  TestOrder last = Standing(run);
+  TestOrder here = last;
+  here.id = run.MakeId("conform");
+  here.path.nodes = {Here(run)};
+  const std::size_t index = run.last_state()->state->last_node_sequence_id.value_or(0) / 2;
+  const bool is_known = index < before.path.nodes.size() &&
+                        before.path.nodes[index].id == run.last_state()->state->last_node_id;
+  if (!is_known || !before.path.nodes[index].position) return {last};
+  if (!Takes(run, "order.nodes.nodePosition.allowedDeviationXY")) return {here};
+  auto& node = last.path.nodes.front();
+  node = before.path.nodes[index];
+  node.actions.clear();
+  node.position->theta.reset();
+  Reach(run, node);
+  return {last, here};
+}
+
+CaseFinding CheckNextOrders(Run& run, const TestOrder& before) {
+  CaseFinding finding;
+  for (const TestOrder& next : NextOrders(run, before)) {
+    const auto taken = SendAndAwait(run, next);
+    if (taken.found == nullptr) {
+      const auto where = vda5050::Shown(next.path.nodes.front().id);
+      if (!TakeStanding(run)) return Inconclusive("it takes no order of one node");
+      return Run::Missing(taken, "no state shows the new order from " + where);
+    }
+    finding = Pass("it is taken", {taken.found->Evidence()});
+  }
+  return finding;
+}
+
 const Cancelled& CancelledTrip(Run& run) {
   return run.Once<Cancelled>("the cancelled trip", [&] {
     Cancelled made;
@@ -62,12 +97,21 @@ const Cancelled& CancelledTrip(Run& run) {
       const auto action = HarmlessAction(run, "NODE", "HARD");
       if (!action.type.empty()) order.path.nodes.back().actions.push_back(action);
     }
-    if (SetOff(run, order).found == nullptr) {
+    auto driving = SetOff(run, order);
+    if (driving.found == nullptr && !order.path.nodes.empty()) {
+      // Perhaps it does not know the action, which no list says.
+      EndOrder(run);
+      order.id = run.MakeId("conform");
+      order.path.nodes.back().actions.clear();
+      driving = SetOff(run, order);
+    }
+    if (driving.found == nullptr) {
       made.cancel = made.update = made.next = Inconclusive("it did not set off");
       EndOrder(run);
       return made;
     }
     const auto& actions = order.path.nodes.back().actions;
+    run.Listen(kUnderWay);
     const std::string id = run.Do("cancelOrder");
     const auto ended = run.Await(ShowsEnd(id), kCancel);
     made.cancel =
@@ -85,14 +129,8 @@ const Cancelled& CancelledTrip(Run& run) {
                                             {"", "", "ORDER_UPDATE_FOLLOWING_CANCEL"})
                              : Inconclusive("it has forgotten the order");
     }
-    if (made.cancel.verdict != Verdict::kPass || !TakeStanding(run)) {
-      made.next = Inconclusive("it was not cancelled, or takes no order of one node");
-      EndOrder(run);
-      return made;
-    }
-    const auto next = SendAndAwait(run, Standing(run));
-    made.next = next.found == nullptr ? Run::Missing(next, "no state shows the new order")
-                                      : Pass("it is taken", {next.found->Evidence()});
+    made.next = made.cancel.verdict == Verdict::kPass ? CheckNextOrders(run, order)
+                                                      : Inconclusive("it was not cancelled");
     EndOrder(run);
     (void)Drive(run, AlongWay(run));  // so that the next way is a whole one
     return made;
@@ -173,6 +211,23 @@ CaseFinding CheckPause(Run& run) {
   return finding;
 }
 
+CaseFinding CheckKept(Run& run) {
+  const std::string id = run.Do("stopPause");
+  if (run.Await(ShowsEnd(id)).found == nullptr) return Inconclusive("stopPause did not end");
+  run.Refresh();
+  if (vda5050::FindActionState(*run.last_state()->state, id) == nullptr) {
+    return Inconclusive("it is gone before there is an order");
+  }
+  const auto taken = SendAndAwait(run, Standing(run));
+  if (taken.found == nullptr) return Inconclusive("it does not take an order of one node");
+  run.Refresh();
+  const Heard& last = *run.last_state();
+  if (vda5050::FindActionState(*last.state, id) != nullptr) {
+    return Pass("it stays", {last.Evidence()});
+  }
+  return Fault("an ended instant action is gone with the new order", {taken.found->Evidence()});
+}
+
 CaseFinding CheckDropped(Run& run) {
   const std::string id = run.Do("stopPause");
   if (run.Await(ShowsEnd(id)).found == nullptr) return Inconclusive("stopPause did not end");
@@ -195,8 +250,9 @@ constexpr auto kCases = std::to_array<Case>({
      "an update of a cancelled order brings ORDER_UPDATE_FOLLOWING_CANCEL", "next state",
      "remember that the order was cancelled", CheckUpdate},
     {"X02", kDrive, k110, k300, "6.1.3.1 / 6.6.3",
-     "after that it takes a new order that begins where it stands", "next state",
-     "take a node that no layout has, as the start", CheckNext},
+     "after that it takes new orders from its last node, by its deviation, and from where it "
+     "stands",
+     "next state", "keep the deviation, and take a node that no layout has", CheckNext},
     {"X04", kDrive, k300, k300, "6.1.3.2",
      "cancelOrder with another orderId is FAILED, and the order goes on", "next state",
      "compare the orderId, when there is one", CheckOtherId},
@@ -205,6 +261,8 @@ constexpr auto kCases = std::to_array<Case>({
      "stop, and keep nodeStates and edgeStates", CheckPause},
     {"X06", kDrive, k110, k210, "6.10.6", "a new order drops ended instant actions from the state",
      "next state", "clear actionStates of what has ended", CheckDropped},
+    {"I13", kDrive, k300, k300, "7.8", "ended instant actions outlast a new order", "next state",
+     "keep them until clearInstantActions", CheckKept},
     {"X07", kDrive, k110, k300, "6.6.7 / 6.10", "who switches to MANUAL clears the order",
      "next state", "clear it with the state that reports the mode", nullptr},
     {"X08", kDrive, k110, k300, "4.1 / 6.2",

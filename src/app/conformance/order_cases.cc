@@ -233,9 +233,24 @@ CaseFinding CheckEdges(Run& run) {
                 [](base::JsonDocument& order) { order["nodes"].PopBack(); });
 }
 
+// That sequenceIds have no gap, 3.0 is the first to say.
 CaseFinding CheckSequence(Run& run) {
-  return Refuse(run, TwoNodes(run), kMalformed,
-                [](base::JsonDocument& order) { order["nodes"][1]["sequenceId"].SetUint(4); });
+  TestOrder order = TwoNodes(run);
+  order.path.nodes.push_back(Here(run, "conform-last"));
+  order.path.edges.push_back(Edge("conform-edge-2"));
+  order.released = 3;
+  auto finding = Refuse(run, order, kMalformed, [](base::JsonDocument& message) {
+    for (const char* list : {"edges", "nodes"}) {
+      message[list][list[0] == 'n' ? 1 : 0]["released"].SetBool(false);
+    }
+  });
+  if (finding.verdict != Verdict::kPass) finding.why = "a base behind the horizon: " + finding.why;
+  if (finding.verdict != Verdict::kPass || !run.Is30()) return finding;
+  finding = Refuse(run, TwoNodes(run), kMalformed, [](base::JsonDocument& message) {
+    message["nodes"][1]["sequenceId"].SetUint(4);
+  });
+  if (finding.verdict != Verdict::kPass) finding.why = "a gap in sequenceIds: " + finding.why;
+  return finding;
 }
 
 CaseFinding CheckAboveZero(Run& run) {
@@ -362,8 +377,8 @@ constexpr auto kCases = std::to_array<Case>({
     {"O12", kDrive, k110, k300, "6.1.1 / 6.6.1", "an order has one edge less than nodes",
      "next state", "count them", CheckEdges},
     {"O13", kDrive, k110, k300, "6.1.1 / 6.6.1",
-     "an order with a gap in its sequenceIds is refused", "next state",
-     "compare each sequenceId with the one before", CheckSequence},
+     "an order with a base behind its horizon, or from 3.0 a gap in its sequenceIds, is refused",
+     "next state", "compare each node and edge with the one before", CheckSequence},
     {"O14", kDrive, k300, k300, "6.1.2", "a new order begins with orderUpdateId 0", "next state",
      "refuse another one", CheckAboveZero},
     {"O15", kDrive, k110, k300, "6.1.4.3 / 6.6.4.2", "an order with an unknown action is refused",

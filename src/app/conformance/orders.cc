@@ -37,6 +37,13 @@ std::vector<RobotError> NewErrors(const RobotState& state, const std::vector<Rob
   return found;
 }
 
+// From where it stands; nothing: one of them is not known.
+std::optional<double> Distance(const Run& run, const OrderNode& node) {
+  const auto here = Here(run).position;
+  if (!node.position || !here) return std::nullopt;
+  return std::hypot(node.position->x - here->x, node.position->y - here->y);
+}
+
 }  // namespace
 
 base::JsonDocument Write(const Run& run, const TestOrder& order) {
@@ -54,6 +61,13 @@ base::JsonDocument Write(const Run& run, const TestOrder& order) {
     nodes.push_back(writer.WriteNode(path.nodes[i], sequence, i < order.released));
   }
   return vda5050::MakeOrder(order.id, order.update_id, "", nodes, edges);
+}
+
+bool Takes(const Run& run, std::string_view member) {
+  const auto& sheet = run.subject().factsheet;
+  if (!sheet || !sheet->has_optional_parameters) return true;
+  return std::any_of(sheet->optional_parameters.begin(), sheet->optional_parameters.end(),
+                     [&](const auto& one) { return one.name == member; });
 }
 
 OrderNode Here(const Run& run, std::string id) {
@@ -80,8 +94,18 @@ OrderEdge Edge(std::string id) {
   return edge;
 }
 
+// On a way of named nodes it keeps the name of the one it was at: its next order begins there.
 TestOrder Standing(Run& run) {
-  return {.id = run.MakeId("conform"), .path = {.nodes = {Here(run)}, .edges = {}}};
+  OrderNode node = Here(run);
+  const bool is_named = !run.subject().way.there.nodes.empty() && run.last_state() != nullptr;
+  if (is_named) node.id = base::NonEmptyOr(run.last_state()->state->last_node_id, node.id);
+  return {.id = run.MakeId("conform"), .path = {.nodes = {std::move(node)}, .edges = {}}};
+}
+
+void Reach(const Run& run, OrderNode& node) {
+  const double off = Distance(run, node).value_or(0);
+  if (off <= kDeviation) return;
+  node.position->deviation_xy = std::max(node.position->deviation_xy.value_or(0), off + kDeviation);
 }
 
 TestOrder Holding(Run& run, const std::string& next) {
@@ -234,9 +258,16 @@ TestOrder AlongWay(Run& run) {
   const Way& way = run.subject().way;
   if (run.last_state() == nullptr) return {};
   if (way.there.nodes.empty()) return AlongHeading(run);
-  const bool is_there =
-      run.last_state()->state->last_node_id == way.there.nodes.back().id && !way.back.nodes.empty();
-  return {.id = run.MakeId("conform"), .path = is_there ? way.back : way.there};
+  const OrderNode& front = way.there.nodes.front();
+  const OrderNode& end = way.there.nodes.back();
+  const auto to_front = Distance(run, front);
+  const auto to_end = Distance(run, end);
+  const bool is_at_end =
+      to_front && to_end ? *to_end < *to_front : run.last_state()->state->last_node_id == end.id;
+  TestOrder order{.id = run.MakeId("conform"),
+                  .path = is_at_end && !way.back.nodes.empty() ? way.back : way.there};
+  Reach(run, order.path.nodes.front());  // it may have been called off beside it
+  return order;
 }
 
 Trip Drive(Run& run, TestOrder order) {

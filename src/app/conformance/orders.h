@@ -22,14 +22,22 @@ struct TestOrder {
 };
 [[nodiscard]] base::JsonDocument Write(const Run& run, const TestOrder& order);
 
+/// Whether its factsheet lets orders have it: `order.edges.maxSpeed`.
+[[nodiscard]] bool Takes(const Run& run, std::string_view member);
+
 /// A node at the place where the robot is.
 [[nodiscard]] vda5050::OrderNode Here(const Run& run, std::string id = "conform-here");
 /// An edge from node to node, of which nothing else is said.
 [[nodiscard]] vda5050::OrderEdge Edge(std::string id);
+/// Has an order that begins with this node begin where the robot stands, however far that is.
+void Reach(const Run& run, vda5050::OrderNode& node);
 /// For that one node alone.
 [[nodiscard]] TestOrder Standing(Run& run);
 /// That node, and another at the same place that is not released: the robot keeps it, and stands.
 [[nodiscard]] TestOrder Holding(Run& run, const std::string& next = "conform-next");
+
+/// Run::Once<bool>: whether it has taken up a load and not put it down.
+inline constexpr const char* kLoaded = "carries a load of ours";
 
 /// A harmless action that the robot knows for this scope; "" as its type: none.
 [[nodiscard]] vda5050::InstantAction HarmlessAction(Run& run, std::string_view scope,

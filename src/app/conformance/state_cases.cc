@@ -127,6 +127,17 @@ std::string FindDisorder(std::span<const Leg> legs, std::uint32_t parity) {
   return {};
 }
 
+// Node and edge by turns: as nodes are even and edges odd, no two neighbours are alike.
+bool DoAlternate(std::span<const Leg> nodes, std::span<const Leg> edges) {
+  std::set<std::uint32_t> ids;
+  for (const auto& legs : {nodes, edges}) {
+    for (const Leg& leg : legs) ids.insert(leg.id);
+  }
+  return std::adjacent_find(ids.begin(), ids.end(), [](std::uint32_t a, std::uint32_t b) {
+           return (b - a) % 2 == 0;
+         }) == ids.end();
+}
+
 CaseFinding CheckOrderOfLegs(Run& run) {
   bool any = false;
   for (const Heard* one : Live(run)) {
@@ -135,6 +146,7 @@ CaseFinding CheckOrderOfLegs(Run& run) {
     any = any || !nodes.empty();
     auto fault = FindDisorder(nodes, 0);
     if (fault.empty()) fault = FindDisorder(edges, 1);
+    if (fault.empty() && !DoAlternate(nodes, edges)) fault = "they do not alternate";
     if (!fault.empty()) return Fault("nodeStates, edgeStates: " + fault, {one->Evidence()});
   }
   return any ? Pass("in order") : Inconclusive("no state showed a way ahead");
@@ -239,7 +251,7 @@ constexpr auto kCases = std::to_array<Case>({
      "states keep the shortest interval of the factsheet", "", "put events of one moment together",
      CheckShortest},
     {"S04", Level::kListen, k110, k300, "6.1.1 / 6.6",
-     "nodeStates and edgeStates ascend, even and odd, the base first", "",
+     "nodeStates and edgeStates ascend, alternate, even and odd, the base first", "",
      "keep both arrays in the order's order", CheckOrderOfLegs},
     {"S05", Level::kListen, k110, k300, "7.8 / 6.10",
      "before its first order orderId is \"\" and orderUpdateId 0", "", "not null, not \"-1\"",

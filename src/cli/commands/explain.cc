@@ -1,9 +1,10 @@
-// `fleetpub explain TARGET --from FILE`: what became of an order or an action.
+// `fleetpub explain TARGET [--from FILE]`: what became of an order or an action.
 #include "app/explain.h"
 
 #include <fmt/format.h>
 
 #include <memory>
+#include <optional>
 
 #include "base/json.h"
 #include "base/text.h"
@@ -22,6 +23,7 @@ struct Options {
   std::string order;
   std::string action;
   std::string from;
+  std::optional<std::chrono::milliseconds> duration;
   app::VdaOptions vda;
 };
 
@@ -66,19 +68,22 @@ void Show(const vda5050::RobotAddress& robot, const app::Explanation& told, Outp
 }
 
 Result<ExitCode> RunExplain(const Options& o, const Context& context) {
-  if (o.target.empty() || o.from.empty()) {
-    return Fail(ErrorKind::kUsage,
-                "explain needs a robot and a recording. try: fleetpub explain KIT/0001 --from "
-                "shift.jsonl");
+  if (o.target.empty()) {
+    return Fail(ErrorKind::kUsage, "explain needs a robot. try: fleetpub explain KIT/0001");
   }
+  if (o.duration && !o.from.empty()) return Fail(NoTimeFrom("--for"));
   if (o.from == "-") {
     return Fail(ErrorKind::kUsage, "explain reads its file twice, and standard input once only");
   }
   auto robot = app::ResolveRobot(o.target, context.config);
   if (!robot) return Fail(std::move(robot.error()));
-  const auto told = app::Explain(
-      {.robot = *robot, .vda = o.vda, .order = o.order, .action = o.action, .file = o.from},
-      MakeEnvironment(context), context.output);
+  const auto told = app::Explain({.robot = *robot,
+                                  .vda = o.vda,
+                                  .order = o.order,
+                                  .action = o.action,
+                                  .file = o.from,
+                                  .listen = o.duration},
+                                 MakeEnvironment(context), context.output);
   if (!told) return Fail(told.error());
   if (told->faults.unreadable > 0) {
     context.output.Warn(fmt::format("{} lines could not be read, the first at {}",
@@ -94,11 +99,14 @@ Run DeclareExplain(OptionSet& set) {
   const auto options = std::make_shared<Options>();
   set.AddOption("target", options->target, "A robot: manufacturer/serialNumber, or its alias")
       .Type("TARGET");
-  set.AddOption("--order", options->order, "The order [the last one in the recording]")
+  set.AddOption("--order", options->order, "The order [the last one that is known]")
       .Type("ID")
       .Group("Targets");
   set.AddOption("--action", options->action, "An action in its place").Type("ID").Group("Targets");
   DeclareFrom(set, options->from);
+  set.AddOption("--for", Duration(options->duration),
+                "Listen for this time [until the robot's next state, 35s at most]")
+      .Group("Waiting");
   DeclareTopicOptions(set, options->vda);
   return [options](const Context& context) { return RunExplain(*options, context); };
 }

@@ -87,9 +87,16 @@ void ShowEnd(const simulator::Replayed& replayed, const simulator::ReplayPlan& p
   const double late = static_cast<double>(replayed.latest.count()) / 1e3;
   if (output.json()) {
     return output.Line(fmt::format(
-        R"({{"file":{},"messages":{},"robots":{},"commandsLeftOut":{},"othersLeftOut":{},"latestMs":{:.3f},"stopped":{}}})",
+        R"({{"file":{},"messages":{},"robots":{},"commandsLeftOut":{},"othersLeftOut":{},"latestMs":{:.3f},"stopped":{},"losses":{},"lostMs":{:.3f},"sentAgain":{}}})",
         base::JsonString(o.file), replayed.messages, plan.robots.size(), left_out, plan.others,
-        late, replayed.was_stopped));
+        late, replayed.was_stopped, replayed.losses,
+        static_cast<double>(replayed.lost.count()) / 1e3, replayed.again));
+  }
+  if (replayed.again > 0) {
+    output.Warn(
+        fmt::format("{} sent a second time: the broker had not acknowledged it, or had not "
+                    "kept it, and some may have heard it twice",
+                    Count(replayed.again)));
   }
   output.PeopleLine(fmt::format("{} of {} messages sent{}", replayed.messages, plan.messages,
                                 o.keep ? "" : "; what was retained before is back"));
@@ -116,8 +123,8 @@ Result<ExitCode> RunReplay(const Options& o, const Context& context) {
   auto connect = MakeConnectOptions(context);
   if (!connect) return Fail(std::move(connect.error()));
   const InterruptGuard interrupt;
-  const auto transport = mqtt::ConnectPahoAsRobot(*connect);
-  if (!transport) return Fail(transport.error());
+  auto transport = mqtt::ConnectPahoAsRobot(*connect);
+  if (!transport) return Fail(std::move(transport.error()));
   const StopSignal stop;
   output.Info(
       fmt::format("replaying {} of {} robot{} in {} at {}; Ctrl-C ends it", Count(plan->messages),
@@ -125,9 +132,16 @@ Result<ExitCode> RunReplay(const Options& o, const Context& context) {
                   base::FormatElapsed(
                       std::chrono::duration_cast<std::chrono::nanoseconds>(plan->lasts / o.speed)),
                   (*transport)->server().broker.ToString()));
-  const auto replayed = simulator::Replay(*options, *plan, **transport);
+  const simulator::ReplayHooks hooks = {
+      .open = [&] { return mqtt::ConnectPahoAsRobot(*connect); },
+      .lost = [&](const Error& error) { output.Lost(error); },
+      .again =
+          [&](std::chrono::microseconds lasted) {
+            output.Warn(fmt::format("connected again: what follows comes {} later",
+                                    base::FormatElapsed(lasted)));
+          }};
+  const auto replayed = simulator::Replay(*options, *plan, *std::move(transport), hooks);
   if (!replayed) return Fail(replayed.error());
-  (*transport)->Disconnect();
   ShowEnd(*replayed, *plan, o, output);
   return StopSignal::Received().value_or(ExitCode::kDone);
 }

@@ -104,7 +104,8 @@ constexpr auto kSubcommands = std::to_array<Subcommand>({
      "record -f hall.jsonl.zst --rotate 1h\n"
      "record --filter 'soar/#' -f sea.jsonl",
      DeclareRecord},
-    {"explain", kLooking, "TARGET", "what became of an order or action, from a recording",
+    {"explain", kLooking, "TARGET", "what became of an order or action, now or in a recording",
+     "explain KIT/0001\n"
      "explain KIT/0001 --from shift.jsonl\n"
      "explain KIT/0001 --order o-17 --from shift.jsonl -o json\n"
      "explain KIT/0001 --action a-3 --from shift.jsonl",
