@@ -131,6 +131,7 @@ TEST(Config, WhatIsNotUnderstoodIsRefusedWithItsPlace) {
            {"vda = \"4\"\n", "c.toml:1:7: vda: "},
            {"output = \"xml\"\n", "output: takes text, json, csv, tsv, not 'xml'"},
            {"qos = 3\n", "qos: takes 0, 1, 2, not '3'"},
+           {"output = \"openmetrics\"\n", "output: takes text, json, csv, tsv, not"},
            {"password_command = \"pass\"\n", "password_command: takes a list of texts"},
            {"password_command = []\n", "not an empty list"},
            {"password_command = [\"\"]\n", "password_command: takes a list of texts, the program"},

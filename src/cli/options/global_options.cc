@@ -29,6 +29,13 @@ constexpr const char* kOutput = "Output";
 constexpr const char* kFiles = "Files";
 constexpr const char* kConfig = "Configuration";
 
+// Beside those of the configuration, which is for all commands, what one command has.
+constexpr auto kFormats = [] {
+  std::array<std::string_view, config::kOutputs.size() + 1> formats{};
+  *std::copy(config::kOutputs.begin(), config::kOutputs.end(), formats.begin()) = kOpenMetrics;
+  return formats;
+}();
+
 constexpr auto kColors = std::to_array<std::string_view>({"auto", "always", "never"});
 
 // The key of a setting is its option's long name: `-i,--client-id` → client_id.
@@ -175,7 +182,7 @@ void DeclareTls(OptionSet& set, GlobalOptions& o) {
 
 // One of the words, or a text of one's own.
 ValueKind OutputFormat(std::string& format) {
-  ValueKind kind = OneOf(format, config::kOutputs);
+  ValueKind kind = OneOf(format, kFormats);
   kind.store = [&format, word = kind.store](const std::vector<std::string>& texts) {
     if (!texts.front().starts_with(kTemplatePrefix)) return word(texts);
     format = texts.front();
@@ -186,8 +193,9 @@ ValueKind OutputFormat(std::string& format) {
 
 void DeclareOutput(OptionSet& set, GlobalOptions& o) {
   Group{set, kOutput}
-      .Add("-o,--output", OutputFormat(o.format), "FORMAT",
-           "{}, a row or object per result, or template=TEXT with names in braces [text]")
+      .Add(
+          "-o,--output", OutputFormat(o.format), "FORMAT",
+          "{} (of fleet), a row or object per result, or template=TEXT with names in braces [text]")
       .Variable("FLEETPUB_OUTPUT");
   set.AddOption("--fields", o.fields, "Only these members of each object: target,actions.0.type")
       .Type("NAMES")
