@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "base/text.h"
+#include "config/config_settings.h"
 
 namespace fleetpub::cli {
 namespace {
@@ -63,12 +64,18 @@ struct LoginSetting {
 constexpr std::string_view kOwnPassword =
     "give that one a login of its own with --username and --password-file ('' for none), or choose "
     "its --profile";
+constexpr std::string_view kOwnMethod =
+    "give that one its own --auth-method and --auth-data-file ('' for none), or choose its "
+    "--profile";
 constexpr std::string_view kOwnCertificate =
     "give that one its own --cert, --key and --key-password-file ('' for none), or choose its "
     "--profile";
 constexpr LoginSetting kLogin[] = {
     {"username", kOwnPassword},
     {"password_file", kOwnPassword},
+    {config::kPasswordCommand, kOwnPassword},
+    {"auth_method", kOwnMethod},
+    {"auth_data_file", kOwnMethod},
     {"cert", kOwnCertificate, true},
     {"key", kOwnCertificate, true},
     {"key_password_file", kOwnCertificate, true},

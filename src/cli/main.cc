@@ -105,6 +105,11 @@ ExitCode NoCommand() {
 // What the command's objects are to be shown as.
 Result<Records> MakeRecords(const CommandLine& call) {
   const GlobalOptions& options = call.options;
+  if (FindFormat(options.format) == Format::kOpenMetrics && call.match.name != "fleet") {
+    return Fail(
+        ErrorKind::kUsage,
+        fmt::format("{} has no metrics. try: fleetpub fleet -o openmetrics", call.match.name));
+  }
   const bool is_plain = options.format == "text" || options.format == "json";
   if (is_plain && options.fields.empty()) return Records();
   const std::string schema = FindOutputSchema(call.match.name, call.match.arguments);

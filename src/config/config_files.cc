@@ -14,6 +14,7 @@
 #include "base/account.h"
 #include "base/file.h"
 #include "base/text.h"
+#include "config/config_settings.h"
 
 namespace fleetpub::config {
 namespace {
@@ -88,6 +89,39 @@ Status CheckRegularFile(const struct stat& status, const std::string& file, Miss
                 : CheckFolder(real.parent_path(), file, missing);
 }
 
+// The same more strictly: who else may write the file, or put another in its place; empty: nobody.
+std::string FindSharing(const fs::path& folder) {
+  struct stat status {};
+  for (fs::path place = folder;; place = place.parent_path()) {
+    const std::string name = base::Printable(place.string());
+    if (stat(place.c_str(), &status) != 0) return fmt::format("{}: {}", name, strerror(errno));
+    if (!IsTrusted(status.st_uid, Missing::kIsAllowed)) {
+      return fmt::format("{} belongs to {}", name, FormatUser(status.st_uid));
+    }
+    if ((status.st_mode & S_IWGRP) != 0 && (status.st_mode & S_ISVTX) == 0) {
+      return fmt::format("the group of {0} can put another file in its place: chmod g-w {0}", name);
+    }
+    if (place == place.parent_path()) return {};
+  }
+}
+
+std::string FindSharing(int descriptor, const std::string& file) {
+  struct stat status {};
+  if (fstat(descriptor, &status) != 0 || !S_ISREG(status.st_mode)) return {};
+  if (!IsTrusted(status.st_uid, Missing::kIsAllowed)) {
+    return fmt::format("the file belongs to {}", FormatUser(status.st_uid));
+  }
+  if ((status.st_mode & S_IWGRP) != 0) {
+    return fmt::format("its group can write it: chmod g-w {}", base::Printable(file));
+  }
+  std::error_code failed;
+  const fs::path named = fs::absolute(file, failed);
+  std::string sharing = FindSharing(named.parent_path());
+  const fs::path real = fs::canonical(named, failed);
+  if (failed || !sharing.empty()) return failed ? failed.message() : sharing;
+  return FindSharing(real.parent_path());
+}
+
 // A shell hands us a pipe for `<(…)`; a FIFO with a name may never be written to.
 bool IsNamedFifo(int descriptor, const struct stat& status) {
   constexpr auto kPipes = 0x50495045;  // PIPEFS_MAGIC of statfs(2)
@@ -105,25 +139,42 @@ Status CheckFile(int descriptor, const std::string& file, Missing missing) {
   return S_ISREG(status.st_mode) ? CheckRegularFile(status, file, missing) : Status();
 }
 
+struct Opened {
+  std::string text;
+  std::string sharing;  ///< FindSharing
+};
+
 // Nothing when there is no such file.
-Result<std::optional<std::string>> ReadText(const std::string& file, Missing missing) {
+Result<std::optional<Opened>> ReadText(const std::string& file, Missing missing) {
   const int descriptor = open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
   if (descriptor < 0) {
     if (missing == Missing::kIsAllowed && (errno == ENOENT || errno == ENOTDIR)) {
-      return std::optional<std::string>();
+      return std::optional<Opened>();
     }
     return Unreadable(file, std::strerror(errno));
   }
-  Result<std::optional<std::string>> text;
+  Result<std::optional<Opened>> opened;
   if (auto ok = CheckFile(descriptor, file, missing); !ok) {
-    text = Fail(std::move(ok.error()));
+    opened = Fail(std::move(ok.error()));
   } else if (auto content = base::ReadAll(descriptor, base::Printable(file), kLargestConfig)) {
-    text = *std::move(content);
+    opened = Opened{*std::move(content), FindSharing(descriptor, file)};
   } else {
-    text = Fail(ErrorKind::kUsage, std::move(content.error().message));
+    opened = Fail(ErrorKind::kUsage, std::move(content.error().message));
   }
   close(descriptor);
-  return text;
+  return opened;
+}
+
+// What names a program to run must be ours or root's alone.
+ValueCheck WithSharing(std::string sharing, ValueCheck check) {
+  return [sharing = std::move(sharing), check = std::move(check)](
+             std::string_view key, const std::vector<std::string>& texts) -> Status {
+    if (key == kPasswordCommand && !sharing.empty()) {
+      return Fail(ErrorKind::kUsage,
+                  fmt::format("{}: others can choose the program that is run: {}", key, sharing));
+    }
+    return check ? check(key, texts) : Status();
+  };
 }
 
 }  // namespace
@@ -146,10 +197,13 @@ Result<Config> LoadConfigFiles(std::span<const fs::path> files, Missing missing,
                                const std::optional<std::string>& profile) {
   Config config;
   for (const fs::path& file : files) {
-    const auto text = ReadText(file.string(), missing);
-    if (!text) return Fail(text.error());
-    if (!*text) continue;
-    if (auto ok = ReadConfig(**text, file.string(), config); !ok) return Fail(ok.error());
+    auto opened = ReadText(file.string(), missing);
+    if (!opened) return Fail(std::move(opened.error()));
+    if (!*opened) continue;
+    auto& [text, sharing] = **opened;
+    Mistakes mistakes;
+    ReadConfig(text, file.string(), config, mistakes, WithSharing(std::move(sharing), {}));
+    if (!mistakes.empty()) return Fail(std::move(mistakes.front()));
   }
   if (auto ok = Resolve(profile, config); !ok) return Fail(ok.error());
   return config;
@@ -167,11 +221,12 @@ Mistakes CheckConfig(const std::optional<std::string>& file,
                      Config& config) {
   Mistakes mistakes;
   for (const fs::path& each : ListConfigFiles(file)) {
-    auto text = ReadText(each.string(), file ? Missing::kIsAnError : Missing::kIsAllowed);
-    if (!text) {
-      mistakes.push_back(std::move(text.error()));
-    } else if (*text) {
-      ReadConfig(**text, each.string(), config, mistakes, check);
+    auto opened = ReadText(each.string(), file ? Missing::kIsAnError : Missing::kIsAllowed);
+    if (!opened) {
+      mistakes.push_back(std::move(opened.error()));
+    } else if (*opened) {
+      auto& [text, sharing] = **opened;
+      ReadConfig(text, each.string(), config, mistakes, WithSharing(std::move(sharing), check));
     }
   }
   Resolve(profile, config, mistakes);

@@ -18,6 +18,7 @@ namespace {
 using Type = TomlValue::Type;
 
 constexpr std::string_view kAllowInsecure = "allow_insecure";
+constexpr std::string_view kPasswordFile = "password_file";
 
 std::string_view GetName(Type type) {
   switch (type) {
@@ -45,6 +46,8 @@ std::string_view Wanted(SettingType type) {
       return "a text in quotation marks";
     case SettingType::kTexts:
       return "a text in quotation marks or a list of such";
+    case SettingType::kCommand:
+      return R"(a list of texts, the program first: ["pass", "show", "fleet"])";
     case SettingType::kFlag:
       return "true or false";
     case SettingType::kWhole:
@@ -55,16 +58,21 @@ std::string_view Wanted(SettingType type) {
   return "something else";
 }
 
+bool IsListOfTexts(const TomlValue& value) {
+  return value.type == Type::kArray && !value.items.empty() &&
+         std::all_of(value.items.begin(), value.items.end(),
+                     [](const TomlValue& item) { return item.type == Type::kText; });
+}
+
 bool HasType(SettingType type, const TomlValue& value) {
   switch (type) {
     case SettingType::kText:
     case SettingType::kPath:
       return value.type == Type::kText;
     case SettingType::kTexts:
-      return value.type == Type::kText ||
-             (value.type == Type::kArray && !value.items.empty() &&
-              std::all_of(value.items.begin(), value.items.end(),
-                          [](const TomlValue& item) { return item.type == Type::kText; }));
+      return value.type == Type::kText || IsListOfTexts(value);
+    case SettingType::kCommand:
+      return IsListOfTexts(value) && !value.items.front().text.empty();
     case SettingType::kFlag:
       return value.type == Type::kBoolean;
     case SettingType::kWhole:
@@ -101,7 +109,7 @@ class Reader {
                          own));
       }
     }
-    Note(CheckInsecure(own));
+    Check(own);
     Lay(std::move(own), config_.settings);
   }
 
@@ -112,9 +120,13 @@ class Reader {
 
   [[nodiscard]] ConfigPlace At(TomlPlace place) const { return {file_, place.line, place.column}; }
 
-  // A later file's keys go before an earlier one's.
+  // A later file's keys go before an earlier one's; of the ways to a password it is one key.
   static void Lay(ConfigSection over, ConfigSection& section) {
     over.erase(std::string(kAllowInsecure));
+    for (const auto& [key, other] :
+         {std::pair(kPasswordFile, kPasswordCommand), std::pair(kPasswordCommand, kPasswordFile)}) {
+      if (over.contains(key)) section.erase(std::string(other));
+    }
     for (auto& [key, value] : over) section.insert_or_assign(key, std::move(value));
   }
 
@@ -154,7 +166,8 @@ class Reader {
       if (IsSecret(member.name)) {
         return refuse(
             "a configuration file holds no password: put it into a file of its own "
-            "(chmod 600) and name that as password_file or key_password_file");
+            "(chmod 600) and name that as password_file or key_password_file, or name a program "
+            "that prints it as password_command");
       }
       for (const Setting& s : known) further.push_back(s.key);
       std::string name = member.name;
@@ -182,8 +195,10 @@ class Reader {
               ErrorAt(At(item.place), fmt::format("{}: {}", setting.key, ok.error().message)));
         }
       }
-      value.texts.push_back(setting.type == SettingType::kPath ? ResolvePath(item.text)
-                                                               : item.text);
+      const bool is_program = setting.type == SettingType::kCommand && value.texts.empty() &&
+                              item.text.find('/') != std::string::npos;
+      value.texts.push_back(
+          is_program || setting.type == SettingType::kPath ? ResolvePath(item.text) : item.text);
       return {};
     };
     if (member.value.type == Type::kArray) {
@@ -207,6 +222,14 @@ class Reader {
     if (text.empty() || text.find("://") != std::string::npos) return text;
     if (text.starts_with("~/")) return (HomeFolder() / text.substr(2)).string();
     return (std::filesystem::path(file_).parent_path() / text).string();
+  }
+
+  void Check(const ConfigSection& section) {
+    Note(CheckInsecure(section));
+    const auto command = section.find(kPasswordCommand);
+    if (command == section.end() || !section.contains(kPasswordFile)) return;
+    Note(Fail(ErrorAt(command->second.place,
+                      "password_command: this table has a password_file, too: keep one of them")));
   }
 
   static Status CheckInsecure(const ConfigSection& section) {
@@ -238,7 +261,7 @@ class Reader {
     for (const TomlMember& member : table.value.members) {
       Note(ReadSetting(member, Settings(), {kAllowInsecure}, table.name, own));
     }
-    Note(CheckInsecure(own));
+    Check(own);
     Lay(std::move(own), config_.profiles[table.name]);
   }
 

@@ -37,6 +37,11 @@ Status CheckBroker(const std::string& value) {
   return {};
 }
 
+Status CheckArgument(const std::string& value) {
+  if (value.find('\0') == std::string::npos) return {};
+  return Fail(ErrorKind::kUsage, "no program takes an argument with a NUL in it");
+}
+
 Status CheckVda(const std::string& value) {
   if (value == "auto") return {};
   if (auto version = vda5050::ParseVersion(value); !version) return Fail(version.error());
@@ -76,6 +81,9 @@ constexpr auto kSettings = std::to_array<Setting>({
     {"broker", kTexts, "mqtt://localhost:1883", CheckBroker},
     {"username", kText, ""},
     {"password_file", kPath, ""},
+    {kPasswordCommand, kCommand, "", CheckArgument},
+    {"auth_method", kText, ""},
+    {"auth_data_file", kPath, ""},
     {"client_id", kText, "a random one"},
     {"keep_alive", kWhole, "60"},
     {"mqtt_version", kTextOrWhole, "3.1.1", CheckOneOf<kMqttVersions>},

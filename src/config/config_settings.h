@@ -34,9 +34,13 @@ inline constexpr auto kHeaderIdStarts = std::to_array<base::Choice<ledger::Heade
     {"epoch", ledger::HeaderIdStart::kEpoch},
 });
 
+/// Runs a program: only in a file that nobody else can change.
+inline constexpr std::string_view kPasswordCommand = "password_command";
+
 enum class SettingType {
   kText,
   kTexts,        ///< a text or a list of texts
+  kCommand,      ///< a list of texts: a program, by a path or to be looked for, and its arguments
   kPath,         ///< a text; relative to the file's folder
   kFlag,         ///< true, false
   kWhole,        ///< an integer

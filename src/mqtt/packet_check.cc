@@ -26,6 +26,7 @@ enum Type : std::uint8_t {
   kUnsuback = 11,
   kPingresp = 13,
   kDisconnect = 14,
+  kAuth = 15,
 };
 
 struct TypeRule {
@@ -49,7 +50,7 @@ constexpr std::array<TypeRule, 16> kTypes{{
     {""},             // PINGREQ
     {"PINGRESP"},     //
     {"DISCONNECT"},   // MQTT 5 only
-    {""},             // AUTH, which answers what we never ask for; Paho reads it wrongly
+    {""},             // AUTH, which asks for a step that we do not have; Paho reads it wrongly
 }};
 
 constexpr int kQosBits = 6;
@@ -176,6 +177,10 @@ void PacketCheck::TakeType(std::uint8_t byte) {
   reason_ = {};
   flags_ = byte & 0xF;
   const TypeRule& rule = kTypes[type_];
+  if (byte == kAuth << 4 && v5_ && !connected_) {
+    wants_more_ = true;
+    return RefuseWhole("an AUTH packet before its CONNACK");
+  }
   if (rule.name.empty() || (type_ == kDisconnect && !v5_)) {
     return RefuseWhole(
         fmt::format("what is no packet for a client (it begins with 0x{:02X})", byte));

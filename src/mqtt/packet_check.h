@@ -47,6 +47,8 @@ class PacketCheck {
   /// Of the packet that came last; the code of DISCONNECT only.
   [[nodiscard]] const Reason& reason() const { return reason_; }
   [[nodiscard]] bool HasDisconnected() const { return disconnected_; }
+  /// The fault is a first answer that goes on with an authentication (MQTT 5 §3.15).
+  [[nodiscard]] bool WantsMoreAuthentication() const { return wants_more_; }
 
   /// How many bytes may be read without touching the packet behind this one; at least 1.
   [[nodiscard]] std::size_t wanted() const;
@@ -118,6 +120,7 @@ class PacketCheck {
   bool v5_;
   bool connected_ = false;     // CONNACK has come
   bool disconnected_ = false;  // DISCONNECT has come
+  bool wants_more_ = false;    // AUTH has come instead of CONNACK
   std::size_t subacks_ = 0;    // filters of the SUBSCRIBE under way
   std::size_t unsubacks_ = 0;
   std::unordered_set<std::uint32_t> qos2_ids_;  // until their PUBREL

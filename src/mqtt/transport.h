@@ -76,13 +76,20 @@ struct TlsOptions {
   }
 };
 
+/// MQTT 5 §4.12, in one step: what CONNECT brings has to do.
+struct Authentication {
+  std::string method;
+  std::optional<std::string> data;
+};
+
 struct ConnectOptions {
   /// Tried in this order until one accepts; at least one.
   std::vector<BrokerUrl> brokers;
   std::string client_id;  ///< empty: a random one
   std::string username;   ///< empty: none, or the one in the URL
   std::optional<std::string> password;
-  std::string login;  ///< what a refusal says of both, never a secret; may be empty
+  std::optional<Authentication> authentication;  ///< MQTT 5 only
+  std::string login;  ///< what a refusal says of all of these, never a secret; may be empty
   std::chrono::seconds keep_alive{60};
   ProtocolVersion version = ProtocolVersion::k311;
   /// MQTT 5 §3.8.3.1: Message::retained of what is received is then what its publisher said.

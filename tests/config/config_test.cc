@@ -15,6 +15,7 @@ namespace {
 using fleetpub::testing::EnvironmentVariable;
 using fleetpub::testing::TemporaryFolder;
 using ::testing::AllOf;
+using ::testing::ElementsAre;
 using ::testing::EndsWith;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
@@ -87,6 +88,30 @@ TEST(Config, AGroupHoldsRobotsAndAliasesEachOnce) {
   EXPECT_THAT(config->group_robots.at("hall"), SizeIs(2));
 }
 
+TEST(Config, AProgramIsAPathOfTheFilesFolderOrANameToBeLookedFor) {
+  const auto command = [](const std::string& items) {
+    return Loaded("password_command = [" + items + "]\n")->Find("password_command")->texts;
+  };
+  EXPECT_THAT(command(R"("pass", "show", "a/b")"), ElementsAre("pass", "show", "a/b"));
+  EXPECT_THAT(command(R"("./token.sh", "./x")"), ElementsAre("/f/./token.sh", "./x"));
+  EXPECT_THAT(command(R"("/bin/token", "")"), ElementsAre("/bin/token", ""));
+  const EnvironmentVariable home("HOME", "/home/ann");
+  EXPECT_THAT(command(R"("~/bin/token")"), ElementsAre("/home/ann/bin/token"));
+}
+
+// Both are keys for the same thing.
+TEST(Config, ALaterFilesWayToAPasswordReplacesTheOther) {
+  Config config;
+  ASSERT_TRUE(ReadConfig("password_file = \"x\"\n[profile.n]\npassword_command = [\"a\"]\n",
+                         "/etc/c.toml", config));
+  ASSERT_TRUE(ReadConfig("password_command = [\"b\"]\n[profile.n]\npassword_file = \"y\"\n",
+                         "/f/c.toml", config));
+  EXPECT_FALSE(config.settings.contains("password_file"));
+  EXPECT_EQ(config.settings.at("password_command").texts.front(), "b");
+  EXPECT_FALSE(config.profiles.at("n").contains("password_command"));
+  EXPECT_EQ(config.profiles.at("n").at("password_file").texts.front(), "/f/y");
+}
+
 TEST(Config, WhatIsNotUnderstoodIsRefusedWithItsPlace) {
   struct Case {
     const char* text;
@@ -106,6 +131,14 @@ TEST(Config, WhatIsNotUnderstoodIsRefusedWithItsPlace) {
            {"vda = \"4\"\n", "c.toml:1:7: vda: "},
            {"output = \"xml\"\n", "output: takes text, json, csv, tsv, not 'xml'"},
            {"qos = 3\n", "qos: takes 0, 1, 2, not '3'"},
+           {"output = \"openmetrics\"\n", "output: takes text, json, csv, tsv, not"},
+           {"password_command = \"pass\"\n", "password_command: takes a list of texts"},
+           {"password_command = []\n", "not an empty list"},
+           {"password_command = [\"\"]\n", "password_command: takes a list of texts, the program"},
+           {"password_command = [\"a\", 1]\n", "password_command: takes a list of texts"},
+           {"password_command = [\"a\", \"\\u0000\"]\n", "c.toml:1:26: password_command: "},
+           {"password_file = \"x\"\npassword_command = [\"a\"]\n",
+            "c.toml:2:1: password_command: this table has a password_file"},
            {"keep_alive = 2026-01-01\n", "not a date or time"},
            {"profile = 1\n", "profile holds tables"},
            {"profile.a = 1\n", "profile.a is a table"},

@@ -131,12 +131,17 @@ void RunExamples(const std::vector<Example>& examples, const World& world, int e
 }
 
 // Blocks of commands that are not for a test, and what is no command at all: by their beginning.
+bool IsConfiguration(const Block& block) {
+  return block.text.starts_with("default_profile = ") || block.text.starts_with("ledger = ") ||
+         block.text.starts_with("[profile.");
+}
+
 bool IsSomethingElse(const Block& block) {
-  for (const char* beginning : {"fleetpub COMMAND", "default_profile = ", "ledger = ",
-                                "planning_config_ID = ", "scripts/demo", "[Service]"}) {
+  for (const char* beginning :
+       {"fleetpub COMMAND", "planning_config_ID = ", "scripts/demo", "[Service]"}) {
     if (block.text.starts_with(beginning)) return true;
   }
-  return false;
+  return IsConfiguration(block);
 }
 
 constexpr const char* kPages[] = {
@@ -213,9 +218,13 @@ TEST(DocsPages, AreAllTried) {
 TEST(DocsPages, OfConfigurationsAreRead) {
   const Operator someone;
   std::size_t count = 0;
-  for (const Block& block : IndentedBlocks(SourceText("docs/manual.md"))) {
+  std::vector<Block> blocks = IndentedBlocks(SourceText("docs/manual.md"));
+  for (Block& block : IndentedBlocks(SourceText("docs/brokers.md"))) {
+    blocks.push_back(std::move(block));
+  }
+  for (const Block& block : blocks) {
+    if (!IsConfiguration(block)) continue;
     const bool is_whole = block.text.starts_with("default_profile");
-    if (!is_whole && !block.text.starts_with("ledger = ")) continue;
     ++count;
     const auto file = someone.home().Write("config.toml", block.text);
     const Finished shown = someone.Fleetpub({"config", "show", "--config", file});
@@ -228,7 +237,7 @@ TEST(DocsPages, OfConfigurationsAreRead) {
     EXPECT_THAT(run.output, HasSubstr(R"("version":"2.0.0")"));
     EXPECT_THAT(run.output, HasSubstr(R"("instantActions":[)"));
   }
-  EXPECT_EQ(count, 2U);
+  EXPECT_EQ(count, 6U);
 }
 
 // ── commands within a line ──

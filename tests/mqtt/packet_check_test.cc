@@ -182,6 +182,23 @@ TEST(PacketCheck, ReadsAConnackOfEitherVersion) {
   }
 }
 
+TEST(PacketCheck, KnowsAnAuthenticationThatGoesOn) {
+  PacketCheck check(k5);
+  EXPECT_FALSE(Admit(check, Bytes("F0")));
+  EXPECT_TRUE(check.WantsMoreAuthentication());
+  PacketCheck later = Connected(k5);
+  EXPECT_FALSE(Admit(later, Bytes("F0 02 18 00")));
+  EXPECT_FALSE(later.WantsMoreAuthentication()) << "only a client may authenticate again";
+  for (const char* hex : {"F1", "20 03 00 8C 00"}) {
+    PacketCheck other(k5);
+    EXPECT_EQ(Admit(other, Bytes(hex)), hex[0] == '2');
+    EXPECT_FALSE(other.WantsMoreAuthentication()) << hex;
+  }
+  PacketCheck old(k311);
+  EXPECT_FALSE(Admit(old, Bytes("F0 02 18 00")));
+  EXPECT_FALSE(old.WantsMoreAuthentication()) << "AUTH came with MQTT 5";
+}
+
 TEST(PacketCheck, KeepsTheReasonOfADisconnect) {
   PacketCheck check(ProtocolVersion::k5);
   const std::string packets =

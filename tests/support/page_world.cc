@@ -216,6 +216,9 @@ const std::map<std::string, World>& Troubles() {
       {"The profile and the environment disagree (exit 2)", {.setup = kNorth}},
       {"The configuration is refused (exit 2)",
        {.setup = kNorth + "; chmod o+w ~/.config/fleetpub/config.toml"}},
+      {"A program prints no password (exit 8)",
+       {.setup = "mkdir -p ~/.config/fleetpub; printf '\\n\\npassword_command = "
+                 "[\"token-tool\"]\\n' > ~/.config/fleetpub/config.toml"}},
       {"A setting has no effect (exit 0)",
        {.setup = kNorth + "; echo 'qos = 0' >> ~/.config/fleetpub/config.toml\n"
                           "export FLEETPUB_QOS=1; unset FLEETPUB_BROKER"}},

@@ -27,6 +27,8 @@ constexpr std::string_view kStarter =
 #broker = "mqtts://broker.example:8883"   # or a list, tried in its order: ["mqtts://a", "mqtts://b"]
 #username = "operator"
 #password_file = "password"               # its first line; chmod 600. No password stands in here
+#auth_method = "OAUTH2-JWT"               # MQTT 5: a token broker's enhanced authentication
+#auth_data_file = "token"                 # what that method takes
 #client_id = "fleetpub-desk-1"            # left out: a random one
 #keep_alive = 60                          # seconds
 #mqtt_version = "3.1.1"                   # or 5
@@ -76,6 +78,7 @@ constexpr std::string_view kStarter =
 
 #[profile.south]
 #broker = ["mqtts://south-1.example:8883", "mqtts://south-2.example:8883"]
+#password_command = ["pass", "show", "fleet/south"]   # prints it; instead of password_file
 #vda = "2.1.0"
 
 # A robot that is spoken to in its own way, and by a short name: fleetpub pause agv1

@@ -75,7 +75,7 @@ Row MakeRow(const OptionSet::Setting& setting) {
   std::vector<std::string> texts = setting.texts;
   if (MayHoldALogin(setting.key)) std::transform(texts.begin(), texts.end(), texts.begin(), Masked);
   if (setting.key == "ledger") texts.front() = MaskedLedger(texts.front());
-  row.value = base::Join(texts, ", ");
+  row.value = base::Join(texts, setting.key == config::kPasswordCommand ? " " : ", ");
   return row;
 }
 
@@ -89,6 +89,7 @@ std::optional<Row> PasswordRow(const GlobalOptions& options) {
     return row("environment variable FLEETPUB_PASSWORD");
   }
   if (HasPasswordInEnvironment()) return row("systemd credential fleetpub.password");
+  if (!options.password_command.empty()) return row("password_command");
   return std::nullopt;
 }
 

@@ -6,15 +6,18 @@
 #include <utility>
 #include <vector>
 
+#include "app/confirm_times.h"
 #include "base/text.h"
 #include "base/time.h"
 #include "base/width.h"
 #include "cli/environment.h"
 #include "cli/listening.h"
+#include "cli/output/fleet_metrics.h"
 #include "cli/output/fleet_table.h"
 #include "cli/output/screen.h"
 #include "cli/parser/option_set.h"
 #include "cli/parser/subcommand.h"
+#include "vda5050/model/robot_address.h"
 
 namespace fleetpub::cli {
 namespace {
@@ -48,6 +51,27 @@ void Show(const app::Fleet& fleet, const Options& o, base::WallTime now, Output&
   }
   const auto robots = Sorted(fleet, o.view.sort.value_or(SortBy::kTrouble));
   if (!robots.empty()) PrintTable(FleetColumns(), MakeRows(robots, now), output);
+}
+
+// Of these robots at this broker. Without a ledger that can be read everything else is told.
+std::optional<app::ConfirmTimes> FindConfirmTimes(const app::Fleet& fleet,
+                                                  const app::Environment& environment,
+                                                  const Context& context) {
+  const auto brokers = ParseBrokers(context.options);
+  if (environment.recording || !brokers) return std::nullopt;
+  const auto is_wanted = [&](const ledger::Record& row) {
+    const auto robot = vda5050::ParseRobotAddress(row.target);
+    return robot && fleet.Shows(*robot) &&
+           std::any_of(brokers->begin(), brokers->end(), [&](const mqtt::BrokerUrl& broker) {
+             return broker.ToString() == row.broker;
+           });
+  };
+  const auto ledger = environment.ledger(ledger::OpenMode::kReadOnly);
+  auto times =
+      ledger ? app::ReadConfirmTimes(**ledger, environment.Now(), is_wanted) : Fail(ledger.error());
+  if (times) return *std::move(times);
+  context.output.Warn("the times to confirm are left out: " + times.error().message);
+  return std::nullopt;
 }
 
 // What is known so far, for a person who waits.
@@ -105,6 +129,12 @@ Result<ExitCode> RunFleet(const Options& o, const Context& context) {
     context.output.Warn(fmt::format("{} was found at two places: {}, which is shown, and {}",
                                     base::Printable(address.ToString()),
                                     base::Printable(entry.place), base::Printable(entry.AlsoAt())));
+  }
+  if (FindFormat(context.options.format) == Format::kOpenMetrics) {
+    WriteFleetMetrics(fleet->robots(), environment.Now(),
+                      FindConfirmTimes(*fleet, environment, context),
+                      [](std::string_view text) { Print(stdout, text); });
+    return ExitCode::kDone;
   }
   Show(*fleet, o, environment.Now(), context.output);
   TellRecording(environment, context.output);

@@ -29,6 +29,13 @@ constexpr const char* kOutput = "Output";
 constexpr const char* kFiles = "Files";
 constexpr const char* kConfig = "Configuration";
 
+// Beside those of the configuration, which is for all commands, what one command has.
+constexpr auto kFormats = [] {
+  std::array<std::string_view, config::kOutputs.size() + 1> formats{};
+  *std::copy(config::kOutputs.begin(), config::kOutputs.end(), formats.begin()) = kOpenMetrics;
+  return formats;
+}();
+
 constexpr auto kColors = std::to_array<std::string_view>({"auto", "always", "never"});
 
 // The key of a setting is its option's long name: `-i,--client-id` → client_id.
@@ -105,8 +112,17 @@ void DeclareBroker(OptionSet& set, GlobalOptions& o) {
       .Add("--password-file", o.password_file, "FILE",
            "File whose first line is the password (or set FLEETPUB_PASSWORD)")
       .Variable("FLEETPUB_PASSWORD_FILE");
+  set.AddSetting(config::kPasswordCommand, Text(o.password_command));
   set.AddFlag("--ask-password", o.ask_password, "Ask for the password on the terminal")
       .Group(kBrokerGroup);
+  group
+      .Add("--auth-method", o.auth_method, "NAME",
+           "MQTT 5: enhanced authentication by this method, in one step")
+      .Variable("FLEETPUB_AUTH_METHOD");
+  group
+      .Add("--auth-data-file", o.auth_data_file, "FILE",
+           "File that holds this method's data, such as a token")
+      .Variable("FLEETPUB_AUTH_DATA_FILE");
   group.Add("-i,--client-id", o.client_id, "ID", "MQTT client id [a random one]")
       .Variable("FLEETPUB_CLIENT_ID");
   group.Add("-k,--keep-alive", WholeNumber(o.keep_alive, 0, 65'535), "S",
@@ -166,7 +182,7 @@ void DeclareTls(OptionSet& set, GlobalOptions& o) {
 
 // One of the words, or a text of one's own.
 ValueKind OutputFormat(std::string& format) {
-  ValueKind kind = OneOf(format, config::kOutputs);
+  ValueKind kind = OneOf(format, kFormats);
   kind.store = [&format, word = kind.store](const std::vector<std::string>& texts) {
     if (!texts.front().starts_with(kTemplatePrefix)) return word(texts);
     format = texts.front();
@@ -177,8 +193,9 @@ ValueKind OutputFormat(std::string& format) {
 
 void DeclareOutput(OptionSet& set, GlobalOptions& o) {
   Group{set, kOutput}
-      .Add("-o,--output", OutputFormat(o.format), "FORMAT",
-           "{}, a row or object per result, or template=TEXT with names in braces [text]")
+      .Add(
+          "-o,--output", OutputFormat(o.format), "FORMAT",
+          "{} (of fleet), a row or object per result, or template=TEXT with names in braces [text]")
       .Variable("FLEETPUB_OUTPUT");
   set.AddOption("--fields", o.fields, "Only these members of each object: target,actions.0.type")
       .Type("NAMES")
@@ -243,6 +260,22 @@ void PreferFlags(const OptionSet& set, GlobalOptions& o) {
   o.is_host_by_flag = by_host;
   o.is_login_open = set.IsByFlag("--username") && !set.Find("--password-file").IsGiven() &&
                     !set.Find("--cert").IsGiven();
+}
+
+// What goes before the configuration's password, and which of its two ways holds: a profile's goes
+// before one outside of profiles, and no table has both.
+void ChoosePassword(const config::Config& config, const OptionSet& set, const GlobalOptions& o,
+                    std::vector<std::string_view>& except) {
+  constexpr std::string_view kFile = "password_file";
+  if (o.ask_password || HasPasswordInEnvironment()) {
+    except.insert(except.end(), {kFile, config::kPasswordCommand});
+    return;
+  }
+  const config::ConfigValue* const file = config.Find(kFile);
+  const config::ConfigValue* const command = config.Find(config::kPasswordCommand);
+  const bool is_file = set.Find("--password-file").IsGiven() || command == nullptr ||
+                       (file != nullptr && !file->profile.empty());
+  except.push_back(is_file ? config::kPasswordCommand : kFile);
 }
 
 // Everybody on the machine can read the arguments of a process.
@@ -316,6 +349,34 @@ Result<mqtt::PublishProperties> ParseProperties(const GlobalOptions& o) {
   return properties;
 }
 
+// The data as a tool writes it into a file: without the end of its last line.
+Result<std::optional<mqtt::Authentication>> ReadAuthentication(const Context& context) {
+  const GlobalOptions& o = context.options;
+  if (o.auth_method.empty() && o.auth_data_file.empty()) {
+    return std::optional<mqtt::Authentication>();
+  }
+  mqtt::Authentication authentication{.method = o.auth_method, .data = std::nullopt};
+  if (!o.auth_data_file.empty()) {
+    auto data = ReadSecretFile(o.auth_data_file, context.output);
+    if (!data) return Fail(std::move(data.error()));
+    if (data->ends_with('\n')) data->pop_back();
+    if (data->ends_with('\r')) data->pop_back();
+    authentication.data = *std::move(data);
+  }
+  return authentication;
+}
+
+// Who was refused, as an error says it; never a secret.
+std::string DescribeLogin(const GlobalOptions& o, const FoundPassword& password) {
+  std::string login = fmt::format(
+      "{} and {}", o.username.empty() ? "no user name" : "user " + base::Printable(o.username),
+      base::Printable(password.source));
+  if (o.auth_method.empty()) return login;
+  login += fmt::format(", method {}", base::Printable(o.auth_method));
+  if (o.auth_data_file.empty()) return login;
+  return login + fmt::format(" with the data of {}", base::Printable(o.auth_data_file));
+}
+
 }  // namespace
 
 bool IsGlobalGroup(std::string_view group) {
@@ -338,7 +399,7 @@ Status ApplyConfig(const config::Config& config, OptionSet& set, GlobalOptions& 
   std::vector<std::string_view> except;
   if (!options.host.empty() || options.port) except.emplace_back("broker");
   if (!options.brokers.empty()) except.insert(except.end(), {"host", "port"});
-  if (options.ask_password || HasPasswordInEnvironment()) except.emplace_back("password_file");
+  ChoosePassword(config, set, options, except);
   if (!options.brokers.empty() &&
       std::all_of(options.brokers.begin(), options.brokers.end(), HasUserName)) {
     except.emplace_back("username");
@@ -384,6 +445,8 @@ Result<mqtt::ConnectOptions> MakeConnectOptions(const Context& context) {
   if (!properties) return Fail(std::move(properties.error()));
   auto tls = MakeTlsOptions(context);
   if (!tls) return Fail(std::move(tls.error()));
+  auto authentication = ReadAuthentication(context);
+  if (!authentication) return Fail(std::move(authentication.error()));
   auto password = FindPassword(context);
   if (!password) return Fail(std::move(password.error()));
 
@@ -392,9 +455,8 @@ Result<mqtt::ConnectOptions> MakeConnectOptions(const Context& context) {
   connect.client_id = o.client_id;
   connect.username = o.username;
   connect.password = std::move(password->text);
-  connect.login = fmt::format(
-      "{} and {}", o.username.empty() ? "no user name" : "user " + base::Printable(o.username),
-      base::Printable(password->source));
+  connect.authentication = *std::move(authentication);
+  connect.login = DescribeLogin(o, *password);
   connect.keep_alive = std::chrono::seconds(o.keep_alive);
   connect.version = o.mqtt_version;
   connect.properties = std::move(*properties);

@@ -26,7 +26,10 @@ struct GlobalOptions {
   std::optional<std::uint16_t> port;
   std::string username;
   std::string password_file;
+  std::vector<std::string> password_command;  ///< empty: none, or something else goes before it
   bool ask_password = false;
+  std::string auth_method;
+  std::string auth_data_file;
   std::string client_id;
   int keep_alive = 60;  ///< seconds
   mqtt::ProtocolVersion mqtt_version = mqtt::ProtocolVersion::k311;

@@ -12,13 +12,14 @@
 #include <filesystem>
 
 #include "base/file.h"
+#include "cli/options/password_command.h"
+#include "config/config_settings.h"
 
 namespace fleetpub::cli {
 namespace {
 
 constexpr const char* kCredential = "fleetpub.password";
 constexpr const char* kLedgerCredential = "fleetpub.ledger_password";
-constexpr std::size_t kLongestPassword = 65'535;  // MQTT §3.1.3.5
 
 // Switches the terminal's echo off while it lives.
 class SilentTerminal {
@@ -40,12 +41,6 @@ class SilentTerminal {
   bool changed_ = false;
   termios before_{};
 };
-
-std::string FirstLine(std::string text) {
-  text.resize(std::min(text.find('\n'), text.size()));
-  if (text.ends_with('\r')) text.pop_back();
-  return text;
-}
 
 std::string ReadLine(int descriptor) {
   std::string line;
@@ -91,6 +86,12 @@ std::optional<std::string> SystemdCredential(const char* name) {
 
 }  // namespace
 
+std::string FirstLine(std::string text) {
+  text.resize(std::min(text.find('\n'), text.size()));
+  if (text.ends_with('\r')) text.pop_back();
+  return text;
+}
+
 void ForgetVariable(const char* name) {
   char* const value = std::getenv(name);
   if (value == nullptr) return;
@@ -102,7 +103,7 @@ bool HasPasswordInEnvironment() {
   return std::getenv("FLEETPUB_PASSWORD") != nullptr || SystemdCredential(kCredential);
 }
 
-Result<std::string> ReadPasswordFile(const std::string& path, Output& output) {
+Result<std::string> ReadSecretFile(const std::string& path, Output& output) {
   auto content = base::ReadFile(path, kLongestPassword + 2);
   if (!content) return content;
   struct stat status {};
@@ -110,8 +111,30 @@ Result<std::string> ReadPasswordFile(const std::string& path, Output& output) {
       (status.st_mode & (S_IRGRP | S_IROTH)) != 0) {
     output.Warn(fmt::format("{} can be read by others: chmod 600 {}", path, path));
   }
+  return content;
+}
+
+Result<std::string> ReadPasswordFile(const std::string& path, Output& output) {
+  auto content = ReadSecretFile(path, output);
+  if (!content) return content;
   return FirstLine(std::move(*content));
 }
+
+namespace {
+
+// Once in a process, however often it connects: each run may ask a person, or cost a token.
+Result<FoundPassword> PrintedPassword(const Context& context) {
+  static std::optional<std::string> printed;
+  const std::string origin = context.config.Find(config::kPasswordCommand)->Origin();
+  if (!printed) {
+    auto password = RunPasswordCommand(context.options.password_command, origin);
+    if (!password) return Fail(std::move(password.error()));
+    printed = *std::move(password);
+  }
+  return FoundPassword{printed, fmt::format("the password of password_command ({})", origin)};
+}
+
+}  // namespace
 
 Result<std::optional<std::string>> FindLedgerPassword(Output& output) {
   const auto file = SystemdCredential(kLedgerCredential);
@@ -137,6 +160,7 @@ Result<FoundPassword> FindPassword(const Context& context) {
     }
     file = SystemdCredential(kCredential).value_or("");
   }
+  if (file.empty() && !options.password_command.empty()) return PrintedPassword(context);
   if (file.empty()) {
     const bool is_somebody_there = isatty(STDIN_FILENO) == 1 && isatty(STDERR_FILENO) == 1;
     if (options.is_login_open && is_somebody_there) return ask();

@@ -2,6 +2,7 @@
 // read.
 #pragma once
 
+#include <cstddef>
 #include <optional>
 #include <string>
 
@@ -10,14 +11,20 @@
 
 namespace fleetpub::cli {
 
+inline constexpr std::size_t kLongestPassword = 65'535;  ///< MQTT §3.1.3.5
+
+/// Without its end.
+[[nodiscard]] std::string FirstLine(std::string text);
+
 struct FoundPassword {
   std::optional<std::string> text;
   std::string source;  ///< `the password of FLEETPUB_PASSWORD`, `no password`: never itself
 };
 
 /// The first of: the prompt of --ask-password, --password-file, FLEETPUB_PASSWORD (removed from the
-/// environment once read), the systemd credential `fleetpub.password`; without any, the prompt when
-/// is_login_open and there is a terminal.
+/// environment once read), the systemd credential `fleetpub.password`, the configuration's
+/// password_command, which is run; without any, the prompt when is_login_open and there is a
+/// terminal.
 [[nodiscard]] Result<FoundPassword> FindPassword(const Context& context);
 
 /// Takes a variable out of the environment and out of memory, where /proc shows it to the same
@@ -25,14 +32,18 @@ struct FoundPassword {
 void ForgetVariable(const char* name);
 
 /// Whether the environment brings a password: FLEETPUB_PASSWORD or a systemd credential. It goes
-/// before the configuration's password_file, as the environment goes before the configuration.
+/// before the configuration's password_file and password_command, as the environment goes before
+/// the configuration.
 [[nodiscard]] bool HasPasswordInEnvironment();
 
 /// The systemd credential `fleetpub.ledger_password`, unless PGPASSWORD says otherwise; nothing:
 /// libpq finds it. Errors: ErrorKind::kLedger.
 [[nodiscard]] Result<std::optional<std::string>> FindLedgerPassword(Output& output);
 
-/// The file's first line. Warns when others may read the file. Errors: ErrorKind::kLedger.
+/// The file's bytes, 64 KiB at most. Warns when others may read the file. Errors:
+/// ErrorKind::kLedger.
+[[nodiscard]] Result<std::string> ReadSecretFile(const std::string& path, Output& output);
+/// Of such a file the first line.
 [[nodiscard]] Result<std::string> ReadPasswordFile(const std::string& path, Output& output);
 
 }  // namespace fleetpub::cli

@@ -62,6 +62,7 @@ Format FindFormat(std::string_view output) {
   if (output == "json") return Format::kJson;
   if (output == "csv") return Format::kCsv;
   if (output == "tsv") return Format::kTsv;
+  if (output == kOpenMetrics) return Format::kOpenMetrics;
   return output.starts_with(kTemplatePrefix) ? Format::kTemplate : Format::kText;
 }
 
@@ -72,7 +73,9 @@ Result<Records> Records::Make(std::string_view output, std::string_view fields,
   records.columns_ = std::move(columns);
   if (!fields.empty()) records.fields_ = base::Split(fields, ',');
   const Format format = records.format_;
-  if (!fields.empty() && (format == Format::kText || format == Format::kTemplate)) {
+  const bool has_fields =
+      format == Format::kJson || format == Format::kCsv || format == Format::kTsv;
+  if (!fields.empty() && !has_fields) {
     return Fail(ErrorKind::kUsage, "--fields needs -o json, csv or tsv");
   }
   if (format == Format::kTemplate) {

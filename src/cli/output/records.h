@@ -12,8 +12,10 @@
 
 namespace fleetpub::cli {
 
-enum class Format { kText, kJson, kCsv, kTsv, kTemplate };
+enum class Format { kText, kJson, kCsv, kTsv, kTemplate, kOpenMetrics };
 
+/// Of `fleet` alone.
+inline constexpr std::string_view kOpenMetrics = "openmetrics";
 /// What begins the value of `--output` before a text of one's own.
 inline constexpr std::string_view kTemplatePrefix = "template=";
 

@@ -181,10 +181,10 @@ Result<Route> FindRoute(const BrokerUrl& broker, const ConnectOptions& options, 
   return route;
 }
 
-std::string_view GetFirstBytes(const BrokerUrl& broker) {
+std::string_view GetFirstBytes(const BrokerUrl& broker, ProtocolVersion version) {
   if (broker.UsesTls()) return {};  // OpenSSL reads without asking poll() first, and knows its own
-  if (broker.UsesWebSocket()) return "H";  // TTP/1.1
-  return "\x20";                           // CONNACK
+  if (broker.UsesWebSocket()) return "H";                       // TTP/1.1
+  return version == ProtocolVersion::k5 ? "\x20\xF0" : "\x20";  // CONNACK, AUTH
 }
 
 std::optional<int> NumericProperty(MQTTProperties* properties, enum MQTTPropertyCodes code) {
@@ -221,8 +221,17 @@ void ReadProperties(MQTTProperties* properties, PahoConnection& connection) {
   }
 }
 
+// What CONNECT says on MQTT 5. Paho copies it.
+void AddBytes(MQTTProperties& properties, enum MQTTPropertyCodes code, const std::string& bytes) {
+  MQTTProperty property{};
+  property.identifier = code;
+  property.value.data = {static_cast<int>(bytes.size()), const_cast<char*>(bytes.data())};
+  MQTTProperties_add(&properties, &property);
+}
+
 // Runs Paho's connect; its code, and on success what the broker said of itself.
-int RunConnect(MQTTClient client, MQTTClient_connectOptions* options, PahoConnection& connection,
+int RunConnect(MQTTClient client, MQTTClient_connectOptions* options,
+               const std::optional<Authentication>& authentication, PahoConnection& connection,
                std::optional<int>& server_keep_alive) {
   if (options->MQTTVersion != MQTTVERSION_5) return MQTTClient_connect(client, options);
   MQTTProperty size{};
@@ -230,6 +239,12 @@ int RunConnect(MQTTClient client, MQTTClient_connectOptions* options, PahoConnec
   size.value.integer4 = kMaximumIncomingPacket;
   MQTTProperties asked = MQTTProperties_initializer;
   MQTTProperties_add(&asked, &size);
+  if (authentication) {
+    AddBytes(asked, MQTTPROPERTY_CODE_AUTHENTICATION_METHOD, authentication->method);
+    if (authentication->data) {
+      AddBytes(asked, MQTTPROPERTY_CODE_AUTHENTICATION_DATA, *authentication->data);
+    }
+  }
   MQTTResponse response = MQTTClient_connect5(client, options, &asked, nullptr);
   MQTTProperties_free(&asked);
   const int code = ReasonCode(response);
@@ -302,9 +317,9 @@ Attempted Attempt(const BrokerUrl& broker, const ConnectOptions& options,
       options.version, broker.UsesWebSocket() ? Framing::kWebSocket : Framing::kNone);
   call.Feed(*connection.input);
   if (route->connected.open()) call.Adopt(std::move(route->connected));
-  call.ExpectFirst(GetFirstBytes(broker));
+  call.ExpectFirst(GetFirstBytes(broker, options.version));
   Arguments arguments(broker, options, watch);
-  code = RunConnect(client, arguments.get(), connection, server_keep_alive);
+  code = RunConnect(client, arguments.get(), options.authentication, connection, server_keep_alive);
   if (code == MQTTCLIENT_SUCCESS) {
     connection.client = client;
     connection.descriptor = call.descriptor();
@@ -316,6 +331,7 @@ Attempted Attempt(const BrokerUrl& broker, const ConnectOptions& options,
   facts.expired = call.expired() || steady_clock::now() >= deadline;
   facts.wrong_first = call.wrong_first();
   facts.fault = connection.input->fault();
+  facts.wants_more_authentication = connection.input->check().WantsMoreAuthentication();
   facts.reason = connection.input->check().reason();
   if (broker.UsesTls() && !facts.connect_sent) {
     if (auto status = CheckTlsFiles(options.tls); !status) {
@@ -346,6 +362,31 @@ bool IsMqttString(const std::string& text) {
   return text.size() <= 65'535 && base::IsUtf8(text) && text.find('\0') == std::string::npos;
 }
 
+namespace {
+
+Status CheckAuthentication(const ConnectOptions& options) {
+  if (!options.authentication) return {};
+  const auto& [method, data] = *options.authentication;
+  if (method.empty()) {
+    return Fail(ErrorKind::kUsage,
+                "authentication data without a method: name that with --auth-method");
+  }
+  if (options.version != ProtocolVersion::k5) {
+    return Fail(ErrorKind::kUsage, "--auth-method needs MQTT 5: add --mqtt-version 5");
+  }
+  if (!IsMqttString(method)) {
+    return Fail(ErrorKind::kUsage,
+                "--auth-method is no MQTT text: UTF-8 without NUL, 65,535 bytes at most");
+  }
+  if (data && data->size() > 65'535) {
+    return Fail(ErrorKind::kUsage,
+                "--auth-data-file holds more than the 65,535 bytes that MQTT can carry");
+  }
+  return {};
+}
+
+}  // namespace
+
 Status CheckConnectOptions(const ConnectOptions& options) {
   if (options.brokers.empty())
     return Fail(ErrorKind::kUsage, "no broker is given: use --broker mqtt://host");
@@ -359,6 +400,7 @@ Status CheckConnectOptions(const ConnectOptions& options) {
     return Fail(ErrorKind::kUsage,
                 "the password is longer than 65,535 bytes, the most that MQTT can carry");
   }
+  if (auto status = CheckAuthentication(options); !status) return status;
   const bool named = !options.username.empty() ||
                      std::all_of(options.brokers.begin(), options.brokers.end(),
                                  [](const BrokerUrl& broker) { return !broker.username.empty(); });

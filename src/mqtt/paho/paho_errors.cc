@@ -78,13 +78,22 @@ constexpr std::array<CodeText, 20> kRefusals{{
     {0x89, "the broker is busy: try again later"},
     {0x8A, "this client is banned: ask the broker's administrator"},
     {0x8B, "it is shutting down: try again later"},
-    {0x8C, "it wants another kind of authentication than a user name and a password"},
+    {0x8C, "it wants a method of authentication: name it with --auth-method, on MQTT 5"},
     {0x97, "quota exceeded (0x97): ask the broker's administrator"},
     {0x9A, "it takes no retained last will"},
     {0x9B, "it takes no last will at this QoS"},
     {0x9C, "it wants this client to use another server: name that one with --broker"},
     {0x9D, "it has moved for good: name the new server with --broker"},
     {0x9F, "too many connections in a short time: try again later"},
+}};
+
+// Where a method was used, that is what to look at.
+constexpr std::array<CodeText, 3> kMethodRefusals{{
+    {0x86, "it does not accept this login: check --auth-data-file and --username"},
+    {0x87,
+     "not authorized: check --auth-method and --auth-data-file, and what the broker allows this "
+     "client"},
+    {0x8C, "bad authentication method: check --auth-method"},
 }};
 
 // Causes from before MQTT, by how their text begins.
@@ -235,6 +244,11 @@ std::string HungUpCause(const BrokerUrl& broker, const ConnectOptions& options) 
 std::string Cause(const BrokerUrl& broker, const ConnectOptions& options,
                   const ConnectFacts& facts) {
   if (facts.wrong_first) return PeerCause(*facts.wrong_first);
+  if (facts.wants_more_authentication && options.authentication) {
+    return "it asks for a further step of the authentication (AUTH), and fleetpub takes one: "
+           "choose "
+           "a method of one step with --auth-method";
+  }
   if (!facts.fault.empty()) {
     return fmt::format(
         "it sent {}: is it a sound MQTT broker, and does it speak this version of MQTT (-V)?",
@@ -285,10 +299,12 @@ Error ReachError(const BrokerUrl& broker, const Error& cause) {
 Error ConnectError(const BrokerUrl& broker, const ConnectOptions& options,
                    const ConnectFacts& facts) {
   if (facts.code > 0) {
-    const std::string_view refusal = Find(kRefusals, facts.code);
+    std::string_view refusal = options.authentication ? Find(kMethodRefusals, facts.code) : "";
+    if (refusal.empty()) refusal = Find(kRefusals, facts.code);
     const std::string code =
         facts.code >= 0x80 ? ReasonText(facts.code, {}) : fmt::format("return code {}", facts.code);
-    const bool is_about_login = refusal.find("--password-file") != std::string_view::npos;
+    const bool is_about_login = refusal.find("--password-file") != std::string_view::npos ||
+                                refusal.find("--auth-") != std::string_view::npos;
     const std::string tried =
         is_about_login && !options.login.empty() ? fmt::format(" (tried: {})", options.login) : "";
     return Broker(fmt::format("{} refused the connection: {}{}{}", broker.ToString(),

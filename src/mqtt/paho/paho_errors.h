@@ -18,6 +18,7 @@ struct ConnectFacts {
   bool expired = false;
   std::optional<unsigned char> wrong_first;  ///< PahoCall::wrong_first
   std::string fault;                         ///< PahoInput::fault
+  bool wants_more_authentication = false;    ///< PacketCheck::WantsMoreAuthentication
   Reason reason;                             ///< that CONNACK adds to `code`
   bool connect_sent = false;                 ///< the CONNECT packet went out
   long verify_code = 0;            ///< X509_V_ERR_… of the broker's certificate, 0 for none

@@ -94,6 +94,54 @@ TEST(ConnectPaho, PutsEveryReasonCodeInWords) {
   }
 }
 
+ConnectOptions WithMethod(const std::string& url) {
+  ConnectOptions options = V5(To(url));
+  options.authentication = Authentication{.method = "TOKEN", .data = "sesame"};
+  options.login = "method TOKEN";
+  return options;
+}
+
+TEST(ConnectPaho, TellsWhatIsWrongWithAMethodOfAuthentication) {
+  const std::pair<int, std::string> cases[] = {
+      {0x86, "--auth-data-file"}, {0x87, "not authorized"}, {0x8C, "bad authentication method"}};
+  for (const auto& [code, words] : cases) {
+    const BrokenBroker broker(BrokenBroker::Answers({BrokenBroker::Connack5(code)}));
+    EXPECT_THAT(Refusal(WithMethod(broker.Url())).message,
+                AllOf(HasSubstr("refused the connection"), HasSubstr(words),
+                      HasSubstr("(tried: method TOKEN)"), Not(HasSubstr("sesame"))));
+  }
+  const BrokenBroker broker(BrokenBroker::Answers({BrokenBroker::Connack5(0x8C)}));
+  EXPECT_THAT(Refusal(V5(To(broker.Url()))).message, HasSubstr("--auth-method"));
+}
+
+TEST(ConnectPaho, EndsAnAuthenticationThatGoesOn) {
+  const std::string further("\xf0\2\x18\0", 4);
+  const BrokenBroker broker(BrokenBroker::Answers({further}));
+  bool may_heal = true;
+  const auto asked = ConnectPaho(WithMethod(broker.Url()), &may_heal);
+  ASSERT_FALSE(asked);
+  EXPECT_EQ(asked.error().kind, ErrorKind::kBroker);
+  EXPECT_THAT(asked.error().message, AllOf(HasSubstr("further step"), HasSubstr("--auth-method")));
+  EXPECT_FALSE(may_heal);
+  EXPECT_THAT(Refusal(V5(To(broker.Url()))).message, HasSubstr("an AUTH packet"))
+      << "nobody began one";
+}
+
+TEST(ConnectPaho, TakesNoMethodThatMqttCannotCarry) {
+  const BrokenBroker broker(BrokenBroker::Silent());
+  const auto refusal = [&](Authentication authentication, bool v5 = true) {
+    ConnectOptions options = v5 ? V5(To(broker.Url())) : To(broker.Url());
+    options.authentication = std::move(authentication);
+    const Error error = Refusal(options);
+    EXPECT_EQ(error.kind, ErrorKind::kUsage);
+    return error.message;
+  };
+  EXPECT_THAT(refusal({.method = "TOKEN", .data = {}}, false), HasSubstr("--mqtt-version 5"));
+  EXPECT_THAT(refusal({.method = "", .data = "x"}), HasSubstr("--auth-method"));
+  EXPECT_THAT(refusal({.method = "\xff", .data = {}}), HasSubstr("UTF-8"));
+  EXPECT_THAT(refusal({.method = "a", .data = std::string(65'536, 'x')}), HasSubstr("65,535"));
+}
+
 TEST(ConnectPaho, TellsWhatTheBrokerAddsToAReason) {
   // CONNACK 0x9D with a reason string and a server reference.
   const std::string properties = std::string("\x1f\0\5spa\nt", 8) + std::string("\x1c\0\3b:1", 6);

@@ -1,0 +1,175 @@
+#include "cli/options/password_command.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <poll.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <csignal>
+#include <cstring>
+#include <optional>
+
+#include "base/text.h"
+#include "base/time.h"
+#include "cli/options/password.h"
+#include "mqtt/descriptor.h"
+
+namespace fleetpub::cli {
+namespace {
+
+using mqtt::Descriptor;
+using std::chrono::milliseconds;
+using std::chrono::steady_clock;
+
+// A program that runs; killed with this object if it still does then.
+class Program {
+ public:
+  Program() = default;
+  Program(const Program&) = delete;
+  Program& operator=(const Program&) = delete;
+  ~Program() {
+    if (pid_ <= 0) return;
+    kill(pid_, SIGKILL);
+    waitpid(pid_, nullptr, 0);
+  }
+
+  /// 0, or why it cannot be started.
+  int Start(const std::vector<std::string>& arguments, int output) {
+    std::vector<char*> words;
+    for (const std::string& argument : arguments) {
+      words.push_back(const_cast<char*>(argument.c_str()));
+    }
+    words.push_back(nullptr);
+    // Whoever started us may have had its children forgotten: their ends would be, too.
+    std::signal(SIGCHLD, SIG_DFL);
+    posix_spawn_file_actions_t files;
+    posix_spawn_file_actions_init(&files);
+    posix_spawn_file_actions_addopen(&files, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
+    posix_spawn_file_actions_adddup2(&files, output, STDOUT_FILENO);
+    posix_spawnattr_t attributes;
+    posix_spawnattr_init(&attributes);
+    sigset_t ignored_here;
+    sigemptyset(&ignored_here);
+    posix_spawnattr_setsigmask(&attributes, &ignored_here);
+    sigaddset(&ignored_here, SIGPIPE);
+    sigaddset(&ignored_here, SIGXFSZ);
+    posix_spawnattr_setsigdefault(&attributes, &ignored_here);
+    posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGDEF | POSIX_SPAWN_SETSIGMASK);
+    const int error =
+        posix_spawnp(&pid_, words.front(), &files, &attributes, words.data(), environ);
+    posix_spawnattr_destroy(&attributes);
+    posix_spawn_file_actions_destroy(&files);
+    if (error != 0) pid_ = -1;
+    return error;
+  }
+
+  /// Its status as of waitpid, once it has ended.
+  std::optional<int> Ended() {
+    int status = 0;
+    if (waitpid(pid_, &status, WNOHANG) != pid_) return std::nullopt;
+    pid_ = -1;
+    return status;
+  }
+
+ private:
+  pid_t pid_ = -1;
+};
+
+// What a pipe brings, of which one byte more than a password and its line's end is kept.
+class Collector {
+ public:
+  explicit Collector(int descriptor) : descriptor_(descriptor) {}
+  Collector(const Collector&) = delete;
+  Collector& operator=(const Collector&) = delete;
+  ~Collector() { explicit_bzero(text_.data(), text_.size()); }
+
+  enum class Took { kSome, kNothing, kEnd };
+  /// What comes within this time.
+  Took Take(milliseconds patience) {
+    pollfd pipe{.fd = descriptor_, .events = POLLIN, .revents = 0};
+    if (poll(&pipe, 1, static_cast<int>(patience.count())) <= 0) return Took::kNothing;
+    std::array<char, 4096> chunk{};
+    const ssize_t count = read(descriptor_, chunk.data(), chunk.size());
+    if (count > 0) {
+      text_.append(chunk.data(), std::min(static_cast<std::size_t>(count), room()));
+      explicit_bzero(chunk.data(), chunk.size());
+      return Took::kSome;
+    }
+    return count < 0 && (errno == EINTR || errno == EAGAIN) ? Took::kNothing : Took::kEnd;
+  }
+
+  [[nodiscard]] std::size_t room() const { return kLongestPassword + 3 - text_.size(); }
+
+  [[nodiscard]] const std::string& text() const { return text_; }
+
+ private:
+  int descriptor_;
+  std::string text_;
+};
+
+std::string DescribeEnd(int status) {
+  if (WIFSIGNALED(status)) return fmt::format("was ended by signal {}", WTERMSIG(status));
+  return fmt::format("ended with exit code {}", WEXITSTATUS(status));
+}
+
+// Nothing: all is well.
+std::string_view FindFault(const std::string& password) {
+  if (password.empty()) return "printed no password: its first line is empty";
+  if (password.find('\0') != std::string::npos) return "printed a NUL byte";
+  if (password.size() > kLongestPassword) {
+    return "printed a line of more than the 65,535 bytes that MQTT can carry";
+  }
+  return {};
+}
+
+}  // namespace
+
+Result<std::string> RunPasswordCommand(const std::vector<std::string>& arguments,
+                                       std::string_view origin, milliseconds limit) {
+  const auto fail = [&](std::string_view what) {
+    return Fail(ErrorKind::kLedger,
+                fmt::format("password_command ({}): {} {}: try it in a shell, or give the password "
+                            "with --password-file",
+                            origin, base::Printable(arguments.front()), what));
+  };
+  const auto deadline = steady_clock::now() + limit;
+  std::array<int, 2> ends{};
+  if (pipe2(ends.data(), O_CLOEXEC) != 0) return fail(std::strerror(errno));
+  const Descriptor input(ends[0]);
+  Descriptor output(ends[1]);
+  fcntl(input.get(), F_SETFL, O_NONBLOCK);
+  Program program;
+  if (const int error = program.Start(arguments, output.get()); error != 0) {
+    return fail(fmt::format("cannot be started: {}", std::strerror(error)));
+  }
+  output = Descriptor();
+  // Its end, not that of its output: a daemon that it leaves behind may hold that open.
+  constexpr milliseconds kStep{5};
+  Collector collected(input.get());
+  bool is_open = true;
+  std::optional<int> status;
+  while (!(status = program.Ended())) {
+    if (steady_clock::now() >= deadline) {
+      return fail(fmt::format("has not ended within {}", base::FormatElapsed(limit)));
+    }
+    if (is_open) {
+      is_open = collected.Take(kStep) != Collector::Took::kEnd;
+    } else {
+      poll(nullptr, 0, 1);
+    }
+  }
+  while (is_open && collected.room() > 0) {
+    is_open = collected.Take(milliseconds(0)) == Collector::Took::kSome;
+  }
+  if (*status != 0) return fail(DescribeEnd(*status));
+  std::string password = FirstLine(collected.text());
+  if (const auto fault = FindFault(password); !fault.empty()) return fail(fault);
+  return password;
+}
+
+}  // namespace fleetpub::cli
