@@ -291,9 +291,11 @@ class Reader {
                    const std::vector<std::string>& texts, Step& step) {
     step.path = texts.front();
     step.name = ReadText(table, "as");
+    if (!CheckVariables(own.place, step.path)) return false;
     // As the path of a condition.
     const auto condition = vda5050::ParseCondition(step.path + "=");
-    if (own.value.type != Type::kText || !condition || condition->path != step.path) {
+    if (own.value.type != Type::kText || !condition || condition->path != step.path ||
+        step.path.find("${") != std::string::npos) {
       Refuse(own.place,
              R"(capture takes one member: capture = "orderId", or "/actionStates/0/actionId")");
       return false;

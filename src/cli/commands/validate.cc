@@ -219,6 +219,7 @@ class Checker {
   [[nodiscard]] Result<std::optional<std::string_view>> NextLine(base::LineReader& reader) const {
     while (stop_ && !reader.Ready()) {
       if (IsStopped()) return std::nullopt;
+      Output::FlushNow();
       std::array<pollfd, 2> arrived = {
           {{reader.descriptor(), POLLIN, 0}, {stop_->descriptor(), POLLIN, 0}}};
       poll(arrived.data(), arrived.size(), -1);
