@@ -123,7 +123,7 @@ class PlayingScenarios : public ::testing::Test {
 
   FakeStage stage_;
   Player player_{stage_};
-  Test test_;
+  scenario::Test test_;
 };
 
 TEST_F(PlayingScenarios, AwaitsInTimeOrNamesWhatWasSaidInstead) {
