@@ -30,47 +30,56 @@ bool IsByFlag(const OptionSet& set, const Option& option) {
   return !option.IsPositional() && !FirstName(option).empty() && set.IsByFlag(FirstName(option));
 }
 
-std::vector<std::string> ListTargets(const CommandLine& call) {
+// As people name them, whatever the scenario calls them; what a variable will name stays a variable.
+Result<std::vector<std::string>> ListTargets(const CommandLine& call, const Context& context) {
+  std::vector<std::string> targets;
   for (const Option& option : call.set().options()) {
     const std::string name = option.IsPositional() ? option.position_name() : "";
-    if (name == "target" || name == "targets" || name == "destination") return option.texts();
+    if (name != "target" && name != "targets" && name != "destination") continue;
+    if (option.texts().empty() && name != "destination" && !call.set().IsByFlag("--all")) {
+      return Fail(ErrorKind::kUsage, fmt::format("whom? write {} KIT/0001", call.match.name));
+    }
+    const bool is_soar = name == "destination" || call.set().IsByFlag("--protocol");
+    for (const std::string& word : option.texts()) {
+      targets.push_back(word);
+      if (is_soar || word == "-" || word.find("${") != std::string::npos) continue;
+      const auto spec = app::ParseTargetSpec({word}, context.config, context.output);
+      if (!spec) return Fail(spec.error());
+      if (!spec->robots.empty()) targets.pop_back();
+      for (const auto& robot : spec->robots) targets.push_back(robot.ToString());
+    }
   }
-  return {};
-}
-
-// As people name it, whatever the scenario calls it.
-std::string Resolve(const std::string& word, const config::Config& config) {
-  const auto robot = app::ResolveRobot(word, config);
-  return robot ? robot->ToString() : word;
+  return targets;
 }
 
 // With --force, the real robots of these names may be there, too.
-std::vector<std::string> ListSimulated(const CommandLine& call, const config::Config& config) {
-  std::vector<std::string> simulated;
-  if (call.set().IsByFlag("--force")) return simulated;
+Result<std::vector<std::string>> ListSimulated(const CommandLine& call, const Context& context) {
+  auto simulated = ListTargets(call, context);
   const Option count = call.set().Find("--count");
-  for (const std::string& word : ListTargets(call)) {
-    simulated.push_back(Resolve(word, config));
-    const auto first = vda5050::ParseRobotAddress(simulated.back());
-    if (!first || !count.IsGiven()) continue;
+  if (!simulated) return simulated;
+  if (call.set().IsByFlag("--force")) simulated->clear();
+  if (!count.IsGiven()) return simulated;
+  std::vector<std::string> more;
+  for (const std::string& target : *simulated) {
+    const auto first = vda5050::ParseRobotAddress(target);
+    if (!first) continue;
     const auto robots = simulator::CountUp(*first, std::stoul(count.texts().front()));
-    if (!robots) continue;
-    for (const auto& robot : *robots) simulated.push_back(robot.ToString());
+    if (!robots) return Fail(robots.error());
+    for (const auto& robot : *robots) more.push_back(robot.ToString());
   }
-  return simulated;
+  return more;
 }
 
 // Who may be moved.
-std::vector<std::string> ListCommanded(const CommandLine& call, const config::Config& config) {
+Result<std::vector<std::string>> ListCommanded(const CommandLine& call, const Context& context) {
   const SubcommandMatch& match = call.match;
-  if (match.subcommand == nullptr) {
-    const std::string_view type = vda5050::ActionCalled(match.name).value_or(match.name);
-    if (app::DecideConsent(type) == app::NeedsConsent::kNo) return {};
-  }
-  std::vector<std::string> commanded;
-  for (const std::string& word : ListTargets(call)) commanded.push_back(Resolve(word, config));
-  if (commanded.empty() || call.set().IsByFlag("--all")) {
-    commanded.push_back(fmt::format("whomever {} finds", match.name));
+  auto commanded = ListTargets(call, context);
+  if (!commanded) return commanded;
+  const std::string_view type = vda5050::ActionCalled(match.name).value_or(match.name);
+  if (match.subcommand == nullptr && app::DecideConsent(type) == app::NeedsConsent::kNo) {
+    commanded->clear();
+  } else if (commanded->empty() || call.set().IsByFlag("--all")) {
+    commanded->push_back(fmt::format("whomever {} finds", match.name));
   }
   return commanded;
 }
@@ -171,18 +180,17 @@ Status ScenarioCommands::Check(Step& step) const {
                 fmt::format("{0} is for all of it: fleetpub test {0} …", FirstName(option)));
   }
   const Subcommand* subcommand = call.match.subcommand;
-  if (step.kind == StepKind::kSimulate) {
-    step.targets = ListSimulated(call, context_.config);
-    return {};
-  }
-  if (subcommand != nullptr && subcommand->group != HelpGroup::kRobots &&
+  const bool simulates = step.kind == StepKind::kSimulate;
+  if (!simulates && subcommand != nullptr && subcommand->group != HelpGroup::kRobots &&
       subcommand->group != HelpGroup::kSoar) {
     return Fail(ErrorKind::kUsage,
                 fmt::format("{} sends nothing: a step that looks is an await or an expect, virtual "
                             "robots are a simulate",
                             call.match.name));
   }
-  step.targets = ListCommanded(call, context_.config);
+  auto targets = simulates ? ListSimulated(call, context_) : ListCommanded(call, context_);
+  if (!targets) return Fail(std::move(targets.error()));
+  step.targets = *std::move(targets);
   return {};
 }
 

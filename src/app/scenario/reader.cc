@@ -123,7 +123,8 @@ class Reader {
       if (item.type == Type::kText) texts.push_back(item.text);
     }
     const bool is_list = value.type == Type::kArray && texts.size() == value.items.size();
-    if (!texts.empty() && !texts.front().empty() && (value.type == Type::kText || is_list)) {
+    const bool is_there = !texts.empty() && !base::Trimmed(texts.front()).empty();
+    if (is_there && (value.type == Type::kText || is_list)) {
       return texts;
     }
     Refuse(member.place, fmt::format("{0} takes a text, or a list of texts: {0} = \"...\"",
@@ -204,14 +205,10 @@ class Reader {
     step.within = ReadDuration(table, "within", limit_);
     const std::vector<std::string> texts = ReadTexts(*own);
     if (texts.empty()) return std::nullopt;
-    step.text = fmt::format(
-        "{} {}", kind->name,
-        base::Join(texts, kind->kind == StepKind::kSend || kind->kind == StepKind::kSimulate
-                              ? " "
-                              : ", "));
-    const bool is_right = step.kind == StepKind::kSimulate || step.kind == StepKind::kSend
-                              ? ReadCommand(table, *own, texts, step)
-                              : ReadLook(table, *own, texts, step);
+    const bool is_command = step.kind == StepKind::kSimulate || step.kind == StepKind::kSend;
+    step.text = fmt::format("{} {}", kind->name, base::Join(texts, is_command ? " " : ", "));
+    const bool is_right =
+        is_command ? ReadCommand(table, *own, texts, step) : ReadLook(table, *own, texts, step);
     return is_right ? std::optional(std::move(step)) : std::nullopt;
   }
 
@@ -225,7 +222,10 @@ class Reader {
                                       own.name));
         return false;
       }
-      step.words = base::Split(texts.front(), ' ');
+      std::string text = texts.front();
+      std::replace_if(
+          text.begin(), text.end(), [](char c) { return c == '\n' || c == '\t'; }, ' ');
+      step.words = base::Split(text, ' ');
       std::erase(step.words, "");
     }
     if (step.words.front() == "fleetpub") step.words.erase(step.words.begin());
@@ -240,8 +240,9 @@ class Reader {
              fmt::format("outcome is one of {}", fmt::join(names, ", ")));
     }
     bool is_right = CheckVariables(own.place, step.payload);
-    for (const std::string& word : step.words)
+    for (const std::string& word : step.words) {
       is_right = CheckVariables(own.place, word) && is_right;
+    }
     if (!is_right) return false;
     if (auto ok = check_(step); !ok) {
       Refuse(own.place, fmt::format("{}: {}", own.name, ok.error().message));
@@ -294,8 +295,9 @@ class Reader {
     if (!CheckVariables(own.place, step.path)) return false;
     // As the path of a condition.
     const auto condition = vda5050::ParseCondition(step.path + "=");
-    if (own.value.type != Type::kText || !condition || condition->path != step.path ||
-        step.path.find("${") != std::string::npos) {
+    const bool is_plain =
+        own.value.type == Type::kText && step.path.find("${") == std::string::npos;
+    if (!is_plain || !condition || condition->path != step.path) {
       Refuse(own.place,
              R"(capture takes one member: capture = "orderId", or "/actionStates/0/actionId")");
       return false;
@@ -339,8 +341,9 @@ std::vector<std::string> Test::ListReal() const {
   std::set<std::string> simulated;
   std::vector<std::string> real;
   for (const Step& step : steps) {
-    if (step.kind == StepKind::kSimulate)
+    if (step.kind == StepKind::kSimulate) {
       simulated.insert(step.targets.begin(), step.targets.end());
+    }
     if (step.kind != StepKind::kSend) continue;
     for (const std::string& target : step.targets) {
       const bool is_told = std::find(real.begin(), real.end(), target) != real.end();

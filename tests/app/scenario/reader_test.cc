@@ -57,6 +57,8 @@ TEST_F(ReadingScenarios, TakesLimitsOfStepFileAndNobody) {
 TEST_F(ReadingScenarios, TakesWordsAsATextOrAList) {
   EXPECT_THAT(ReadStep(R"({ send = " pause  KIT/0001 --wait" })").words,
               ElementsAre("pause", "KIT/0001", "--wait"));
+  EXPECT_THAT(ReadStep("{ send = \"\"\"\npause\n\tKIT/0001\"\"\" }").words,
+              ElementsAre("pause", "KIT/0001"));
   EXPECT_THAT(ReadStep(R"({ send = "fleetpub pause KIT/0001" })").words,
               ElementsAre("pause", "KIT/0001"));
   EXPECT_THAT(ReadStep(R"({ send = ["action", "say", "text=two words"] })").words,
@@ -91,6 +93,7 @@ TEST_F(ReadingScenarios, RefusesWithPlaceAndWhatToWrite) {
            {R"({ send = ["a", 5] })", "send takes a text"},
            {R"({ send = [] })", "send takes a text"},
            {R"({ send = "" })", "send takes a text"},
+           {R"({ send = " " })", "send takes a text"},
            {R"({ send = "pause x", outcome = "DONE" })", "FINISHED"},
            {R"({ send = "pause x", within = "soon" })", "within takes a time"},
            {R"({ await = "paused" })", "it has no operator"},
