@@ -9,7 +9,6 @@
 #include "app/robot_listener.h"
 #include "base/text.h"
 #include "delivery/recorded.h"
-#include "recording/writer.h"
 #include "schema/schema.h"
 
 namespace fleetpub::app {
@@ -25,23 +24,10 @@ class BrokerWire final : public conformance::Wire {
       : request_(request), listener_(listener), observer_(observer) {}
 
   Status OpenRecording() {
-    if (request_.recording.empty()) return {};
-    auto opened = recording::Writer::Open(
-        {.path = request_.recording,
-         .rotation = {},
-         .head = delivery::MakeHead(request_.tool, listener_.server(), listener_.filters(),
-                                    mqtt::Qos::kAtLeastOnce, start_)});
-    if (!opened) return Fail(std::move(opened.error()));
-    writer_ = *std::move(opened);
-    return {};
+    return recorder_.Begin(request_.recording, request_.tool, listener_.server(),
+                           listener_.filters(), mqtt::Qos::kAtLeastOnce);
   }
-
-  Status EndRecording() {
-    if (writer_ == nullptr) return {};
-    const auto written = writer_->End();
-    if (!written) return Fail(written.error());
-    return recorded_;
-  }
+  Status EndRecording() { return recorder_.End(); }
 
   Status Send(const message::Command& command) override {
     return listener_.Send(command, mqtt::Qos::kAtMostOnce);
@@ -51,7 +37,7 @@ class BrokerWire final : public conformance::Wire {
     constexpr std::chrono::milliseconds kGlance{100};  // at whether somebody stops it
     const auto glance = std::min(until, steady_clock::now() + kGlance);
     while (auto message = listener_.subscription().Next(glance)) {
-      Record(*message);
+      recorder_.Add(*message);
       const auto levels = vda5050::ReadTopic(listener_.dialect().topics, message->topic,
                                              listener_.address().manufacturer);
       if (!levels || levels->robot != listener_.address()) continue;
@@ -67,17 +53,10 @@ class BrokerWire final : public conformance::Wire {
   [[nodiscard]] bool IsStopped() const override { return observer_.IsStopped(); }
 
  private:
-  void Record(const mqtt::Message& message) {
-    if (writer_ == nullptr || !recorded_) return;
-    recorded_ = writer_->Add(delivery::ToRecorded(message, delivery::MomentSince(start_)));
-  }
-
   const ConformRequest& request_;
   RobotListener& listener_;
   Observer& observer_;
-  steady_clock::time_point start_ = steady_clock::now();
-  std::unique_ptr<recording::Writer> writer_;
-  Status recorded_;
+  delivery::Recorder recorder_;
 };
 
 // There and back along nodes that somebody named.

@@ -137,33 +137,68 @@ class Choice {
 
 }  // namespace
 
-Status Listen(ListenRequest request, const Environment& environment, ListenObserver& observer,
-              Log& log) {
-  const auto choice = Choice::Make(request, environment.config, log);
-  if (!choice) return Fail(choice.error());
-  const auto filters = choice->Filters();
-  if (!filters) return Fail(filters.error());
+struct Listening::Parts {
+  ListenRequest request;
+  std::optional<Choice> choice = {};
+  mqtt::ServerInfo server = {};
+  std::vector<std::string> filters = {};
+  std::optional<delivery::Subscription> subscription = {};
+};
+
+Listening::Listening(std::unique_ptr<Parts> parts) : parts_(std::move(parts)) {}
+Listening::Listening(Listening&& other) noexcept = default;
+Listening::~Listening() = default;
+
+const mqtt::ServerInfo& Listening::server() const { return parts_->server; }
+const std::vector<std::string>& Listening::filters() const { return parts_->filters; }
+delivery::Subscription& Listening::subscription() { return *parts_->subscription; }
+
+bool Listening::IsMeant(const std::string& topic,
+                        std::optional<vda5050::TopicLevels>& levels) const {
+  levels = parts_->choice->Read(topic);
+  return parts_->choice->IsMeant(levels);
+}
+
+Result<Listening> Listening::Open(ListenRequest request, const Environment& environment,
+                                  delivery::ReconnectHooks hooks, Log& log) {
+  auto parts = std::make_unique<Parts>(Parts{.request = std::move(request)});
+  auto choice = Choice::Make(parts->request, environment.config, log);
+  if (!choice) return Fail(std::move(choice.error()));
+  parts->choice = *std::move(choice);
+  auto filters = parts->choice->Filters();
+  if (!filters) return Fail(std::move(filters.error()));
+  parts->filters = *std::move(filters);
   auto link = Connect(environment, log);
   if (!link) return Fail(std::move(link.error()));
-  const mqtt::ServerInfo server = link->transport->server();
+  parts->server = link->transport->server();
+  hooks.open = link->connection.open;
   auto subscription =
-      delivery::Subscription::Open(std::move(link->transport), *filters,
-                                   {.open = link->connection.open,
+      delivery::Subscription::Open(std::move(link->transport), parts->filters, std::move(hooks),
+                                   parts->request.end, parts->request.qos);
+  if (!subscription) return Fail(std::move(subscription.error()));
+  parts->subscription = *std::move(subscription);
+  return Listening(std::move(parts));
+}
+
+Status Listen(ListenRequest request, const Environment& environment, ListenObserver& observer,
+              Log& log) {
+  auto listening = Listening::Open(std::move(request), environment,
+                                   {.open = {},
                                     .lost = [&](const Error& error) { observer.Lost(error); },
                                     .again = [&] { observer.ConnectedAgain(); }},
-                                   request.end, request.qos);
-  if (!subscription) return Fail(std::move(subscription.error()));
-  if (auto begun = observer.Begin(server, *filters); !begun) return begun;
+                                   log);
+  if (!listening) return Fail(std::move(listening.error()));
+  if (auto begun = observer.Begin(listening->server(), listening->filters()); !begun) return begun;
   Status taken;
-  auto read = subscription->Read(
+  auto read = listening->subscription().Read(
       [&](const mqtt::Message& message) {
-        const auto levels = choice->Read(message.topic);
-        if (!choice->IsMeant(levels)) return false;
+        std::optional<TopicLevels> levels;
+        if (!listening->IsMeant(message.topic, levels)) return false;
         taken = observer.Take(message, levels ? &*levels : nullptr);
         return !taken.has_value();
       },
       [&] { return observer.GoesOn(); });
-  if (read && taken) subscription->Disconnect();
+  if (read && taken) listening->subscription().Disconnect();
   return taken ? read : taken;
 }
 

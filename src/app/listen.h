@@ -1,6 +1,7 @@
 // Listens to whatever is said on topics: for those who write it down or show it as it is.
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -10,6 +11,7 @@
 #include "app/observer.h"
 #include "app/targets.h"
 #include "base/result.h"
+#include "delivery/subscription.h"
 #include "mqtt/transport.h"
 #include "vda5050/reports/discovery.h"
 
@@ -22,6 +24,29 @@ struct ListenRequest {
   std::vector<std::string> filters;  ///< of MQTT, in place of the robots' topics
   mqtt::Qos qos = mqtt::kListeningQos;
   mqtt::Deadline end = mqtt::Deadline::max();
+};
+
+/// Topics that are listened to.
+class Listening {
+ public:
+  /// Errors: ErrorKind::kUsage, kBroker.
+  [[nodiscard]] static Result<Listening> Open(ListenRequest request, const Environment& environment,
+                                              delivery::ReconnectHooks hooks, Log& log);
+  Listening(Listening&& other) noexcept;
+  Listening& operator=(Listening&&) = delete;
+  ~Listening();
+
+  [[nodiscard]] const mqtt::ServerInfo& server() const;
+  [[nodiscard]] const std::vector<std::string>& filters() const;
+  [[nodiscard]] delivery::Subscription& subscription();
+  /// Whose message it is; of null its topic is none of VDA 5050. False: it is not meant.
+  [[nodiscard]] bool IsMeant(const std::string& topic,
+                             std::optional<vda5050::TopicLevels>& levels) const;
+
+ private:
+  struct Parts;
+  explicit Listening(std::unique_ptr<Parts> parts);
+  std::unique_ptr<Parts> parts_;
 };
 
 /// Called on one thread.

@@ -45,7 +45,7 @@ class Inspector {
       ++tally->messages;
       if (!result->findings.errors.empty()) ++tally->invalid;
     }
-    Report(message, *result);
+    observer_.Checked(message, *result);
   }
 
   // Asks where no connection message came of robots that send states. Some brokers have nothing
@@ -80,7 +80,7 @@ class Inspector {
   void ReportUnknown() {
     for (const auto& [topic, robot] : std::exchange(unknown_, {})) {
       ++summary_.without_connection;
-      Report({.topic = topic}, conformance_.MissingConnection(robot));
+      observer_.Checked({.topic = topic}, conformance_.MissingConnection(robot));
     }
   }
 
@@ -101,11 +101,6 @@ class Inspector {
       const auto topic = conformance_.ConnectionTopic(message.topic);
       if (topic && !connections_.contains(*topic)) unknown_.emplace(*topic, result.robot);
     }
-  }
-
-  void Report(const mqtt::Message& message, const ValidationResult& result) {
-    const auto& [errors, warnings, satisfies_schema] = result.findings;
-    if (!errors.empty() || !warnings.empty()) observer_.Found(message, result);
   }
 
   const vda5050::Conformance& conformance_;

@@ -29,9 +29,8 @@ class LiveObserver {
 
   /// The broker has granted the subscription.
   virtual void Begin() = 0;
-  /// A message has violations or is to be warned of; or a robot has none where it must have one,
-  /// and the message is empty.
-  virtual void Found(const mqtt::Message& message, const vda5050::ValidationResult& result) = 0;
+  /// A message was checked; or a robot has none where it must have one, and the message is empty.
+  virtual void Checked(const mqtt::Message& message, const vda5050::ValidationResult& result) = 0;
   /// About every 100 ms: shows what was found. False: enough. Errors: nobody reads it.
   [[nodiscard]] virtual Result<bool> GoesOn() = 0;
 };

@@ -38,4 +38,29 @@ recording::Message ToRecorded(const mqtt::Message& message, recording::Moment mo
   return entry;
 }
 
+Status Recorder::Begin(const std::filesystem::path& path, std::string tool,
+                       const mqtt::ServerInfo& server, std::vector<std::string> subscriptions,
+                       mqtt::Qos qos) {
+  if (path.empty()) return {};
+  auto opened = recording::Writer::Open(
+      {.path = path,
+       .rotation = {},
+       .head = MakeHead(std::move(tool), server, std::move(subscriptions), qos, start_)});
+  if (!opened) return Fail(std::move(opened.error()));
+  writer_ = *std::move(opened);
+  return {};
+}
+
+void Recorder::Add(const mqtt::Message& message) {
+  if (writer_ == nullptr || !added_) return;
+  added_ = writer_->Add(ToRecorded(message, MomentSince(start_)));
+}
+
+Status Recorder::End() {
+  if (writer_ == nullptr) return {};
+  const auto written = writer_->End();
+  if (!written) return Fail(written.error());
+  return added_;
+}
+
 }  // namespace fleetpub::delivery

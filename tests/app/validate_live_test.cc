@@ -23,7 +23,7 @@ class Reader final : public LiveObserver {
   bool goes_on = true;
 
   void Begin() override {}
-  void Found(const mqtt::Message& message, const vda5050::ValidationResult& result) override {
+  void Checked(const mqtt::Message& message, const vda5050::ValidationResult& result) override {
     for (const auto& violation : result.findings.errors) {
       found.push_back(fmt::format("v {} {}", message.topic, violation.path));
     }

@@ -266,6 +266,14 @@ const std::map<std::string, std::map<std::string, World>>& Worlds() {
            {"Show", kShow},
            {"Recordings", kRecordings},
            {"Conformance", {.setup = "online KIT/0001"}},
+           {"Report files",
+            {.setup = "mkdir orders\n"
+                      "echo '{\"orderId\":\"o\",\"orderUpdateId\":0,\"edges\":[],\"nodes\":[{"
+                      "\"nodeId\":\"n\",\"sequenceId\":0,\"released\":true,\"actions\":[]}]}' "
+                      "> orders/south.json"}},
+           {"Scenarios",
+            {.setup = "printf '[[test]]\nname = \"a pause\"\nsteps = [{ simulate = \"KIT/0001\" }, "
+                      "{ send = \"pause KIT/0001 --wait\" }]\n' > smoke.toml"}},
            {"SoAR", kSoar},
            {"Validation",
             {.setup = "mkdir orders\n"

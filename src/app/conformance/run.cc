@@ -17,12 +17,6 @@ using vda5050::Shown;
 
 bool IsLive(const Heard& heard) { return heard.state.has_value() && !heard.message.retained; }
 
-// The broker may drop states: the next id then lies further ahead. One that falls is another fault.
-bool IsHole(const Heard& before, const Heard& after) {
-  return before.header.header_id && after.header.header_id &&
-         *after.header.header_id > *before.header.header_id + 1;
-}
-
 }  // namespace
 
 CaseFinding Pass(std::string why, std::vector<std::string> evidence) {
@@ -48,6 +42,28 @@ std::string DescribeViolation(std::span<const message::Violation> violations) {
 std::string Heard::Evidence() const {
   return header.header_id ? fmt::format("{} headerId {}", topic_name, *header.header_id)
                           : fmt::format("{} of {}", topic_name, base::FormatTimestamp(received));
+}
+
+Heard MakeHeard(std::string topic_name, mqtt::Message message, TimePoint at,
+                base::WallTime received) {
+  Heard heard{.at = at,
+              .received = received,
+              .topic_name = std::move(topic_name),
+              .message = std::move(message),
+              .json = {},
+              .header = {},
+              .state = {}};
+  if (auto read = vda5050::ReadMessage(heard.message.payload)) {
+    heard.json = *std::move(read);
+    heard.header = vda5050::ReadHeader(heard.json);
+    if (heard.topic_name == "state") heard.state = vda5050::ReadState(heard.json);
+  }
+  return heard;
+}
+
+bool IsHole(const Heard& before, const Heard& after) {
+  return before.header.header_id && after.header.header_id &&
+         *after.header.header_id > *before.header.header_id + 1;
 }
 
 Run::Run(Subject subject, Wire& wire, schema::Registry& registry)
@@ -84,18 +100,9 @@ bool Run::HasHole(std::size_t mark) const {
 }
 
 void Run::Take(std::string topic_name, mqtt::Message message) {
-  Heard heard{.at = wire_.Now(),
-              .received = wire_.WallNow(),
-              .topic_name = std::move(topic_name),
-              .message = std::move(message),
-              .json = {},
-              .header = {},
-              .state = {}};
-  if (auto read = vda5050::ReadMessage(heard.message.payload)) {
-    heard.json = *std::move(read);
-    heard.header = vda5050::ReadHeader(heard.json);
-    if (heard.topic_name == "state") heard.state = vda5050::ReadState(heard.json);
-    if (heard.topic_name == "factsheet") subject_.factsheet = vda5050::ReadFactsheet(heard.json);
+  Heard heard = MakeHeard(std::move(topic_name), std::move(message), wire_.Now(), wire_.WallNow());
+  if (heard.topic_name == "factsheet" && heard.json.IsObject()) {
+    subject_.factsheet = vda5050::ReadFactsheet(heard.json);
   }
   heard_.push_back(std::move(heard));
   if (!IsLive(heard_.back())) return;

@@ -66,6 +66,10 @@ struct Heard {
 
   [[nodiscard]] std::string Evidence() const;
 };
+[[nodiscard]] Heard MakeHeard(std::string topic_name, mqtt::Message message, TimePoint at,
+                              base::WallTime received);
+/// The broker may drop states: the next id then lies further ahead. One that falls is another fault.
+[[nodiscard]] bool IsHole(const Heard& before, const Heard& after);
 
 /// The robot's broker and its clock.
 class Wire {

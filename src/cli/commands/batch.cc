@@ -3,14 +3,18 @@
 // together.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <memory>
 #include <optional>
 
 #include "app/run_batch.h"
 #include "app/targets.h"
+#include "base/json.h"
 #include "base/line_reader.h"
+#include "base/text.h"
 #include "base/time.h"
 #include "cli/environment.h"
+#include "cli/options/report_options.h"
 #include "cli/options/sending_options.h"
 #include "cli/options/soar_options.h"
 #include "cli/options/target_options.h"
@@ -35,12 +39,42 @@ struct Options {
   WaitingOptions waiting;
   SendingOptions sending;
   app::VdaOptions vda;
+  std::vector<std::string> reports;
 };
+
+// What became of a line's command, as a case.
+TestResult MakeCase(const message::Report& report, ExitCode code, const base::JsonValue& line) {
+  const bool was_left_out = report.status == message::CommandStatus::kOffline && !report.error;
+  TestResult result{.group = report.target,
+                    .id = fmt::format("line {} {}", line["line"].GetUint64(), report.target),
+                    .says = report.topic.substr(report.topic.rfind('/') + 1),
+                    .outcome = was_left_out              ? TestOutcome::kSkipped
+                               : code == ExitCode::kDone ? TestOutcome::kPassed
+                                                         : TestOutcome::kFailed,
+                    .verdict = was_left_out              ? "SKIPPED"
+                               : code == ExitCode::kDone ? "PASS"
+                                                         : "FAIL",
+                    .why = std::string(GetName(report.status)),
+                    .details = {}};
+  if (!report.actions.empty()) {
+    std::vector<std::string> types;
+    for (const auto& action : report.actions) types.push_back(action.type);
+    result.says = base::Join(types, ", ");
+  }
+  if (!report.message.empty()) result.why += ": " + report.message;
+  if (const auto* id = base::FindMember(line, "id")) {
+    result.details.push_back("id " + base::ToJson(*id));
+  }
+  if (report.ledger_row > 0) {
+    result.details.push_back(fmt::format("fleetpub history show {}", report.ledger_row));
+  }
+  return result;
+}
 
 // Prints results and remembers the worst. Once it has begun, the first Ctrl-C only stops the reading.
 class BatchPrinter final : public app::BatchObserver {
  public:
-  explicit BatchPrinter(Output& output) : output_(output) {}
+  BatchPrinter(Output& output, bool keeps) : output_(output), keeps_(keeps) {}
 
   void Begin() override { stop_.emplace(); }
   void Sent() override { output_.SomethingWasSent(); }
@@ -50,15 +84,29 @@ class BatchPrinter final : public app::BatchObserver {
     output_.JsonLine("{" + report.reference + R"(,"exitCode":)" +
                      std::to_string(static_cast<int>(code)) +
                      ReportJson(report).replace(0, 1, ","));
+    if (!keeps_) return;
+    if (const auto line = base::ParseJson("{" + report.reference + "}")) {
+      cases_.emplace_back((*line)["line"].GetUint64(), MakeCase(report, code, *line));
+    }
   }
   [[nodiscard]] Status Flush() override { return output_.Flush(); }
   [[nodiscard]] bool IsStopped() const override { return StopSignal::Received().has_value(); }
   [[nodiscard]] int stop_descriptor() const override { return stop_->descriptor(); }
 
   [[nodiscard]] ExitCode worst() const { return worst_; }
+  // In the order of the lines.
+  [[nodiscard]] std::vector<TestResult> TakeCases() {
+    std::stable_sort(cases_.begin(), cases_.end(),
+                     [](const auto& a, const auto& b) { return a.first < b.first; });
+    std::vector<TestResult> cases;
+    for (auto& [line, one] : cases_) cases.push_back(std::move(one));
+    return cases;
+  }
 
  private:
   Output& output_;
+  bool keeps_;
+  std::vector<std::pair<std::uint64_t, TestResult>> cases_;  // with their lines
   ExitCode worst_ = ExitCode::kDone;
   const InterruptGuard before_;
   std::optional<StopSignal> stop_;
@@ -128,20 +176,30 @@ Result<app::BatchRequest> ParseBatchOptions(const Options& options, const config
 Result<ExitCode> RunBatch(const Options& options, const Context& context) {
   auto request = ParseBatchOptions(options, context.config);
   if (!request) return Fail(std::move(request.error()));
+  const auto reports = ParseReportFiles(options.reports);
+  if (!reports) return Fail(reports.error());
+  TestReport report{.name = "fleetpub batch " + options.file,
+                    .properties = {{"broker", FormatSite(context)}},
+                    .started = base::WallTime::clock::now(),
+                    .results = {}};
   context.output.Reads(options.file);
   auto lines = base::LineReader::Open(options.file);
   if (!lines) return Fail(std::move(lines.error()));
   const auto reconnect = request->reconnect;
-  BatchPrinter printer(context.output);
+  BatchPrinter printer(context.output, !reports->empty());
   const auto end = app::RunBatch(*std::move(lines), *std::move(request),
                                  MakeEnvironment(context, reconnect), printer, context.output);
   if (!end) return Fail(end.error());
   if (end->reason != app::BatchStop::kEndOfInput && !end->all_read) {
-    context.output.PrintError(
-        {ErrorKind::kUnexpected,
-         fmt::format("{}: {} message{} sent; nothing was sent from line {} on",
-                     DescribeStop(end->reason, reconnect), end->sent,
-                     end->sent == 1 ? " was" : "s were", end->last_line + 1)});
+    const std::string how = fmt::format("{}: {} message{} sent; nothing was sent from line {} on",
+                                        DescribeStop(end->reason, reconnect), end->sent,
+                                        end->sent == 1 ? " was" : "s were", end->last_line + 1);
+    context.output.PrintError({ErrorKind::kUnexpected, how});
+    report.properties.emplace_back("ended early", how);
+  }
+  report.results = printer.TakeCases();
+  if (auto written = WriteReports(*reports, std::move(report)); !written) {
+    return Fail(std::move(written.error()));
   }
   ExitCode code = printer.worst();
   if (const auto signal = StopSignal::Received()) code = Worse(code, *signal);
@@ -169,6 +227,7 @@ Run DeclareBatch(OptionSet& set) {
   DeclareVdaOptions(set, options->vda);
   DeclarePrefix(set, options->prefix);
   DeclareSource(set, options->source);
+  DeclareReport(set, options->reports);
   return [options](const Context& context) { return RunBatch(*options, context); };
 }
 

@@ -12,9 +12,9 @@
 #include "cli/layout_file.h"
 #include "cli/listening.h"
 #include "cli/one_robot.h"
+#include "cli/options/report_options.h"
 #include "cli/output/consent.h"
 #include "cli/output/sending_observer.h"
-#include "cli/output/test_report.h"
 #include "cli/parser/option_set.h"
 #include "cli/parser/subcommand.h"
 
@@ -85,12 +85,6 @@ ExitCode ShowCases(Output& output) {
 
 // ---- The results ----
 
-Tone FindTone(Verdict verdict) {
-  return verdict == Verdict::kPass   ? Tone::kGood
-         : verdict == Verdict::kFail ? Tone::kBad
-                                     : Tone::kWarn;
-}
-
 void Show(const CaseResult& result, const std::string& target, std::string_view version,
           Output& output) {
   const auto& [of, finding] = result;
@@ -103,39 +97,12 @@ void Show(const CaseResult& result, const std::string& target, std::string_view 
   }
   output.Line(fmt::format(
       "{}  {}  {} ({}): {}{}",
-      output.Toned(FindTone(finding.verdict), fmt::format("{:<12}", GetName(finding.verdict))),
-      of.id, of.says, of.clause, finding.why,
+      output.Toned(ToTone(finding.verdict), fmt::format("{:<12}", GetName(finding.verdict))), of.id,
+      of.says, of.clause, finding.why,
       finding.evidence.empty() ? "" : "; see " + base::Join(finding.evidence, ", ")));
   if (finding.verdict == Verdict::kFail) {
     output.Line(fmt::format("              advice: {}", of.advice));
   }
-}
-
-struct Counts {
-  std::size_t passed = 0;
-  std::size_t failed = 0;
-  std::size_t skipped = 0;
-  std::size_t inconclusive = 0;
-};
-
-Counts Tally(const app::conformance::Outcome& outcome) {
-  Counts counts;
-  for (const CaseResult& result : outcome.results) {
-    switch (result.finding.verdict) {
-      case Verdict::kPass:
-        ++counts.passed;
-        break;
-      case Verdict::kFail:
-        ++counts.failed;
-        break;
-      case Verdict::kSkipped:
-        ++counts.skipped;
-        break;
-      case Verdict::kInconclusive:
-        ++counts.inconclusive;
-    }
-  }
-  return counts;
 }
 
 TestReport MakeReport(const app::ConformReport& report, const Options& o, const Context& context,
@@ -144,11 +111,8 @@ TestReport MakeReport(const app::ConformReport& report, const Options& o, const 
                   .properties = {{"robot", report.target},
                                  {"VDA 5050", report.version},
                                  {"level", std::string(GetName(o.level))},
-                                 {"broker", FormatSite(context)},
-                                 {"tool", "fleetpub " FLEETPUB_VERSION}},
+                                 {"broker", FormatSite(context)}},
                   .started = started,
-                  .elapsed = std::chrono::duration_cast<std::chrono::milliseconds>(
-                      base::WallTime::clock::now() - started),
                   .results = {}};
   if (!report.abort_reason.empty())
     made.properties.emplace_back("ended early", report.abort_reason);
@@ -156,9 +120,7 @@ TestReport MakeReport(const app::ConformReport& report, const Options& o, const 
     TestResult result{.group = std::string(of.id.substr(0, 1)),
                       .id = std::string(of.id),
                       .says = std::string(of.says),
-                      .outcome = finding.verdict == Verdict::kPass   ? TestOutcome::kPassed
-                                 : finding.verdict == Verdict::kFail ? TestOutcome::kFailed
-                                                                     : TestOutcome::kSkipped,
+                      .outcome = ToOutcome(finding.verdict),
                       .verdict = std::string(GetName(finding.verdict)),
                       .why = finding.why,
                       .details = finding.evidence};
@@ -172,20 +134,19 @@ TestReport MakeReport(const app::ConformReport& report, const Options& o, const 
 }
 
 ExitCode ShowSummary(const app::ConformReport& report, Output& output) {
-  const Counts counts = Tally(report.outcome);
+  VerdictCounts counts;
+  for (const CaseResult& result : report.outcome.results) counts.Add(result.finding.verdict);
   const ExitCode code = counts.failed > 0              ? ExitCode::kRejected
                         : !report.abort_reason.empty() ? ExitCode::kUnconfirmed
                                                        : ExitCode::kDone;
   if (output.json()) {
     output.Line(fmt::format(
-        R"({{"summary":{{"target":{},"version":"{}","passed":{},"failed":{},"skipped":{},"inconclusive":{},"complete":{},"exitCode":{}}}}})",
-        JsonString(report.target), report.version, counts.passed, counts.failed, counts.skipped,
-        counts.inconclusive, report.abort_reason.empty(), static_cast<int>(code)));
+        R"({{"summary":{{"target":{},"version":"{}",{},"complete":{},"exitCode":{}}}}})",
+        JsonString(report.target), report.version, counts.ToJson(), report.abort_reason.empty(),
+        static_cast<int>(code)));
   } else {
-    output.PeopleLine(
-        fmt::format("{}, VDA 5050 {}: {} passed, {} failed, {} skipped, {} inconclusive",
-                    base::Printable(report.target), report.version, counts.passed, counts.failed,
-                    counts.skipped, counts.inconclusive));
+    output.PeopleLine(fmt::format("{}, VDA 5050 {}: {}", base::Printable(report.target),
+                                  report.version, counts.ToText()));
   }
   if (!report.abort_reason.empty()) output.Warn("not all was tested: " + report.abort_reason);
   for (const std::string& left : report.outcome.leftover) output.Important(left);
@@ -318,11 +279,7 @@ Run DeclareConform(OptionSet& set) {
       .Type("TYPE")
       .Group(kWay);
   set.AddFlag("--yes", options->yes, "Let it drive without asking").Group(kWay);
-  set.AddOption("--report", options->reports,
-                "Write files: junit=FILE, tap=FILE, json=FILE, html=FILE; repeatable")
-      .Type("KIND=FILE")
-      .OneValueEach()
-      .Group(kReport);
+  DeclareReport(set, options->reports);
   set.AddOption("--record", options->record, "Record all that is heard, as record does")
       .Type("FILE")
       .Group(kReport);

@@ -1,9 +1,13 @@
 // `fleetpub validate`: messages of files, of folders and of standard input.
 #include <fmt/format.h>
+#include <poll.h>
 
 #include <algorithm>
+#include <array>
 #include <filesystem>
 #include <memory>
+#include <optional>
+#include <vector>
 
 #include "base/file.h"
 #include "base/json.h"
@@ -12,7 +16,9 @@
 #include "base/text.h"
 #include "cli/commands/validate_live.h"
 #include "cli/message_validator.h"
+#include "cli/options/report_options.h"
 #include "cli/options/soar_options.h"
+#include "cli/output/stop_signal.h"
 #include "cli/parser/option_set.h"
 #include "cli/parser/subcommand.h"
 
@@ -27,6 +33,7 @@ struct Options {
   ValidatorOptions validator;
   bool lines = false;
   LiveOptions live;
+  std::vector<std::string> reports;
 };
 
 // What is read: a file, or standard input (`-`).
@@ -53,6 +60,15 @@ struct Checked {
     base::JsonPlace place = fault ? *fault : base::FindPlace(text, path);
     if (line > 0) place.line = line;
     return place;
+  }
+
+  // `12:7: /nodes: must be …`, with its file before it where one is named.
+  [[nodiscard]] std::string Describe(const schema::Violation& violation,
+                                     std::string_view file = {}) const {
+    const auto& [path, message] = violation;
+    const base::JsonPlace place = Find(path);
+    return fmt::format("{}{}{}:{}: {}{}{}", file, file.empty() ? "" : ":", place.line, place.column,
+                       path, path.empty() ? "" : ": ", message);
   }
 };
 
@@ -81,10 +97,7 @@ void ShowJson(const Checked& checked, Output& output) {
 
 void ShowText(const Checked& checked, Output& output) {
   const auto text = [&](const schema::Violation& violation) {
-    const auto& [path, message] = violation;
-    const base::JsonPlace place = checked.Find(path);
-    return fmt::format("{}:{}:{}: {}{}{}", checked.input.Name(), place.line, place.column, path,
-                       path.empty() ? "" : ": ", message);
+    return checked.Describe(violation, checked.input.Name());
   };
   for (const auto& violation : checked.findings.errors) output.Line(text(violation));
   for (const auto& violation : checked.findings.warnings) output.Warn(text(violation));
@@ -93,17 +106,49 @@ void ShowText(const Checked& checked, Output& output) {
   output.PeopleLine(fmt::format("{}{}: valid", checked.input.Name(), line));
 }
 
+TestResult MakeCase(const Checked& checked) {
+  const auto& [errors, warnings, satisfies_schema] = checked.findings;
+  TestResult result{.group = checked.input.file,
+                    .id = checked.input.file,
+                    .says = "is valid",
+                    .outcome = errors.empty() ? TestOutcome::kPassed : TestOutcome::kFailed,
+                    .verdict = errors.empty() ? "PASS" : "FAIL",
+                    .why = errors.empty() ? "valid" : checked.Describe(errors.front()),
+                    .details = {}};
+  if (checked.line > 0) result.id += fmt::format(":{}", checked.line);
+  for (const auto& violation : errors) result.details.push_back(checked.Describe(violation));
+  for (const auto& violation : warnings) {
+    result.details.push_back("warning: " + checked.Describe(violation));
+  }
+  return result;
+}
+
 // Checks inputs one after the other, and counts.
 class Checker {
  public:
-  Checker(MessageValidator& validator, Output& output) : validator_(validator), output_(output) {}
+  /// With `keeps` it remembers a case of each message, and Ctrl-C ends the reading.
+  Checker(MessageValidator& validator, Output& output, bool keeps)
+      : validator_(validator), output_(output) {
+    if (keeps) stop_.emplace();
+  }
 
   // Errors: it cannot be read, or holds no message.
   Status Check(const Input& input) {
     const std::size_t before = valid_ + invalid_;
     Status read = input.has_lines ? CheckLines(input) : CheckWhole(input);
-    if (!read || valid_ + invalid_ > before) return read;
-    return Fail(ErrorKind::kInvalid, input.Name() + ": there is no message in it");
+    if (read && valid_ + invalid_ == before && !IsStopped()) {
+      read = Fail(ErrorKind::kInvalid, input.Name() + ": there is no message in it");
+    }
+    if (!read && stop_) {
+      cases_.push_back({input.file,
+                        input.file,
+                        "is valid",
+                        TestOutcome::kFailed,
+                        "FAIL",
+                        read.error().message,
+                        {}});
+    }
+    return read;
   }
 
   void Tell(const Error& error) {
@@ -120,18 +165,23 @@ class Checker {
     output_.PeopleLine(fmt::format("{} files: {} valid, {} invalid", inputs, valid_, invalid_));
   }
 
-  [[nodiscard]] ExitCode code() const { return code_; }
+  [[nodiscard]] ExitCode code() const {
+    return IsStopped() ? Worse(code_, *StopSignal::Received()) : code_;
+  }
+  [[nodiscard]] bool IsStopped() const { return stop_ && StopSignal::Received().has_value(); }
+  [[nodiscard]] std::vector<TestResult> TakeCases() { return std::move(cases_); }
 
  private:
   void Take(const Checked& checked) {
     output_.json() ? ShowJson(checked, output_) : ShowText(checked, output_);
     const bool is_valid = checked.findings.errors.empty();
     ++(is_valid ? valid_ : invalid_);
+    if (stop_) cases_.push_back(MakeCase(checked));
     if (!is_valid) code_ = Worse(code_, ExitCode::kInvalid);
   }
 
   Status CheckWhole(const Input& input) {
-    const auto content = base::ReadFile(input.file);
+    const auto content = ReadWhole(input);
     if (!content) return Fail(content.error());
     if (content->find_first_not_of(" \t\r\n") == std::string::npos) return {};
     Take({input, *content, 0, validator_.Check(*content)});
@@ -143,7 +193,7 @@ class Checker {
     auto reader = base::LineReader::Open(input.file);
     if (!reader) return Fail(std::move(reader.error()));
     for (std::size_t number = 1;; ++number) {
-      const auto line = reader->Next();
+      const auto line = NextLine(*reader);
       if (!line) return Fail(line.error());
       if (!*line) return {};
       if ((*line)->find_first_not_of(" \t\r") == std::string_view::npos) continue;
@@ -151,8 +201,37 @@ class Checker {
     }
   }
 
+  // Empty once it is stopped.
+  [[nodiscard]] Result<std::string> ReadWhole(const Input& input) const {
+    if (!stop_ || !input.IsStandard()) return base::ReadFile(input.file);
+    auto reader = base::LineReader::Open(input.file);
+    if (!reader) return Fail(std::move(reader.error()));
+    std::string content;
+    for (;;) {
+      const auto line = NextLine(*reader);
+      if (!line) return Fail(line.error());
+      if (!*line) return IsStopped() ? "" : content;
+      content.append(**line) += '\n';
+    }
+  }
+
+  // Nothing after the last one, and once it is stopped.
+  [[nodiscard]] Result<std::optional<std::string_view>> NextLine(base::LineReader& reader) const {
+    while (stop_ && !reader.Ready()) {
+      if (IsStopped()) return std::nullopt;
+      Output::FlushNow();
+      std::array<pollfd, 2> arrived = {
+          {{reader.descriptor(), POLLIN, 0}, {stop_->descriptor(), POLLIN, 0}}};
+      poll(arrived.data(), arrived.size(), -1);
+    }
+    if (IsStopped()) return std::nullopt;
+    return reader.Next();
+  }
+
   MessageValidator& validator_;
   Output& output_;
+  std::optional<StopSignal> stop_;
+  std::vector<TestResult> cases_;
   std::size_t valid_ = 0;
   std::size_t invalid_ = 0;
   ExitCode code_ = ExitCode::kDone;
@@ -215,6 +294,7 @@ Result<ExitCode> RunLive(const Options& options, const Context& context) {
   live.version = validator.version;
   live.topic = validator.topic;
   live.strict = validator.strict;
+  live.reports = options.reports;
   return ValidateLive(live, context);
 }
 
@@ -227,13 +307,27 @@ Result<ExitCode> RunValidate(const Options& options, const Context& context) {
   if (auto ready = validator.Prepare(); !ready) return Fail(ready.error());
   const auto inputs = ListInputs(options);
   if (!inputs) return Fail(inputs.error());
-  Checker checker(validator, context.output);
+  const auto reports = ParseReportFiles(options.reports);
+  if (!reports) return Fail(reports.error());
+  TestReport report{.name = "fleetpub validate",
+                    .properties = {},
+                    .started = base::WallTime::clock::now(),
+                    .results = {}};
+  Checker checker(validator, context.output, !reports->empty());
+  Status alone;
   for (const Input& input : *inputs) {
+    if (checker.IsStopped()) break;
     const Status checked = checker.Check(input);
-    if (!checked && inputs->size() == 1) return Fail(checked.error());
-    if (!checked) checker.Tell(checked.error());
+    if (!checked && inputs->size() == 1) alone = checked;
+    if (!checked && alone) checker.Tell(checked.error());
   }
   if (inputs->size() > 1) checker.ShowSummary(inputs->size());
+  if (checker.IsStopped()) report.properties.emplace_back("ended early", "interrupted");
+  report.results = checker.TakeCases();
+  if (auto written = WriteReports(*reports, std::move(report)); !written) {
+    return Fail(std::move(written.error()));
+  }
+  if (!alone) return Fail(std::move(alone.error()));
   return checker.code();
 }
 
@@ -262,6 +356,7 @@ Run DeclareValidate(OptionSet& set) {
   set.AddFlag("--strict", o.strict, "Rules of the specification's text are errors too")
       .Group("Checking");
   DeclareLive(set, options->live);
+  DeclareReport(set, options->reports);
   return [options](const Context& context) { return RunValidate(*options, context); };
 }
 

@@ -2,13 +2,16 @@
 
 #include <fmt/format.h>
 
+#include <map>
 #include <optional>
+#include <utility>
 
 #include "app/validate_live.h"
 #include "base/json.h"
 #include "base/text.h"
 #include "cli/environment.h"
 #include "cli/listening.h"
+#include "cli/options/report_options.h"
 #include "cli/output/interrupt.h"
 #include "cli/output/stop_signal.h"
 #include "cli/parser/option_set.h"
@@ -46,14 +49,66 @@ void ShowSummary(const app::LiveSummary& summary, Output& output) {
   output.PeopleLine(fmt::format("{:<14}  {}", "all", TallyText(summary.all)));
 }
 
+// What one robot said on one topic, as a case. Findings that are alike are told once.
+class Case {
+ public:
+  void Add(const mqtt::Message& message, const ValidationResult& result) {
+    const auto& [errors, warnings, satisfies_schema] = result.findings;
+    if (!message.payload.empty()) ++tally_.messages;
+    if (!errors.empty()) ++tally_.invalid;
+    for (const auto* list : {&errors, &warnings}) {
+      for (const auto& [path, words] : *list) {
+        const std::string text = fmt::format("{}{}{}{}", list == &errors ? "" : "warning: ", path,
+                                             path.empty() ? "" : ": ", words);
+        Note(text, result.header_id);
+      }
+    }
+  }
+
+  [[nodiscard]] TestResult Result(const std::string& robot, const std::string& topic) const {
+    TestResult result{.group = robot,
+                      .id = robot + " " + topic,
+                      .says = "messages are valid",
+                      .outcome = tally_.invalid > 0 ? TestOutcome::kFailed : TestOutcome::kPassed,
+                      .verdict = tally_.invalid > 0 ? "FAIL" : "PASS",
+                      .why = TallyText(tally_),
+                      .details = {}};
+    for (const auto& [text, seen] : findings_) {
+      result.details.push_back(
+          fmt::format("{} ({}x{})", text, seen.second,
+                      seen.first ? fmt::format(", first headerId {}", *seen.first) : ""));
+    }
+    if (more_ > 0) result.details.push_back(fmt::format("{} more findings", more_));
+    return result;
+  }
+
+ private:
+  void Note(const std::string& text, std::optional<std::uint32_t> header_id) {
+    constexpr std::size_t kMost = 100;
+    const auto found = findings_.find(text);
+    if (found != findings_.end()) {
+      ++found->second.second;
+    } else if (findings_.size() < kMost) {
+      findings_.emplace(text, std::pair(header_id, 1));
+    } else {
+      ++more_;
+    }
+  }
+
+  Tally tally_;
+  std::map<std::string, std::pair<std::optional<std::uint32_t>, std::size_t>> findings_;
+  std::size_t more_ = 0;
+};
+
 // Prints what is found. Once it has begun, the first Ctrl-C is an orderly end.
 class Printer final : public app::LiveObserver {
  public:
-  explicit Printer(Output& output) : output_(output) {}
+  Printer(Output& output, bool keeps) : output_(output), keeps_(keeps) {}
 
   void Begin() override { stop_.emplace(); }
 
-  void Found(const mqtt::Message& message, const ValidationResult& result) override {
+  void Checked(const mqtt::Message& message, const ValidationResult& result) override {
+    if (keeps_) cases_[{result.robot.ToString(), result.topic_name}].Add(message, result);
     for (const auto& violation : result.findings.errors) Show(message, result, violation);
     for (const auto& [path, words] : result.findings.warnings) {
       output_.Warn(fmt::format("{}: {}{}{}", FormatPlace(message, result), base::Printable(path),
@@ -68,6 +123,11 @@ class Printer final : public app::LiveObserver {
   }
 
   [[nodiscard]] bool has_violations() const { return has_violations_; }
+  [[nodiscard]] std::vector<TestResult> Results() const {
+    std::vector<TestResult> results;
+    for (const auto& [key, one] : cases_) results.push_back(one.Result(key.first, key.second));
+    return results;
+  }
 
  private:
   static std::string FormatPlace(const mqtt::Message& message, const ValidationResult& result) {
@@ -91,6 +151,8 @@ class Printer final : public app::LiveObserver {
   }
 
   Output& output_;
+  bool keeps_;
+  std::map<std::pair<std::string, std::string>, Case> cases_;  // by robot and topic
   bool has_violations_ = false;
   const InterruptGuard before_;
   std::optional<StopSignal> stop_;
@@ -134,8 +196,15 @@ Result<ExitCode> ValidateLive(const LiveOptions& options, const Context& context
   auto robots = ParseFleetOptions(FleetOptions{.targets = options.targets, .vda = options.vda});
   if (!robots) return Fail(std::move(robots.error()));
   if (options.duration && !options.from.empty()) return Fail(NoTimeFrom("--for"));
+  const auto reports = ParseReportFiles(options.reports);
+  if (!reports) return Fail(reports.error());
+  TestReport report{.name = "fleetpub validate --live",
+                    .properties = {{"broker", FormatSite(context)}},
+                    .started = base::WallTime::clock::now(),
+                    .results = {}};
+  if (!options.from.empty()) report.properties = {{"recording", options.from}};
   const auto environment = MakeEnvironment(context, options.from, delivery::Play::kAll);
-  Printer printer(context.output);
+  Printer printer(context.output, !reports->empty());
   const auto summary = app::ValidateLive({.robots = *std::move(robots),
                                           .conformance = *std::move(conformance),
                                           .end = FindEnd(options.duration),
@@ -144,6 +213,10 @@ Result<ExitCode> ValidateLive(const LiveOptions& options, const Context& context
   if (!summary) return Fail(summary.error());
   ShowSummary(*summary, context.output);
   TellRecording(environment, context.output);
+  report.results = printer.Results();
+  if (auto written = WriteReports(*reports, std::move(report)); !written) {
+    return Fail(std::move(written.error()));
+  }
   if (summary->all.messages == 0) {
     return Fail(ErrorKind::kUnconfirmed, "no message came: nothing was checked");
   }

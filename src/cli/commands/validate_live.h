@@ -4,6 +4,7 @@
 #include <chrono>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "base/result.h"
 #include "cli/options/global_options.h"
@@ -32,6 +33,7 @@ struct LiveOptions {
   std::string version;  ///< empty: as each header says
   std::string topic;    ///< empty: all
   bool strict = false;
+  std::vector<std::string> reports;
 };
 
 void DeclareLive(OptionSet& set, LiveOptions& options);

@@ -47,6 +47,7 @@ constexpr auto kKinds = std::to_array<Kind>({
     {"soar planning-configuration", "result"},
     {"soar platform-status", "result"},
     {"tail", "message"},
+    {"test", "scenario"},
     {"validate", "validation"},
     {"watch", "robot"},
 });
@@ -68,10 +69,11 @@ std::string FindOutputSchema(std::string_view command, std::span<const std::stri
         return argument == "--live" || argument == "--from" || argument.starts_with("--from=");
       });
   if (kind == "validation" && is_live) kind = "violation";
-  if (kind == "conformance" &&
-      std::find(arguments.begin(), arguments.end(), "--list") != arguments.end()) {
-    kind = "case";
-  }
+  const auto has = [&](std::string_view option) {
+    return std::find(arguments.begin(), arguments.end(), option) != arguments.end();
+  };
+  if (kind == "conformance" && has("--list")) kind = "case";
+  if (kind == "scenario" && has("--check")) kind = "suite";
   return kind.empty() ? std::string() : "fleetpub/output/" + std::string(kind);
 }
 

@@ -3,10 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
-#include <cerrno>
-#include <fstream>
-#include <system_error>
 
 #include "base/json.h"
 #include "base/text.h"
@@ -48,6 +44,10 @@ double Seconds(const TestReport& report) {
   return std::chrono::duration<double>(report.elapsed).count();
 }
 
+std::string Title(const TestResult& one) {
+  return one.says.empty() ? one.id : one.id + " " + one.says;
+}
+
 // In TAP a number sign begins a directive.
 std::string TapText(std::string_view text) {
   std::string escaped;
@@ -68,6 +68,44 @@ constexpr std::string_view kStyle =
 
 }  // namespace
 
+TestOutcome ToOutcome(app::Verdict verdict) {
+  return verdict == app::Verdict::kPass   ? TestOutcome::kPassed
+         : verdict == app::Verdict::kFail ? TestOutcome::kFailed
+                                          : TestOutcome::kSkipped;
+}
+
+Tone ToTone(app::Verdict verdict) {
+  return verdict == app::Verdict::kPass   ? Tone::kGood
+         : verdict == app::Verdict::kFail ? Tone::kBad
+                                          : Tone::kWarn;
+}
+
+void VerdictCounts::Add(app::Verdict verdict) {
+  switch (verdict) {
+    case app::Verdict::kPass:
+      ++passed;
+      break;
+    case app::Verdict::kFail:
+      ++failed;
+      break;
+    case app::Verdict::kSkipped:
+      ++skipped;
+      break;
+    case app::Verdict::kInconclusive:
+      ++inconclusive;
+  }
+}
+
+std::string VerdictCounts::ToText() const {
+  return fmt::format("{} passed, {} failed, {} skipped, {} inconclusive", passed, failed, skipped,
+                     inconclusive);
+}
+
+std::string VerdictCounts::ToJson() const {
+  return fmt::format(R"("passed":{},"failed":{},"skipped":{},"inconclusive":{})", passed, failed,
+                     skipped, inconclusive);
+}
+
 std::string ToJUnit(const TestReport& report) {
   const std::string counts = fmt::format(
       R"(tests="{}" failures="{}" errors="0" skipped="{}" time="{:.3f}")", report.results.size(),
@@ -85,8 +123,8 @@ std::string ToJUnit(const TestReport& report) {
   }
   xml += "    </properties>\n";
   for (const TestResult& one : report.results) {
-    xml += fmt::format("    <testcase classname=\"{}.{}\" name=\"{} {}\" time=\"0\"", name,
-                       Escaped(one.group), Escaped(one.id), Escaped(one.says));
+    xml += fmt::format("    <testcase classname=\"{}.{}\" name=\"{}\" time=\"0\"", name,
+                       Escaped(one.group), Escaped(Title(one)));
     if (one.outcome == TestOutcome::kPassed) {
       xml += "/>\n";
       continue;
@@ -106,8 +144,8 @@ std::string ToTap(const TestReport& report) {
   for (const TestResult& one : report.results) {
     const bool is_skipped = one.outcome == TestOutcome::kSkipped;
     tap +=
-        fmt::format("{} {} - {} {}{}\n", one.outcome == TestOutcome::kFailed ? "not ok" : "ok",
-                    ++number, TapText(one.id), TapText(one.says),
+        fmt::format("{} {} - {}{}\n", one.outcome == TestOutcome::kFailed ? "not ok" : "ok",
+                    ++number, TapText(Title(one)),
                     is_skipped ? fmt::format(" # SKIP {}: {}", one.verdict, TapText(one.why)) : "");
     if (one.outcome != TestOutcome::kFailed) continue;
     tap += "# " + base::Printable(one.why) + "\n";
@@ -160,41 +198,6 @@ std::string ToHtml(const TestReport& report) {
         Escaped(one.verdict), Escaped(one.id), Escaped(one.says), Escaped(one.why), details);
   }
   return html + "</table>\n</body></html>\n";
-}
-
-Result<std::vector<ReportFile>> ParseReportFiles(const std::vector<std::string>& words) {
-  constexpr auto kWriters = std::to_array<std::pair<std::string_view, ReportWriter>>(
-      {{"junit", ToJUnit}, {"tap", ToTap}, {"json", ToJson}, {"html", ToHtml}});
-  std::vector<ReportFile> files;
-  for (const std::string& word : words) {
-    for (const std::string& part : base::Split(word, ',')) {
-      const auto equals = part.find('=');
-      const auto* const writer =
-          std::find_if(kWriters.begin(), kWriters.end(),
-                       [&](const auto& one) { return one.first == part.substr(0, equals); });
-      if (equals == std::string::npos || equals + 1 == part.size() || writer == kWriters.end()) {
-        return Fail(ErrorKind::kUsage,
-                    fmt::format("--report: '{}' is no report: --report junit=out.xml, or tap=, "
-                                "json=, html=",
-                                base::Printable(part)));
-      }
-      files.push_back({writer->second, part.substr(equals + 1)});
-    }
-  }
-  return files;
-}
-
-Status WriteReports(std::span<const ReportFile> files, const TestReport& report) {
-  for (const ReportFile& file : files) {
-    std::ofstream out(file.path, std::ios::binary | std::ios::trunc);
-    out << file.write(report);
-    out.close();
-    if (out.good()) continue;
-    return Fail(ErrorKind::kLedger,
-                fmt::format("{} cannot be written: {}", base::Printable(file.path.string()),
-                            std::system_category().message(errno)));
-  }
-  return {};
 }
 
 }  // namespace fleetpub::cli

@@ -2,15 +2,14 @@
 #pragma once
 
 #include <chrono>
-#include <filesystem>
-#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
 
-#include "base/result.h"
+#include "app/verdict.h"
 #include "base/time.h"
+#include "cli/output/output.h"
 
 namespace fleetpub::cli {
 
@@ -19,7 +18,7 @@ enum class TestOutcome { kPassed, kFailed, kSkipped };
 struct TestResult {
   std::string group;  ///< `H`
   std::string id;     ///< `H03`
-  std::string says;   ///< what is asked for
+  std::string says;   ///< what is asked for; "": the id tells
   TestOutcome outcome = TestOutcome::kPassed;
   std::string verdict;               ///< the word for it: `INCONCLUSIVE`
   std::string why;                   ///< one line
@@ -34,24 +33,27 @@ struct TestReport {
   std::vector<TestResult> results;
 };
 
+[[nodiscard]] TestOutcome ToOutcome(app::Verdict verdict);
+[[nodiscard]] Tone ToTone(app::Verdict verdict);
+
+struct VerdictCounts {
+  std::size_t passed = 0;
+  std::size_t failed = 0;
+  std::size_t skipped = 0;
+  std::size_t inconclusive = 0;
+
+  void Add(app::Verdict verdict);
+  /// `3 passed, 1 failed, …`
+  [[nodiscard]] std::string ToText() const;
+  /// Members of an object.
+  [[nodiscard]] std::string ToJson() const;
+};
+
 /// As GitLab, GitHub and Jenkins read it.
 [[nodiscard]] std::string ToJUnit(const TestReport& report);
 [[nodiscard]] std::string ToTap(const TestReport& report);
 [[nodiscard]] std::string ToJson(const TestReport& report);
 /// One file that needs no network and can be printed.
 [[nodiscard]] std::string ToHtml(const TestReport& report);
-
-using ReportWriter = std::string (*)(const TestReport& report);
-struct ReportFile {
-  ReportWriter write;
-  std::filesystem::path path;
-};
-
-/// `junit=FILE,html=FILE`. Errors: ErrorKind::kUsage.
-[[nodiscard]] Result<std::vector<ReportFile>> ParseReportFiles(
-    const std::vector<std::string>& words);
-
-/// Errors: ErrorKind::kLedger, naming the file.
-[[nodiscard]] Status WriteReports(std::span<const ReportFile> files, const TestReport& report);
 
 }  // namespace fleetpub::cli

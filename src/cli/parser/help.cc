@@ -164,6 +164,7 @@ constexpr auto kKeyOptions = std::to_array<KeyOptions>({
     {"tail", {"--topic", "--changes", "--from", "--where", "--broker"}},
     {"replay", {"--map", "--speed", "--restamp", "--commands", "--broker"}},
     {"conform", {"--level", "--distance", "--only", "--report", "--record"}},
+    {"test", {"--check", "--only", "--report", "--record", "--broker"}},
     {"soar mission-plan", {"--plan-id", "--platform-id", "--waypoint", "--plan", "--wait"}},
     {"", {"--wait", "--dry-run", "--all", "--where", "--broker"}},
 });

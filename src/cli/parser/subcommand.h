@@ -77,6 +77,7 @@ struct Subcommand {
 [[nodiscard]] Run DeclareSoarPlanningConfiguration(OptionSet& set);
 [[nodiscard]] Run DeclareSoarPlatformStatus(OptionSet& set);
 [[nodiscard]] Run DeclareTail(OptionSet& set);
+[[nodiscard]] Run DeclareTest(OptionSet& set);
 [[nodiscard]] Run DeclareValidate(OptionSet& set);
 [[nodiscard]] Run DeclareWatch(OptionSet& set);
 

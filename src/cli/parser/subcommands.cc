@@ -170,6 +170,12 @@ constexpr auto kSubcommands = std::to_array<Subcommand>({
      "replay shift.jsonl --map KIT/0001=TEST/0001\n"
      "replay shift.jsonl --speed 4 --restamp --map KIT/0001=TEST/0001",
      DeclareReplay},
+    {"test", kChecking, "FILE...", "play scenarios of your own, for smoke tests in CI",
+     "test smoke.toml\n"
+     "test tests/*.toml --report junit=out.xml -b mqtt://localhost:1883\n"
+     "test smoke.toml --only pause --record smoke.jsonl\n"
+     "test --check smoke.toml",
+     DeclareTest},
     {"config show", kChecking, "", "the settings in force, and where each comes from",
      "config show\n"
      "config show --profile north -o json",

@@ -147,17 +147,6 @@ std::string FaultOfPath(const std::string& path) {
                      base::Printable(pointer));
 }
 
-const Value* Find(const std::string& path, const Value& message) {
-  if (path.starts_with('/')) return base::JsonPointer(path).Get(message);
-  if (const Value* member = base::FindMember(message, path)) return member;
-  for (const auto& [name, pointer] : kAliases) {
-    if (name != path) continue;
-    const base::JsonPointer way(pointer.data(), pointer.size());
-    if (const Value* member = way.Get(message)) return member;
-  }
-  return nullptr;
-}
-
 // What robots spell in several ways is compared as it is shown.
 std::string (*NormalForm(std::string_view path))(std::string_view) {
   if (path.starts_with('/')) path.remove_prefix(1);
@@ -276,13 +265,24 @@ Result<std::string> CheckCondition(const Condition& condition, std::string_view 
   return fmt::format("{} of a {} is one of {}", path, topic_name, fmt::join(values, ", "));
 }
 
+const Value* FindByPath(const std::string& path, const Value& message) {
+  if (path.starts_with('/')) return base::JsonPointer(path).Get(message);
+  if (const Value* member = base::FindMember(message, path)) return member;
+  for (const auto& [name, pointer] : kAliases) {
+    if (name != path) continue;
+    const base::JsonPointer way(pointer.data(), pointer.size());
+    if (const Value* member = way.Get(message)) return member;
+  }
+  return nullptr;
+}
+
 std::string ToString(const Condition& condition) {
   return condition.path + std::string(FormatComparison(condition.comparison)) + condition.wanted;
 }
 
 std::optional<std::string> Unmet(const Condition& condition, const Value& message) {
   constexpr std::size_t kLongest = 80;
-  const Value* member = Find(condition.path, message);
+  const Value* member = FindByPath(condition.path, message);
   if (member == nullptr) return fmt::format("there is no {}", base::Printable(condition.path));
   if (Compares(condition, *member)) return std::nullopt;
   return fmt::format("{} is {}", base::Printable(condition.path),

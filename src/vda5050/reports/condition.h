@@ -39,6 +39,10 @@ struct Condition {
 /// `PATH<VALUE`.
 [[nodiscard]] std::string ToString(const Condition& condition);
 
+/// What a condition's path names in the message; null: nothing.
+[[nodiscard]] const base::JsonValue* FindByPath(const std::string& path,
+                                                const base::JsonValue& message);
+
 /// What the message says instead (`paused is false`, `there is no /batteryState`); nothing when it
 /// satisfies the condition. A member that is not there satisfies none, not even `!=`. A
 /// `connectionState` and an `operatingMode` are compared as NormalisedConnectionState and

@@ -2,7 +2,6 @@
 
 #include <gmock/gmock.h>
 
-#include "base/file.h"
 #include "support/process.h"
 #include "support/temporary_folder.h"
 
@@ -61,21 +60,6 @@ TEST(TestReport, HtmlNeedsNobodyElseAndShowsNoForeignMarkup) {
   EXPECT_THAT(ToHtml(MakeReport()),
               AllOf(HasSubstr("H02"), HasSubstr("&lt;b&gt;"), Not(HasSubstr("http")),
                     Not(HasSubstr("\x1b")), Not(HasSubstr("<script"))));
-}
-
-TEST(TestReport, FilesAreNamedByKind) {
-  const TemporaryFolder folder;
-  const auto files = ParseReportFiles(
-      {"tap=" + (folder.path() / "a").string() + ",json=" + (folder.path() / "b").string()});
-  ASSERT_TRUE(files);
-  ASSERT_TRUE(WriteReports(*files, MakeReport()));
-  EXPECT_THAT(*base::ReadFile(folder.path() / "a"), HasSubstr("TAP version"));
-  EXPECT_THAT(*base::ReadFile(folder.path() / "b"), HasSubstr(R"("failed":1)"));
-  for (const char* word : {"xml=a", "junit", "junit=", "=a"}) {
-    EXPECT_EQ(ParseReportFiles({word}).error().kind, ErrorKind::kUsage) << word;
-  }
-  const auto nowhere = ParseReportFiles({"tap=/no/such/folder/a"});
-  EXPECT_EQ(WriteReports(*nowhere, MakeReport()).error().kind, ErrorKind::kLedger);
 }
 
 }  // namespace
