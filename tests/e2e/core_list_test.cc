@@ -229,7 +229,8 @@ TEST_P(CoreList, AwaitHearsTheRobot) {
 }
 
 TEST_P(CoreList, AnOrderIsTaken) {
-  Simulate({Robot(), "--vda", "2.1.0"});
+  Simulate(
+      {Robot(), "--vda", "2.1.0", "--edge-time", "60s"});  // it does not end before it is cancelled
   const std::string order = R"({"orderId":"o-1","orderUpdateId":0,"nodes":[
     {"nodeId":"n1","sequenceId":0,"released":true,"actions":[]},
     {"nodeId":"n2","sequenceId":2,"released":true,"actions":[]}],"edges":[

@@ -30,8 +30,8 @@ RouteRequest ReadRequest(const JsonValue& value, const Site& site) {
 
 TEST(RouteEquality, CostsWhatNetworkXFinds) {
   const std::string script = std::string(FLEETPUB_SOURCE_DIR) + "/tests/peers/route_costs.py";
-  const auto python = fleetpub::testing::Run({.arguments = {"python3", script, "10000", "5"}},
-                                             std::chrono::minutes(2));
+  const auto python = fleetpub::testing::Run(
+      {.arguments = {"/usr/bin/python3", script, "10000", "5"}}, std::chrono::minutes(2));
   ASSERT_EQ(python.exit_code, 0) << python.errors;
   std::size_t count = 0;
   std::size_t found = 0;
