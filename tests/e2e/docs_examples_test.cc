@@ -132,8 +132,9 @@ void RunExamples(const std::vector<Example>& examples, const World& world, int e
 
 // Blocks of commands that are not for a test, and what is no command at all: by their beginning.
 bool IsSomethingElse(const Block& block) {
-  for (const char* beginning : {"fleetpub COMMAND", "default_profile = ", "ledger = ",
-                                "planning_config_ID = ", "scripts/demo", "[Service]"}) {
+  for (const char* beginning :
+       {"fleetpub COMMAND", "default_profile = ", "ledger = ", "planning_config_ID = ", "problem  ",
+        "scripts/demo", "[Service]"}) {
     if (block.text.starts_with(beginning)) return true;
   }
   return false;

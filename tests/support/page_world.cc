@@ -263,6 +263,7 @@ const std::map<std::string, std::map<std::string, World>>& Worlds() {
            {"Show", kShow},
            {"Recordings", kRecordings},
            {"Conformance", {.setup = "online KIT/0001"}},
+           {"Doctor", {.setup = "online KIT/0001"}},
            {"SoAR", kSoar},
            {"Validation",
             {.setup = "mkdir orders\n"
