@@ -26,13 +26,16 @@ auto ConnectBy(const mqtt::ConnectOptions& options, mqtt::Deadline deadline,
 }
 
 // Connects as these options say.
-delivery::ConnectHook MakeConnectHook(mqtt::ConnectOptions options, milliseconds patience,
-                                      Output& output) {
-  return [options = std::move(options), patience, &output](mqtt::Deadline deadline) mutable {
-    const auto first = std::exchange(patience, milliseconds(0));
-    return first.count() > 0 ? ConnectPatiently(options, first, output)
-                             : ConnectBy(options, deadline);
-  };
+app::Connection MakeConnection(mqtt::ConnectOptions options, milliseconds patience,
+                               Output& output) {
+  const auto timeout = options.connect_timeout;
+  const auto version = options.version;
+  return {timeout, version,
+          [options = std::move(options), patience, &output](mqtt::Deadline deadline) mutable {
+            const auto first = std::exchange(patience, milliseconds(0));
+            return first.count() > 0 ? ConnectPatiently(options, first, output)
+                                     : ConnectBy(options, deadline);
+          }};
 }
 
 }  // namespace
@@ -66,12 +69,18 @@ app::Environment MakeEnvironment(const Context& context, milliseconds patience, 
             auto options = MakeConnectOptions(context);
             if (!options) return Fail(std::move(options.error()));
             options->retain_as_published = retained == Retained::kAsPublished;
-            const auto timeout = options->connect_timeout;
-            const auto version = options->version;
-            return app::Connection{timeout, version,
-                                   MakeConnectHook(*std::move(options), patience, context.output)};
+            return MakeConnection(*std::move(options), patience, context.output);
           },
           .ledger = [context](ledger::OpenMode mode) { return OpenLedger(context, mode); }};
+}
+
+app::Environment MakeEnvironment(const Context& context, mqtt::ConnectOptions options) {
+  app::Environment environment = MakeEnvironment(context);
+  environment.connection = [options = std::move(options),
+                            &output = context.output]() -> Result<app::Connection> {
+    return MakeConnection(options, {}, output);
+  };
+  return environment;
 }
 
 app::Environment MakeEnvironment(const Context& context, const std::string& from,

@@ -22,6 +22,10 @@ enum class Retained { kStored, kAsPublished };
                                                std::chrono::milliseconds patience = {},
                                                Retained retained = Retained::kStored);
 
+/// The same, connecting as these options say.
+[[nodiscard]] app::Environment MakeEnvironment(const Context& context,
+                                               mqtt::ConnectOptions options);
+
 /// The same with a recording in the broker's place, unless `from` is empty.
 [[nodiscard]] app::Environment MakeEnvironment(const Context& context, const std::string& from,
                                                delivery::Play play,

@@ -137,8 +137,8 @@ bool IsConfiguration(const Block& block) {
 }
 
 bool IsSomethingElse(const Block& block) {
-  for (const char* beginning : {"fleetpub COMMAND", "planning_config_ID = ", "scripts/demo",
-                                "sudo apt", "[Service]"}) {
+  for (const char* beginning : {"fleetpub COMMAND", "planning_config_ID = ", "problem  ",
+                                "scripts/demo", "sudo apt", "[Service]"}) {
     if (block.text.starts_with(beginning)) return true;
   }
   return IsConfiguration(block);

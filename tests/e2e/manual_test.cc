@@ -64,9 +64,9 @@ std::string Help(std::vector<std::string> words) {
 std::set<std::string> Options() {
   std::string text = Help({}) + Help({"pause"});
   for (const char* command :
-       {"action",  "actions", "await",    "batch",   "conform", "explain",  "fleet",
-        "history", "order",   "ping",     "publish", "record",  "replay",   "requests",
-        "respond", "show",    "simulate", "tail",    "test",    "validate", "watch"}) {
+       {"action",  "actions",  "await", "batch",   "conform",  "doctor", "explain",  "fleet",
+        "history", "order",    "ping",  "publish", "record",   "replay", "requests", "respond",
+        "show",    "simulate", "tail",  "test",    "validate", "watch"}) {
     text += Help({command});
   }
   text += Help({"history", "show"}) + Help({"history", "prune"});

@@ -116,6 +116,11 @@ TEST_P(OtherBroker, MissesNoConnectionMessageThatIsThere) {
             R"("withoutConnection":0,"topics":{"connection":{"messages":1,)");
 }
 
+TEST_P(OtherBroker, LetsDoctorFindWhatIsRetained) {
+  const auto robot = Robot({"DOC/0001", "--state-interval", "200ms"});
+  ExpectEnd({"doctor", "DOC/*", "--for", "500ms"}, 0, "0 problems, 0 warnings");
+}
+
 TEST_P(OtherBroker, RefusesAWrongLogin) {
   const Aedes closed("ann", "s3cret");
   if (!IsRabbitMq()) operator_.UseBroker(closed.Url());

@@ -274,6 +274,7 @@ const std::map<std::string, std::map<std::string, World>>& Worlds() {
            {"Scenarios",
             {.setup = "printf '[[test]]\nname = \"a pause\"\nsteps = [{ simulate = \"KIT/0001\" }, "
                       "{ send = \"pause KIT/0001 --wait\" }]\n' > smoke.toml"}},
+           {"Doctor", {.setup = "online KIT/0001"}},
            {"SoAR", kSoar},
            {"Validation",
             {.setup = "mkdir orders\n"

@@ -3,14 +3,12 @@
 #include <fmt/format.h>
 
 #include <filesystem>
-#include <memory>
 
 #include "base/json.h"
 #include "base/text.h"
 #include "cli/parser/option_set.h"
 #include "cli/parser/subcommand.h"
 #include "config/config_files.h"
-#include "soar/destination.h"
 
 namespace fleetpub::cli {
 namespace {
@@ -29,13 +27,9 @@ Result<ExitCode> RunPath(const Context& context) {
   return ExitCode::kDone;
 }
 
-Result<ExitCode> RunCheck(const OptionSet& set, const Context& context) {
+Result<ExitCode> RunCheck(const Context& context) {
   config::Config config;
-  const auto check = [&](std::string_view key, const std::vector<std::string>& texts) {
-    return set.Check(key, texts);
-  };
-  const auto mistakes =
-      config::CheckConfig(context.options.config_file, context.options.profile, check, config);
+  const auto mistakes = CheckConfiguration(context.options, config);
   Output& output = context.output;
   for (const Error& mistake : mistakes) {
     output.Line(output.json() ? fmt::format(R"({{"message":{}}})", JsonString(mistake.message))
@@ -81,15 +75,7 @@ Result<ExitCode> RunProfiles(const Context& context) {
 
 Run DeclareConfigPath(OptionSet& /*set*/) { return RunPath; }
 
-// What only the options of other commands know, beside the global ones.
-Run DeclareConfigCheck(OptionSet& set) {
-  const auto prefix = std::make_shared<std::string>();
-  const auto is_prefix = [](const std::string& text) {
-    return soar::ParsePrefix(text).has_value();
-  };
-  set.AddSetting("soar_prefix", Only(Text(*prefix), is_prefix, "topic levels, such as soar"));
-  return [prefix, &set](const Context& context) { return RunCheck(set, context); };
-}
+Run DeclareConfigCheck(OptionSet& /*set*/) { return RunCheck; }
 
 Run DeclareConfigProfiles(OptionSet& /*set*/) { return RunProfiles; }
 

@@ -13,10 +13,12 @@
 #include "cli/options/identity.h"
 #include "cli/options/password.h"
 #include "cli/parser/option_set.h"
+#include "config/config_files.h"
 #include "config/config_settings.h"
 #include "ledger/postgres/postgres_ledger.h"
 #include "ledger/postgres/postgres_url.h"
 #include "ledger/sqlite/sqlite_ledger.h"
+#include "soar/destination.h"
 
 namespace fleetpub::cli {
 namespace {
@@ -408,6 +410,24 @@ Status ApplyConfig(const config::Config& config, OptionSet& set, GlobalOptions& 
   if (!configured) return Fail(std::move(configured.error()));
   options.configured = *std::move(configured);
   return {};
+}
+
+config::Mistakes CheckConfiguration(const GlobalOptions& options, config::Config& config) {
+  GlobalOptions checked;
+  std::string prefix;
+  OptionSet set(OptionSet::Extent::kAll, {});
+  DeclareGlobalOptions(set, checked);
+  const auto is_prefix = [](const std::string& text) {
+    return soar::ParsePrefix(text).has_value();
+  };
+  // What only the options of other commands know.
+  set.AddSetting("soar_prefix", Only(Text(prefix), is_prefix, "topic levels, such as soar"));
+  return config::CheckConfig(
+      options.config_file, options.profile,
+      [&](std::string_view key, const std::vector<std::string>& texts) {
+        return set.Check(key, texts);
+      },
+      config);
 }
 
 Result<std::vector<mqtt::BrokerUrl>> ParseBrokers(const GlobalOptions& o) {

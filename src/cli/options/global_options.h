@@ -78,6 +78,11 @@ void DeclareGlobalOptions(OptionSet& set, GlobalOptions& options);
 [[nodiscard]] Status ApplyConfig(const config::Config& config, OptionSet& set,
                                  GlobalOptions& options);
 
+/// All that is wrong in the configuration that the options name, for whichever command. `config` has
+/// what is right.
+[[nodiscard]] config::Mistakes CheckConfiguration(const GlobalOptions& options,
+                                                  config::Config& config);
+
 /// What a running command needs of the outer world.
 struct Context {
   const GlobalOptions& options;

@@ -23,6 +23,7 @@ constexpr auto kKinds = std::to_array<Kind>({
     {"config profiles", "profile"},
     {"config show", "setting"},
     {"conform", "conformance"},
+    {"doctor", "diagnosis"},
     {"explain", "explanation"},
     {"fleet", "robot"},
     {"history", "history"},

@@ -21,13 +21,19 @@ Result<OptionSet::Asked> CommandLine::Read(OptionSet::Extent extent,
 }
 
 Status CommandLine::Configure() {
-  if (match.subcommand != nullptr && match.subcommand->config == ConfigUse::kNone) {
-    return {};
-  }
+  const ConfigUse use = match.subcommand == nullptr ? ConfigUse::kRead : match.subcommand->config;
+  if (use == ConfigUse::kNone) return {};
   auto loaded = config::LoadConfig(options.config_file, options.profile);
-  if (!loaded) return Fail(std::move(loaded.error()));
-  config = *std::move(loaded);
-  return ApplyConfig(config, *set_, options);
+  Status applied;
+  if (loaded) {
+    config = *std::move(loaded);
+    applied = ApplyConfig(config, *set_, options);
+  } else {
+    applied = Fail(std::move(loaded.error()));
+  }
+  if (applied || use == ConfigUse::kRead) return applied;
+  config::Config ignored;
+  return CheckConfiguration(options, ignored).empty() ? applied : Status();
 }
 
 }  // namespace fleetpub::cli

@@ -20,8 +20,9 @@ using Run = std::function<Result<ExitCode>(const Context&)>;
 
 enum class HelpGroup { kRobots, kSoar, kLooking, kChecking };
 
-/// Whether a command runs with the configuration, which must be right then.
-enum class ConfigUse { kRead, kNone };
+/// Whether a command runs with the configuration, which must be right then; kExamined: it says itself
+/// what is wrong in it, and runs without one that is not right.
+enum class ConfigUse { kRead, kExamined, kNone };
 
 struct Subcommand {
   std::string_view name;  ///< `pause`, `schema show`
@@ -46,6 +47,7 @@ struct Subcommand {
 [[nodiscard]] Run DeclareConfigInit(OptionSet& set);
 [[nodiscard]] Run DeclareConfigShow(OptionSet& set);
 [[nodiscard]] Run DeclareConform(OptionSet& set);
+[[nodiscard]] Run DeclareDoctor(OptionSet& set);
 [[nodiscard]] Run DeclareExplain(OptionSet& set);
 [[nodiscard]] Run DeclareFleet(OptionSet& set);
 [[nodiscard]] Run DeclareHistory(OptionSet& set);

@@ -211,6 +211,12 @@ constexpr auto kSubcommands = std::to_array<Subcommand>({
      "ping --wait 20s\n"
      "ping -b mqtt://broker.example:1883 -u operator --password-file pw",
      DeclarePing},
+    {"doctor", kChecking, "[TARGET...]", "what is wrong with settings, broker and fleet",
+     "doctor\n"
+     "doctor 'KIT/*' --for 5m\n"
+     "doctor --profile north --quiet\n"
+     "doctor --from shift.jsonl -o json",
+     DeclareDoctor, ConfigUse::kExamined},
 });
 
 constexpr auto kFamilies = std::to_array<CommandFamily>({
@@ -237,7 +243,7 @@ constexpr auto kEveryday = std::to_array<Everyday>({
     {"Command", "charge"},
     {"Command", "initPosition"},
     {"Command", "order"},
-    {"Set up", "ping"},
+    {"Set up", "doctor"},
     {"Set up", "config"},
     {"Set up", "simulate"},
 });

@@ -29,4 +29,13 @@ std::string TryCommand(std::string_view command, std::span<const std::string> ar
   return text;
 }
 
+std::string ShellLine(std::span<const std::string> words) {
+  std::string line;
+  for (const std::string& word : words) {
+    if (base::Printable(word) != word) return "";
+    line += (line.empty() ? "" : " ") + Quoted(word);
+  }
+  return line;
+}
+
 }  // namespace fleetpub::cli

@@ -13,4 +13,8 @@ namespace fleetpub::cli {
 [[nodiscard]] std::string TryCommand(std::string_view command,
                                      std::span<const std::string> arguments = {});
 
+/// The words as a line for a shell, each quoted where that is needed. Empty when a person could not
+/// see them whole.
+[[nodiscard]] std::string ShellLine(std::span<const std::string> words);
+
 }  // namespace fleetpub::cli
