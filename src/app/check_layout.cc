@@ -76,11 +76,11 @@ void CheckAction(const layout::LayoutAction& action, const Spot& spot, vda5050::
 template <class Visit>
 void EachProperty(const Site& site, Visit visit) {
   for (const auto& node : site.nodes) {
-    const Spot spot{PlaceOf(site, "nodes", node), true};
+    const Spot spot{FormatPlace(site, "nodes", node), true};
     for (const auto& properties : node.properties) visit(properties, spot);
   }
   for (const auto& edge : site.edges) {
-    const Spot spot{PlaceOf(site, "edges", edge), false};
+    const Spot spot{FormatPlace(site, "edges", edge), false};
     for (const auto& properties : edge.properties) visit(properties, spot);
   }
 }
@@ -223,7 +223,7 @@ void CheckLayoutBeside(const base::JsonValue& factsheet, const Site& site,
     for (const auto& element : elements) {
       const auto* const properties = element.Find(vehicle_type);
       if (properties == nullptr) continue;
-      const Spot spot{PlaceOf(site, array, element), array == "nodes"};
+      const Spot spot{FormatPlace(site, array, element), array == "nodes"};
       checker.CheckId(element.id, spot.place);
       checker.Check(*properties, spot);
     }

@@ -130,11 +130,11 @@ class Doctor final : private ListenObserver {
     if (link->transport != nullptr) link->transport->Disconnect();
     if (!request_.listens) return true;
     listening_.expected = FindExpectedRobots(
-        environment_, server.broker, [&](const RobotAddress& robot) { return SchemeOf(robot); });
+        environment_, server.broker, [&](const RobotAddress& robot) { return FindScheme(robot); });
     return true;
   }
 
-  [[nodiscard]] std::optional<vda5050::TopicScheme> SchemeOf(const RobotAddress& robot) const {
+  [[nodiscard]] std::optional<vda5050::TopicScheme> FindScheme(const RobotAddress& robot) const {
     const bool is_meant =
         !targets_.IsExcepted(robot) &&
         std::any_of(patterns_.begin(), patterns_.end(),

@@ -401,7 +401,7 @@ bool IsAbout(const ledger::Record& row, const std::string& id) {
 }
 
 // The id of its order; "": it is of none.
-std::string OrderOf(const ledger::Record& row) {
+std::string FindOrderId(const ledger::Record& row) {
   for (const message::ActionRef& action : row.actions) {
     if (action.type == "order") return action.id;
   }
@@ -417,9 +417,9 @@ std::vector<recording::Entry> WhatWasSent(const ExplainRequest& request,
   for (const ledger::Record& row : rows) {
     const bool is_it = IsAbout(row, request.order) || IsAbout(row, request.action);
     if (is_it) is_on = request.action.empty();
-    if (!is_it && !OrderOf(row).empty()) is_on = false;
+    if (!is_it && !FindOrderId(row).empty()) is_on = false;
     if (!is_it && !is_on) continue;
-    recording::Message message{post.MomentOf(row.recorded_at)};
+    recording::Message message{post.ToMoment(row.recorded_at)};
     message.topic = row.topic;
     message.payload = row.payload;
     sent.emplace_back(std::move(message));
@@ -501,7 +501,7 @@ Result<Explanation> Explain(const ExplainRequest& given, const Environment& envi
     if (!order) return Fail(std::move(order.error()));
     request.order = *std::move(order);
     for (auto row = rows.rbegin(); is_live && request.order.empty() && row != rows.rend(); ++row) {
-      request.order = OrderOf(*row);
+      request.order = FindOrderId(*row);
     }
   }
   if (is_live) {

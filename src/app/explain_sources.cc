@@ -116,7 +116,7 @@ recording::Event ListeningPost::Gap() const {
   return gap;
 }
 
-recording::Moment ListeningPost::MomentOf(base::WallTime at) const {
+recording::Moment ListeningPost::ToMoment(base::WallTime at) const {
   const auto now = delivery::MomentSince(start_);
   return {now.t - std::chrono::duration_cast<std::chrono::microseconds>(now.at - at), at};
 }

@@ -48,7 +48,7 @@ class ListeningPost {
   /// That nobody listened before.
   [[nodiscard]] recording::Event Gap() const;
   /// In the time of what was heard.
-  [[nodiscard]] recording::Moment MomentOf(base::WallTime at) const;
+  [[nodiscard]] recording::Moment ToMoment(base::WallTime at) const;
 
  private:
   vda5050::RobotAddress robot_;

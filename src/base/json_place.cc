@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::string_view kBlanks = " \t\r\n";
 
-JsonPlace PlaceOf(std::string_view text, std::size_t offset) {
+JsonPlace LocateOffset(std::string_view text, std::size_t offset) {
   const std::string_view before = text.substr(0, std::min(offset, text.size()));
   const auto lines = static_cast<std::size_t>(std::count(before.begin(), before.end(), '\n'));
   const std::size_t newline = before.rfind('\n');
@@ -172,7 +172,7 @@ std::optional<JsonPlace> FindFault(std::string_view text) {
       rapidjson::kParseValidateEncodingFlag | rapidjson::kParseIterativeFlag;
   const auto result = reader.Parse<kFlags>(stream, handler);
   if (!result.IsError()) return std::nullopt;
-  return PlaceOf(text, result.Offset());
+  return LocateOffset(text, result.Offset());
 }
 
 }  // namespace fleetpub::base

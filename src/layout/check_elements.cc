@@ -35,7 +35,7 @@ class ElementChecker {
     findings_.push_back({LayoutFinding::Level::kWarning, std::move(place), std::move(text)});
   }
   [[nodiscard]] std::string PlaceOfEdge(const Edge& edge) const {
-    return PlaceOf(site_, "edges", edge);
+    return FormatPlace(site_, "edges", edge);
   }
 
   void CheckEdge(const Edge& edge) {
@@ -121,7 +121,7 @@ class ElementChecker {
                       to_millimetres(node.y)};
       const auto [known, is_new] = spots.emplace(spot, &node);
       if (is_new) continue;
-      Warn(PlaceOf(site_, "nodes", node),
+      Warn(FormatPlace(site_, "nodes", node),
            fmt::format("is where node {} is", Printable(known->second->id)));
     }
   }
@@ -153,7 +153,7 @@ class ElementChecker {
   }
 
   void CheckStation(const Station& station) {
-    const std::string place = PlaceOf(site_, "stations", station);
+    const std::string place = FormatPlace(site_, "stations", station);
     bool has_action = station.nodes.empty();
     for (const std::size_t index : station.nodes) {
       const Node& node = site_.nodes[index];

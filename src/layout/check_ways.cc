@@ -154,7 +154,7 @@ class WayChecker {
       const std::string_view fault = is_left[i]      ? "come here"
                                      : is_entered[i] ? "leave it again"
                                                      : "come here or leave";
-      Warn(PlaceOf(site_, "nodes", node),
+      Warn(FormatPlace(site_, "nodes", node),
            fmt::format("vehicles of type {} cannot {}", Printable(type), fault));
     }
   }
@@ -173,7 +173,7 @@ class WayChecker {
                                         [&](const Arc* to) { return CanFollow(arc, *to); });
       if (CanEnd(arc) && !is_stuck) continue;
       told = arc.edge;
-      Warn(PlaceOf(site_, "edges", site_.edges[arc.edge]),
+      Warn(FormatPlace(site_, "edges", site_.edges[arc.edge]),
            fmt::format("vehicles of type {} that come along it may not turn on {} {}",
                        Printable(type), Printable(site_.nodes[arc.end].id),
                        CanEnd(arc) ? "to drive on: no edge can follow" : "as the node wants it"));

@@ -194,8 +194,8 @@ struct LayoutFinding {
 
 /// The JSON pointer to an element: a node, an edge, a station.
 template <class Element>
-[[nodiscard]] std::string PlaceOf(const Site& site, std::string_view array,
-                                  const Element& element) {
+[[nodiscard]] std::string FormatPlace(const Site& site, std::string_view array,
+                                      const Element& element) {
   return site.layouts[element.layout].place + "/" + std::string(array) + "/" +
          std::to_string(element.index);
 }

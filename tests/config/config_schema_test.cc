@@ -17,8 +17,8 @@ std::set<std::string> NamesIn(const base::JsonValue& object) {
   return names;
 }
 
-std::set<std::string> KeysOf(std::span<const Setting> settings,
-                             std::initializer_list<const char*> more) {
+std::set<std::string> ListKeys(std::span<const Setting> settings,
+                               std::initializer_list<const char*> more) {
   std::set<std::string> keys(more.begin(), more.end());
   for (const Setting& setting : settings) keys.emplace(setting.key);
   return keys;
@@ -37,12 +37,12 @@ class ConfigSchema : public ::testing::Test {
 TEST_F(ConfigSchema, HasTheKeysThatAreRead) {
   const auto document = base::ParseJson(*registry_.Text("fleetpub/config"));
   const auto& top = (*document)["properties"];
-  EXPECT_EQ(NamesIn(top),
-            KeysOf(Settings(), {"allow_insecure", "default_profile", "profile", "robot", "group"}));
+  EXPECT_EQ(NamesIn(top), ListKeys(Settings(), {"allow_insecure", "default_profile", "profile",
+                                                "robot", "group"}));
   const auto profile = NamesIn(top["profile"]["additionalProperties"]["properties"]);
-  EXPECT_EQ(profile, KeysOf(Settings(), {"allow_insecure"}));
+  EXPECT_EQ(profile, ListKeys(Settings(), {"allow_insecure"}));
   const auto robot = NamesIn(top["robot"]["additionalProperties"]["properties"]);
-  EXPECT_EQ(robot, KeysOf(RobotSettings(), {}));
+  EXPECT_EQ(robot, ListKeys(RobotSettings(), {}));
 }
 
 TEST_F(ConfigSchema, TakesWhatIsRightOnly) {

@@ -116,7 +116,7 @@ TEST_F(BrokerFailures, OfRefusalsSayWhatToDo) {
       {0x89, "5", "busy: try again later"},
       {0x8A, "5", "banned: ask the broker's administrator"},
       {0x8B, "5", "shutting down: try again later"},
-      {0x8C, "5", "another kind of authentication"},
+      {0x8C, "5", "name it with --auth-method"},
       {0x97, "5", "quota exceeded"},
       {0x9A, "5", "it takes no retained last will"},
       {0x9B, "5", "it takes no last will at this QoS"},

@@ -42,7 +42,7 @@ std::string Order(double t) {
 }
 
 // The verdict of each finding, and the exit code for `exit`.
-std::map<std::string, std::string> VerdictsOf(const Finished& run) {
+std::map<std::string, std::string> ReadVerdicts(const Finished& run) {
   std::map<std::string, std::string> verdicts = {{"exit", std::to_string(run.exit_code)}};
   if (run.exit_code != 0) return verdicts;
   const auto told = Json(run.output);
@@ -59,7 +59,7 @@ class Explain : public ::testing::Test {
     const std::string file = operator_.home().Write("shift.jsonl", text).string();
     more.insert(more.begin(), {"explain", "KIT/0001", "--from", file, "-o", "json"});
     last_ = operator_.Fleetpub(more);
-    return VerdictsOf(last_);
+    return ReadVerdicts(last_);
   }
   static std::string Whole() {
     return Order(0) + State(1, 7, 0, "WAITING") + State(5, 8, 2, "WAITING") +
@@ -162,7 +162,7 @@ class ExplainNow : public EndToEnd {
   std::map<std::string, std::string> Verdicts(std::vector<std::string> more = {}) {
     more.insert(more.begin(), {"explain", "KIT/0001", "-o", "json"});
     last_ = Fleetpub(more);
-    return VerdictsOf(last_);
+    return ReadVerdicts(last_);
   }
   [[nodiscard]] std::unique_ptr<Process> QuickRobot() const {
     return Robot({"KIT/0001", "--at", "n1", "--time-scale", "20", "--state-interval", "200ms"});

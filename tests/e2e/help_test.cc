@@ -162,7 +162,7 @@ TEST_F(Help, RepeatsNoPasswordInAnAnswer) {
 // ── the pager ──
 
 TEST_F(Help, IsWholeThroughAPagerOnATerminal) {
-  Terminal paged(Line({"--help"}, "sed \"s/^/paged: /\""), 90, 100);
+  Terminal paged(Line({"--help"}, "sed \"s/^/paged: /\""), 90, 160);
   EXPECT_TRUE(paged.Await("paged:   config check"));
   EXPECT_TRUE(paged.Await("exit code 0"));
   Terminal standard(Line({"--help"}, std::nullopt), 80, 24);

@@ -12,7 +12,7 @@ namespace fleetpub::testing {
 namespace {
 
 // What the line holds: a result of this kind, or what may stand beside it.
-std::string SchemaOf(const base::JsonValue& object, const std::string& kind) {
+std::string ChooseSchema(const base::JsonValue& object, const std::string& kind) {
   for (const char* other : {"error", "summary"}) {
     if (object.MemberCount() == 1 && object.HasMember(other)) {
       return std::string("fleetpub/output/") + other;
@@ -26,7 +26,7 @@ void ExpectDescribedLine(std::string_view line, const std::string& kind) {
   static schema::Registry registry;
   const auto object = base::ParseJson(line);
   if (!object || !object->IsObject()) return;  // help, or a line that was cut off
-  const std::string name = SchemaOf(*object, kind);
+  const std::string name = ChooseSchema(*object, kind);
   const auto schema = registry.Find(name);
   ASSERT_TRUE(schema) << schema.error().message;
   for (const auto& [path, message] : (*schema)->Validate(*object)) {

@@ -79,7 +79,7 @@ std::uint32_t FirstId(const Value& state, std::string_view list) {
 }
 
 // Node by node, each with one state in which the edge that leads there is gone, too.
-CaseFinding CheckNodesOf(Run& run, const Trip& trip) {
+CaseFinding CheckReportedNodes(Run& run, const Trip& trip) {
   if (!trip.refusal.empty()) return Inconclusive(trip.refusal);
   const auto& nodes = trip.order.path.nodes;
   std::uint32_t last = 0;
@@ -111,7 +111,7 @@ CaseFinding CheckNodesOf(Run& run, const Trip& trip) {
   return Pass(fmt::format("{} nodes, each in its turn", nodes.size()));
 }
 
-CaseFinding CheckNodes(Run& run) { return CheckNodesOf(run, PlainTrip(run)); }
+CaseFinding CheckNodes(Run& run) { return CheckReportedNodes(run, PlainTrip(run)); }
 
 // The first state of each node of the trip.
 std::vector<std::pair<const Heard*, const vda5050::OrderNode*>> Arrivals(Run& run,
@@ -465,7 +465,7 @@ CaseFinding CheckLoop(Run& run) {
   nodes.resize(2);
   nodes.push_back(nodes.front());
   edges = {Edge("conform-1"), Edge("conform-2")};
-  return CheckNodesOf(run, Drive(run, std::move(order)));
+  return CheckReportedNodes(run, Drive(run, std::move(order)));
 }
 
 using enum Version;

@@ -204,7 +204,8 @@ std::optional<mqtt::ConnectOptions> CheckCredentials(const Context& context, Fin
     findings.Tell(
         {found.check, Health::kWarning, found.subject, std::move(text), std::move(remedy)});
   };
-  for (const std::string* const file : {&o.password_file, &o.key_password_file, &o.key_file}) {
+  for (const std::string* const file :
+       {&o.password_file, &o.key_password_file, &o.key_file, &o.auth_data_file}) {
     if (!CanOthersRead(*file)) continue;
     warn(base::Printable(*file) + " can be read by others", {.command = {"chmod", "600", *file}});
   }

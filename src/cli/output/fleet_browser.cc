@@ -173,15 +173,15 @@ std::vector<std::string> FleetBrowser::Lines(const Robots& robots, const Frame& 
   } else if (mode_ == Mode::kKeys) {
     lines = Page(DescribeKeys(), "Keys   Esc comes back", frame);
   } else {
-    lines = TableOf(some, frame, silence);
+    lines = FormatTable(some, frame, silence);
     lines.insert(lines.begin(), base::Shortened(columns_, FormatTitle(robots, frame)));
   }
   lines.resize(std::min(lines.size(), frame.size.rows));
   return lines;
 }
 
-std::vector<std::string> FleetBrowser::TableOf(const Robots& robots, const Frame& frame,
-                                               const Silence& silence) {
+std::vector<std::string> FleetBrowser::FormatTable(const Robots& robots, const Frame& frame,
+                                                   const Silence& silence) {
   constexpr std::size_t kAround = 3;  // title, trouble, the table's header
   room_ = frame.size.rows - std::min(frame.size.rows, kAround);
   const bool all_fit = robots.size() <= room_;

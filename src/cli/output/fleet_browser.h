@@ -53,8 +53,8 @@ class FleetBrowser {
   void Leave();
   void Filter(Robots& robots, base::WallTime now) const;
   [[nodiscard]] std::optional<std::size_t> FindSelected() const;
-  [[nodiscard]] std::vector<std::string> TableOf(const Robots& robots, const Frame& frame,
-                                                 const Silence& silence);
+  [[nodiscard]] std::vector<std::string> FormatTable(const Robots& robots, const Frame& frame,
+                                                     const Silence& silence);
   [[nodiscard]] std::vector<std::string> Page(std::vector<std::string> lines,
                                               std::string_view title, const Frame& frame);
 

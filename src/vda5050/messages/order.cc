@@ -53,7 +53,7 @@ constexpr auto kMembers = std::to_array<OrderMember>({
     {kEdges, "trajectory", Always("trajectory"), true},
 });
 
-const OrderMember& FindMemberOf(std::string_view key) {
+const OrderMember& FindOrderMember(std::string_view key) {
   return *std::find_if(kMembers.begin(), kMembers.end(),
                        [&](const OrderMember& member) { return member.key == key; });
 }
@@ -94,7 +94,7 @@ void OrderWriter::CheckId(std::string_view id, std::string_view of) {
 void OrderWriter::Add(std::string& json, std::string_view key, const std::string& value,
                       std::string_view of) {
   if (value.empty()) return;
-  const OrderMember& member = FindMemberOf(key);
+  const OrderMember& member = FindOrderMember(key);
   const std::string_view name = member.names[static_cast<std::size_t>(version_)];
   if (name.empty()) return;
   const bool is_unwanted = std::any_of(member.names.begin(), member.names.end(), [&](auto other) {

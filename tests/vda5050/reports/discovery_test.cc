@@ -150,25 +150,25 @@ TEST(DialectFrom, SpeaksEachVersionAtItsOwnTopics) {
 }
 
 // The topic at which a robot found at `topic` is commanded.
-std::string CommandTopicOf(std::string_view topic, std::string_view payload,
-                           const Dialect& base = {}) {
+std::string FindCommandTopic(std::string_view topic, std::string_view payload,
+                             const Dialect& base = {}) {
   const auto found = DialectFrom(base, topic, payload);
   if (!found || !found->dialect) return "";
   return *TopicFor(found->dialect->topics, found->dialect->version, found->robot, "order");
 }
 
 TEST(DialectFrom, KeepsTheRobotsOwnInterfaceAndLevel) {
-  EXPECT_EQ(CommandTopicOf("fts/v3/KIT/0001/connection", Message("3.0.0")),
+  EXPECT_EQ(FindCommandTopic("fts/v3/KIT/0001/connection", Message("3.0.0")),
             "fts/v3/KIT/0001/order");
-  EXPECT_EQ(CommandTopicOf("uagv/v2/KIT/0001/connection", Message("1.1.0")),
+  EXPECT_EQ(FindCommandTopic("uagv/v2/KIT/0001/connection", Message("1.1.0")),
             "uagv/v2/KIT/0001/order");
-  EXPECT_EQ(CommandTopicOf("uagv/v1/KIT/0001/connection", Message("2.0.0")),
+  EXPECT_EQ(FindCommandTopic("uagv/v1/KIT/0001/connection", Message("2.0.0")),
             "uagv/v1/KIT/0001/order");
-  EXPECT_EQ(CommandTopicOf("uagv/v3/KIT/0001/connection", Message("3.0.0")),
+  EXPECT_EQ(FindCommandTopic("uagv/v3/KIT/0001/connection", Message("3.0.0")),
             "uagv/v3/KIT/0001/order");
   const Dialect own{.topics = {.topic_template = "{major}.{interface}/{manufacturer}/{serial}/"
                                                  "{topic}"}};
-  EXPECT_EQ(CommandTopicOf("v1.fts/KIT/0001/state", Message("2.1.0"), own),
+  EXPECT_EQ(FindCommandTopic("v1.fts/KIT/0001/state", Message("2.1.0"), own),
             "v1.fts/KIT/0001/order");
 }
 
