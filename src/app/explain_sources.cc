@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <utility>
 #include <variant>
 
 #include "app/listen.h"
@@ -73,7 +74,8 @@ class Ear final : public ListenObserver {
 
 MessageSource FromRecording(std::filesystem::path file, vda5050::RobotAddress robot,
                             vda5050::TopicScheme scheme) {
-  return [=](const MessageTakers& takers) -> Result<recording::Faults> {
+  return [file = std::move(file), robot = std::move(robot),
+          scheme = std::move(scheme)](const MessageTakers& takers) -> Result<recording::Faults> {
     auto reader = recording::Reader::Open(file);
     if (!reader) return Fail(std::move(reader.error()));
     while (true) {
@@ -87,7 +89,8 @@ MessageSource FromRecording(std::filesystem::path file, vda5050::RobotAddress ro
 
 MessageSource FromEntries(std::vector<recording::Entry> entries, vda5050::RobotAddress robot,
                           vda5050::TopicScheme scheme) {
-  return [=](const MessageTakers& takers) -> Result<recording::Faults> {
+  return [entries = std::move(entries), robot = std::move(robot),
+          scheme = std::move(scheme)](const MessageTakers& takers) -> Result<recording::Faults> {
     for (const recording::Entry& entry : entries) HandOver(entry, robot, scheme, takers);
     return recording::Faults();
   };

@@ -17,7 +17,7 @@ namespace {
 using std::chrono::nanoseconds;
 using vda5050::MessageHeader;
 
-constexpr std::size_t kFew = 4;
+constexpr std::size_t kMostKept = 4;
 
 constexpr auto kHeaderMembers =
     std::to_array<std::string_view>({"/version", "/manufacturer", "/serialNumber", "/timestamp"});
@@ -103,7 +103,7 @@ bool PlaceEvidence::SendsStates() const {
 void FleetEvidence::Validate(const mqtt::Message& message, TopicEvidence& evidence) const {
   const auto result = conformance_->Validate(message.topic, message.payload);
   if (!result) return;
-  if (!result->version.empty() && evidence.versions.size() < kFew) {
+  if (!result->version.empty() && evidence.versions.size() < kMostKept) {
     evidence.versions.insert(result->version);
   }
   const auto is_of_header = [&](const schema::Violation& fault) {
@@ -164,7 +164,8 @@ void FleetEvidence::Take(const mqtt::Message& message, const vda5050::TopicLevel
   if (levels.topic_name != "state" || message.retained) return;
   place.full_lists.clear();
   for (const auto& error : vda5050::ReadState(*said).errors) {
-    if (SaysFull(error.type) && place.full_lists.size() < kFew) place.full_lists.insert(error.type);
+    if (SaysFull(error.type) && place.full_lists.size() < kMostKept)
+      place.full_lists.insert(error.type);
   }
 }
 

@@ -22,23 +22,23 @@ constexpr mqtt::Qos kQos = mqtt::Qos::kAtLeastOnce;
 // Whose messages the steps look at, and which; of a recording all of everybody's.
 ListenRequest MakeListenRequest(const ScenarioRequest& request) {
   std::set<std::string> robots;
-  std::set<std::string> topics;
+  std::set<std::string> topic_names;
   for (const auto& suite : request.suites) {
     for (const auto& test : suite.tests) {
       for (const Step& step : test.steps) {
         robots.insert(step.targets.begin(), step.targets.end());
         if (step.kind == StepKind::kSend || step.kind == StepKind::kSimulate) continue;
         robots.insert(step.robot.ToString());
-        topics.insert(step.topic);
+        topic_names.insert(step.topic);
       }
     }
   }
   std::erase_if(robots,
                 [](const std::string& robot) { return !vda5050::ParseRobotAddress(robot); });
-  if (!request.recording.empty()) topics.clear();
+  if (!request.recording.empty()) topic_names.clear();
   return {.targets = {.words = {robots.begin(), robots.end()}},
           .vda = request.vda,
-          .topics = {topics.begin(), topics.end()},
+          .topics = {topic_names.begin(), topic_names.end()},
           .filters = {},
           .qos = kQos};
 }

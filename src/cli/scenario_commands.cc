@@ -161,9 +161,12 @@ ScenarioCommands::ScenarioCommands(const OptionSet& set, const Context& context)
     // Output is ours to read, and two clients must not have one id.
     const bool is_own = option.group() == "Output" || name == "--client-id";
     if (is_own || !IsGlobalGroup(option.group()) || !IsByFlag(set, option)) continue;
-    if (!option.TakesValue()) handed_on_.push_back(name);
-    if (!option.TakesValue()) continue;
-    for (const std::string& text : option.texts()) handed_on_.push_back(name + "=" + text);
+    if (!option.TakesValue()) {
+      handed_on_.push_back(name);
+      continue;
+    }
+    for (const std::string& text : option.texts())
+      handed_on_.push_back(fmt::format("{}={}", name, text));
   }
 }
 

@@ -98,12 +98,13 @@ class Speller {
     for (const auto& [key, value] : object.GetObject()) {
       const std::string_view name = ToView(key);
       const Where here = {.up = &where, .name = name, .index = index++};
+      const bool has_members = HasMembers(value);
       bool is_known = false;
       Nodes below;
       for (const SchemaNode* node : nodes) {
         VisitMember(*node, name, [&](const SchemaNode* each) {
           is_known = true;
-          if (HasMembers(value)) below.push_back(each);
+          if (has_members) below.push_back(each);
         });
       }
       if (!is_known) {

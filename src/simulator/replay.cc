@@ -248,7 +248,7 @@ class Player {
   }
 
   // The recording stands still until there is a connection. False: somebody has stopped it.
-  bool ConnectAgain(Error error) {
+  bool ConnectAgain(const Error& error) {
     NoteAcknowledgements();
     const auto lost_at = steady_clock::now();
     hooks_.lost(error);
@@ -270,9 +270,8 @@ class Player {
 
   // A connection over which all has been said again that has to be.
   void TryToConnect() {
-    auto opened = hooks_.open();
-    if (opened) transport_ = *std::move(opened);
-    if (!opened || !SayAgain()) {
+    if (auto opened = hooks_.open()) transport_ = *std::move(opened);
+    if (transport_ == nullptr || !SayAgain()) {
       transport_.reset();
       return schedule_.Failed(steady_clock::now());
     }
@@ -286,10 +285,10 @@ class Player {
     const auto kept = ReadKept(topics);
     if (!kept) return Fail(kept.error());
     std::vector<Sent> again = sent_;
-    for (const auto& [topic, payload] : left_) {
-      const auto is_it = [&](const Sent& sent) { return sent.message.topic == topic; };
-      if (kept->contains(topic) || std::any_of(again.begin(), again.end(), is_it)) continue;
-      again.push_back({0, {.topic = topic, .payload = payload, .qos = kKept}, true});
+    for (const auto& left : left_) {
+      const auto is_it = [&](const Sent& sent) { return sent.message.topic == left.first; };
+      if (kept->contains(left.first) || std::any_of(again.begin(), again.end(), is_it)) continue;
+      again.push_back({0, {.topic = left.first, .payload = left.second, .qos = kKept}, true});
     }
     sent_.clear();
     for (std::size_t i = 0; i < again.size(); ++i) {

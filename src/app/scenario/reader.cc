@@ -233,6 +233,7 @@ class Reader {
     step.payload = ReadText(table, "payload");
     step.outcome = ReadText(table, "outcome");
     std::vector<std::string_view> names;
+    names.reserve(message::kCommandStatuses.size());
     for (const auto& facts : message::kCommandStatuses) names.push_back(facts.name);
     if (!step.outcome.empty() &&
         std::find(names.begin(), names.end(), step.outcome) == names.end()) {

@@ -41,6 +41,7 @@ class Program {
   /// 0, or why it cannot be started.
   int Start(const std::vector<std::string>& arguments, int output) {
     std::vector<char*> words;
+    words.reserve(arguments.size() + 1);
     for (const std::string& argument : arguments) {
       words.push_back(const_cast<char*>(argument.c_str()));
     }

@@ -21,10 +21,10 @@ using base::StringMember;
 using vda5050::Shown;
 using Statements = std::vector<Statement>;
 
-constexpr std::size_t kLongestName = 40;
+constexpr std::size_t kLongestWord = 40;
 constexpr std::size_t kLongestShown = 100;
 
-std::string Name(std::string_view text) { return Shown(text, kLongestName); }
+std::string Word(std::string_view text) { return Shown(text, kLongestWord); }
 
 std::optional<std::uint64_t> Number(const JsonValue& value, std::string_view name) {
   const JsonValue* member = FindMember(value, name);
@@ -49,17 +49,17 @@ std::string_view FindNextNode(const JsonValue& message, const vda5050::RobotStat
 // What a robot that is well does not say.
 void AddTrouble(const vda5050::RobotState& state, Statements& said) {
   if (vda5050::IsEmergencyStopped(state)) {
-    said.push_back({"stop", "EMERGENCY STOP " + Name(state.emergency_stop), "no emergency stop"});
+    said.push_back({"stop", "EMERGENCY STOP " + Word(state.emergency_stop), "no emergency stop"});
   }
   if (state.field_violation == true) {
     said.push_back({"field", "FIELD VIOLATION", "no field violation"});
   }
   for (const vda5050::RobotError& error : state.errors) {
-    const std::string name = "error " + Name(error.type);
+    const std::string name = "error " + Word(error.type);
     said.push_back(
         {name,
          fmt::format(
-             "{} {}{}", name, Name(error.level),
+             "{} {}{}", name, Word(error.level),
              error.description.empty() ? "" : " (" + Shown(error.description, kLongestShown) + ")"),
          name + " is over"});
   }
@@ -70,8 +70,8 @@ void AddActions(const vda5050::RobotState& state, Statements& said) {
        {&state.action_states, &state.instant_action_states, &state.zone_action_states}) {
     for (const vda5050::ActionState& action : *list) {
       if (action.status == "WAITING") continue;
-      const std::string name = Name(action.type.empty() ? action.id : action.type);
-      said.push_back({"action " + action.id, name + " " + Name(action.status), ""});
+      const std::string name = Word(action.type.empty() ? action.id : action.type);
+      said.push_back({"action " + action.id, name + " " + Word(action.status), ""});
     }
   }
 }
@@ -80,17 +80,17 @@ void AddState(const JsonValue& message, Statements& said) {
   const vda5050::RobotState state = vda5050::ReadState(message);
   const std::string_view next = FindNextNode(message, state);
   const bool has_last = !state.last_node_id.empty();
-  const std::string last = has_last ? "at " + Name(state.last_node_id) : "";
+  const std::string last = has_last ? "at " + Word(state.last_node_id) : "";
   const std::string place =
       next.empty() || next == state.last_node_id
           ? last
-          : fmt::format("{}→ {}", has_last ? Name(state.last_node_id) + " " : "", Name(next));
+          : fmt::format("{}→ {}", has_last ? Word(state.last_node_id) + " " : "", Word(next));
   if (!place.empty()) said.push_back({"place", place, ""});
   const bool has_order = !state.order_id.empty() && state.nodes_left.value_or(0) > 0;
   if (has_order) {
     const auto update = state.order_update_id.value_or(0);
     said.push_back({"order",
-                    fmt::format("order {}{}", Name(state.order_id),
+                    fmt::format("order {}{}", Word(state.order_id),
                                 update == 0 ? "" : fmt::format(" update {}", update)),
                     "no order"});
   }
@@ -98,7 +98,7 @@ void AddState(const JsonValue& message, Statements& said) {
     said.push_back({"motion", std::string(vda5050::DescribeMotion(state)), ""});
   }
   if (!state.operating_mode.empty() && state.operating_mode != "AUTOMATIC") {
-    said.push_back({"mode", "mode " + Name(state.operating_mode), "mode AUTOMATIC"});
+    said.push_back({"mode", "mode " + Word(state.operating_mode), "mode AUTOMATIC"});
   }
   if (state.battery_charge) {
     said.push_back({"battery", fmt::format("battery {:.0f}%", *state.battery_charge), ""});
@@ -108,7 +108,7 @@ void AddState(const JsonValue& message, Statements& said) {
   for (const vda5050::RobotRequest& request : state.requests) {
     said.push_back(
         {"request " + request.id,
-         fmt::format("asks {} {} {}", Name(request.id), Name(request.type), Name(request.status)),
+         fmt::format("asks {} {} {}", Word(request.id), Word(request.type), Word(request.status)),
          ""});
   }
   AddTrouble(state, said);
@@ -117,7 +117,7 @@ void AddState(const JsonValue& message, Statements& said) {
 void AddOrder(const JsonValue& message, Statements& said) {
   const auto update = Number(message, "orderUpdateId").value_or(0);
   said.push_back({"order",
-                  fmt::format("order {}{}", Name(StringMember(message, "orderId")),
+                  fmt::format("order {}{}", Word(StringMember(message, "orderId")),
                               update == 0 ? "" : fmt::format(" update {}", update)),
                   ""});
   const JsonValue* nodes = FindArray(message, "nodes");
@@ -129,7 +129,7 @@ void AddOrder(const JsonValue& message, Statements& said) {
     const JsonValue& node = (*nodes)[i];
     if (base::IsTrueMember(node, "released")) ++released;
     const bool is_shown = i + 1 < kShown || i + 1 == nodes->Size();
-    if (is_shown) way += (i == 0 ? "" : " → ") + Name(StringMember(node, "nodeId"));
+    if (is_shown) way += (i == 0 ? "" : " → ") + Word(StringMember(node, "nodeId"));
     if (i + 1 == kShown && nodes->Size() > kShown) way += " → …";
   }
   said.push_back({"way", way, ""});
@@ -145,7 +145,7 @@ void AddEntries(const JsonValue& message, std::string_view list, std::string_vie
   for (const JsonValue& entry : entries->GetArray()) {
     said.push_back(
         {std::string(StringMember(entry, second)),
-         fmt::format("{} {}", Name(StringMember(entry, first)), Name(StringMember(entry, second))),
+         fmt::format("{} {}", Word(StringMember(entry, first)), Word(StringMember(entry, second))),
          ""});
   }
 }
@@ -153,10 +153,10 @@ void AddEntries(const JsonValue& message, std::string_view list, std::string_vie
 void AddFactsheet(const JsonValue& message, Statements& said) {
   const vda5050::Factsheet sheet = vda5050::ReadFactsheet(message);
   if (!sheet.specification.series.empty()) {
-    said.push_back({"series", "series " + Name(sheet.specification.series), ""});
+    said.push_back({"series", "series " + Word(sheet.specification.series), ""});
   }
   if (!sheet.header.version.empty()) {
-    said.push_back({"version", "version " + Name(sheet.header.version), ""});
+    said.push_back({"version", "version " + Word(sheet.header.version), ""});
   }
   said.push_back({"actions", fmt::format("{} actions", sheet.actions.size()), ""});
 }
@@ -166,7 +166,7 @@ void AddPosition(const JsonValue& message, Statements& said) {
   if (!position || !position->x || !position->y) return;
   said.push_back({"position",
                   fmt::format("x {:.2f}  y {:.2f}{}", *position->x, *position->y,
-                              position->map_id.empty() ? "" : "  map " + Name(position->map_id)),
+                              position->map_id.empty() ? "" : "  map " + Word(position->map_id)),
                   ""});
 }
 
@@ -175,7 +175,7 @@ void AddZoneSet(const JsonValue& message, Statements& said) {
   if (set == nullptr) return;
   const JsonValue* zones = FindArray(*set, "zones");
   said.push_back({"zoneSet",
-                  fmt::format("{} with {} zones", Name(StringMember(*set, "zoneSetId")),
+                  fmt::format("{} with {} zones", Word(StringMember(*set, "zoneSetId")),
                               zones == nullptr ? 0 : zones->Size()),
                   ""});
 }
@@ -195,7 +195,7 @@ void AddByTopic(std::string_view topic, const JsonValue& message, Statements& sa
                       said);
   }
   const auto connection = vda5050::ReadConnection(message);
-  said.push_back({"connection", Name(connection.connection_state), ""});
+  said.push_back({"connection", Word(connection.connection_state), ""});
 }
 
 // A message of SoAR (header, payload), or whatever it is: its texts and numbers.
@@ -205,7 +205,7 @@ void AddMembers(const JsonValue& message, Statements& said) {
   constexpr std::size_t kMost = 6;
   for (const auto& [name, value] : told.GetObject()) {
     if (value.IsObject() || value.IsArray() || said.size() == kMost) continue;
-    const std::string key = Name(base::ToView(name));
+    const std::string key = Word(base::ToView(name));
     said.push_back({key,
                     fmt::format("{} {}", key,
                                 value.IsString() ? Shown(base::ToView(value), kLongestShown)

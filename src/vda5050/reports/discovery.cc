@@ -205,7 +205,8 @@ std::optional<TopicLevels> ReadTopic(const TopicScheme& scheme, std::string_view
   std::string stated;
   std::string_view patterns = scheme.topic_template;
   if (!scheme.interface_name.empty()) {
-    patterns = stated = Replaced(scheme.topic_template, "{interface}", scheme.interface_name);
+    stated = Replaced(scheme.topic_template, "{interface}", scheme.interface_name);
+    patterns = stated;
   }
   Values values;
   for (bool more = true; more;) {
