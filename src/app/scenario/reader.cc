@@ -192,9 +192,18 @@ class Reader {
       own = member;
     }
     if (kind == nullptr) {
-      Refuse(table.place,
-             fmt::format("a step is one of simulate, send, expect, await, capture: {{ {} }}",
-                         Kinds()[1].example));
+      std::vector<std::string_view> names;
+      names.reserve(Kinds().size());
+      for (const Kind& candidate : Kinds()) names.push_back(candidate.name);
+      for (const TomlMember& member : table.members) {
+        if (const auto nearest = base::Nearest(member.name, names)) {
+          Refuse(member.place, fmt::format("{}: there is no such step: did you mean {}?",
+                                           base::Printable(member.name), *nearest));
+          return std::nullopt;
+        }
+      }
+      Refuse(table.place, fmt::format("a step is one of {}, such as {{ {} }}",
+                                      fmt::join(names, ", "), Kinds()[1].example));
       return std::nullopt;
     }
     std::vector<std::string_view> known = kind->keys;

@@ -86,7 +86,8 @@ TEST_F(ReadingScenarios, RefusesWithPlaceAndWhatToWrite) {
   };
   for (const auto& [step, says] : std::initializer_list<Wrong>{
            {R"({ send = "wrong" })", "send: no such command"},
-           {R"({ sned = "pause KIT/0001" })", "one of simulate, send, expect, await, capture"},
+           {R"({ within = "2s" })", "one of simulate, send, expect, await, capture"},
+           {R"({ sned = "pause KIT/0001" })", "sned: there is no such step: did you mean send?"},
            {R"({ send = "pause x", await = "paused=true" })", "write two steps"},
            {R"({ send = "pause x", robot = "KIT/1" })", "robot: there is no such key"},
            {R"({ send = 5 })", "send takes a text"},
