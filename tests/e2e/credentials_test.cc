@@ -71,6 +71,24 @@ std::vector<std::string> With(std::vector<std::string> words, std::vector<std::s
 
 // ── password_command ──
 
+TEST_F(Credentials, OfEachProfileComeFromItsOwnProgram) {
+  std::string configuration = "default_profile = \"north\"\n";
+  std::vector<std::unique_ptr<Mosquitto>> brokers;
+  for (const std::string name : {"north", "south"}) {
+    brokers.push_back(Guarded("hunter2" + name));
+    configuration += "[profile." + name + "]\nbroker = \"" + brokers.back()->Url() +
+                     "\"\nusername = \"ann\"\npassword_command = [\"" + Program() + "\", \"" +
+                     name + "\"]\n";
+  }
+  const auto file = Configure(configuration);
+  const Finished run = Run({"doctor", "--config", file.string(), "--for", "100ms"});
+  for (const std::string reached : {brokers[0]->Url() + " (profile north): reachable",
+                                    brokers[1]->Url() + " (profile south): reachable"}) {
+    EXPECT_THAT(run.output, HasSubstr(reached)) << run.errors;
+  }
+  EXPECT_THAT(CountRuns(), SizeIs(2));
+}
+
 TEST_F(Credentials, AProgramPrintsThePassword) {
   const auto broker = Guarded();
   const auto file = Configure("[profile.north]\n" + Login(broker->Url()));

@@ -10,6 +10,8 @@
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
+#include <map>
+#include <vector>
 
 #include "base/file.h"
 #include "cli/options/password_command.h"
@@ -122,16 +124,18 @@ Result<std::string> ReadPasswordFile(const std::string& path, Output& output) {
 
 namespace {
 
-// Once in a process, however often it connects: each run may ask a person, or cost a token.
+// Each program once in a process, however often it connects: a run may ask a person, or cost a token.
 Result<FoundPassword> PrintedPassword(const Context& context) {
-  static std::optional<std::string> printed;
+  static std::map<std::vector<std::string>, std::string> printed;  // of profiles, each its own
+  const std::vector<std::string>& command = context.options.password_command;
   const std::string origin = context.config.Find(config::kPasswordCommand)->Origin();
-  if (!printed) {
-    auto password = RunPasswordCommand(context.options.password_command, origin);
+  auto known = printed.find(command);
+  if (known == printed.end()) {
+    auto password = RunPasswordCommand(command, origin);
     if (!password) return Fail(std::move(password.error()));
-    printed = *std::move(password);
+    known = printed.emplace(command, *std::move(password)).first;
   }
-  return FoundPassword{printed, fmt::format("the password of password_command ({})", origin)};
+  return FoundPassword{known->second, fmt::format("the password of password_command ({})", origin)};
 }
 
 }  // namespace
