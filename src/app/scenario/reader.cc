@@ -197,8 +197,8 @@ class Reader {
       for (const Kind& candidate : Kinds()) names.push_back(candidate.name);
       for (const TomlMember& member : table.members) {
         if (const auto nearest = base::Nearest(member.name, names)) {
-          Refuse(member.place, fmt::format("{}: there is no such step: did you mean {}?",
-                                           base::Printable(member.name), *nearest));
+          Refuse(table.place, fmt::format("{}: there is no such step: did you mean {}?",
+                                          base::Printable(member.name), *nearest));
           return std::nullopt;
         }
       }
