@@ -74,6 +74,8 @@ std::vector<char*> Pointers(std::vector<std::string>& texts) {
 
 }  // namespace
 
+void KeepEndsOfChildren() { std::signal(SIGCHLD, SIG_DFL); }
+
 Result<std::unique_ptr<ChildProcess>> ChildProcess::Start(const Command& command) {
   std::unique_ptr<ChildProcess> child(new ChildProcess);
   const int input = memfd_create("fleetpub", MFD_CLOEXEC);
@@ -88,6 +90,7 @@ Result<std::unique_ptr<ChildProcess>> ChildProcess::Start(const Command& command
     std::vector<std::string> variables = MakeEnvironment(command);
     const auto argument_pointers = Pointers(arguments);
     const auto variable_pointers = Pointers(variables);
+    KeepEndsOfChildren();
     const pid_t parent = getpid();
     child->pid_ = fork();
     if (child->pid_ == 0) {

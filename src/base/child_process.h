@@ -15,6 +15,10 @@
 
 namespace fleetpub::base {
 
+/// Before a child is started: whoever started us may have had its children forgotten, and their ends
+/// would be, too.
+void KeepEndsOfChildren();
+
 /// In a process group of its own, so that a terminal's Ctrl-C is this process's alone. What it writes
 /// goes to memory, which never holds it up.
 class ChildProcess {

@@ -49,6 +49,14 @@ TEST(ChildProcess, EndsWhenNobodyWantsItAnyMore) {
   EXPECT_LT(steady_clock::now() - start, std::chrono::seconds(20));
 }
 
+// A server that starts us may have asked the system to forget its children.
+TEST(ChildProcess, SaysHowItEndedWhereChildrenWereForgotten) {
+  const auto before = std::signal(SIGCHLD, SIG_IGN);
+  const auto child = *ChildProcess::Start({.arguments = {"/bin/sh", "-c", "exit 7"}, .input = ""});
+  EXPECT_EQ(Await(*child), 7);
+  std::signal(SIGCHLD, before);
+}
+
 TEST(ChildProcess, ThatCannotBeStartedEndsWithAnError) {
   const auto child = ChildProcess::Start({.arguments = {"/no/such/program"}, .input = ""});
   ASSERT_TRUE(child);

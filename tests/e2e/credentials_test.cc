@@ -82,8 +82,8 @@ TEST_F(Credentials, OfEachProfileComeFromItsOwnProgram) {
   }
   const auto file = Configure(configuration);
   const Finished run = Run({"doctor", "--config", file.string(), "--for", "100ms"});
-  for (const std::string reached : {brokers[0]->Url() + " (profile north): reachable",
-                                    brokers[1]->Url() + " (profile south): reachable"}) {
+  for (const std::string& reached : {brokers[0]->Url() + " (profile north): reachable",
+                                     brokers[1]->Url() + " (profile south): reachable"}) {
     EXPECT_THAT(run.output, HasSubstr(reached)) << run.errors;
   }
   EXPECT_THAT(CountRuns(), SizeIs(2));

@@ -14,6 +14,7 @@
 #include <cstring>
 #include <optional>
 
+#include "base/child_process.h"
 #include "base/text.h"
 #include "base/time.h"
 #include "cli/options/password.h"
@@ -46,8 +47,7 @@ class Program {
       words.push_back(const_cast<char*>(argument.c_str()));
     }
     words.push_back(nullptr);
-    // Whoever started us may have had its children forgotten: their ends would be, too.
-    std::signal(SIGCHLD, SIG_DFL);
+    base::KeepEndsOfChildren();
     posix_spawn_file_actions_t files;
     posix_spawn_file_actions_init(&files);
     posix_spawn_file_actions_addopen(&files, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
@@ -89,19 +89,19 @@ class Collector {
   Collector& operator=(const Collector&) = delete;
   ~Collector() { explicit_bzero(text_.data(), text_.size()); }
 
-  enum class Took { kSome, kNothing, kEnd };
+  enum class Came { kSome, kNothing, kEnd };
   /// What comes within this time.
-  Took Take(milliseconds patience) {
+  Came Take(milliseconds patience) {
     pollfd pipe{.fd = descriptor_, .events = POLLIN, .revents = 0};
-    if (poll(&pipe, 1, static_cast<int>(patience.count())) <= 0) return Took::kNothing;
+    if (poll(&pipe, 1, static_cast<int>(patience.count())) <= 0) return Came::kNothing;
     std::array<char, 4096> chunk{};
     const ssize_t count = read(descriptor_, chunk.data(), chunk.size());
     if (count > 0) {
       text_.append(chunk.data(), std::min(static_cast<std::size_t>(count), room()));
       explicit_bzero(chunk.data(), chunk.size());
-      return Took::kSome;
+      return Came::kSome;
     }
-    return count < 0 && (errno == EINTR || errno == EAGAIN) ? Took::kNothing : Took::kEnd;
+    return count < 0 && (errno == EINTR || errno == EAGAIN) ? Came::kNothing : Came::kEnd;
   }
 
   [[nodiscard]] std::size_t room() const { return kLongestPassword + 3 - text_.size(); }
@@ -159,13 +159,13 @@ Result<std::string> RunPasswordCommand(const std::vector<std::string>& arguments
       return fail(fmt::format("has not ended within {}", base::FormatElapsed(limit)));
     }
     if (is_open) {
-      is_open = collected.Take(kStep) != Collector::Took::kEnd;
+      is_open = collected.Take(kStep) != Collector::Came::kEnd;
     } else {
       poll(nullptr, 0, 1);
     }
   }
   while (is_open && collected.room() > 0) {
-    is_open = collected.Take(milliseconds(0)) == Collector::Took::kSome;
+    is_open = collected.Take(milliseconds(0)) == Collector::Came::kSome;
   }
   if (*status != 0) return fail(DescribeEnd(*status));
   std::string password = FirstLine(collected.text());
