@@ -105,9 +105,8 @@ std::string FindSharing(const fs::path& folder) {
   }
 }
 
-std::string FindSharing(int descriptor, const std::string& file) {
-  struct stat status {};
-  if (fstat(descriptor, &status) != 0 || !S_ISREG(status.st_mode)) return {};
+std::string FindSharing(const struct stat& status, const std::string& file) {
+  if (!S_ISREG(status.st_mode)) return {};
   if (!IsTrusted(status.st_uid, Missing::kIsAllowed)) {
     return fmt::format("the file belongs to {}", FormatUser(status.st_uid));
   }
@@ -129,8 +128,7 @@ bool IsNamedFifo(int descriptor, const struct stat& status) {
   return S_ISFIFO(status.st_mode) && (fstatfs(descriptor, &system) != 0 || system.f_type != kPipes);
 }
 
-Status CheckFile(int descriptor, const std::string& file, Missing missing) {
-  struct stat status {};
+Status CheckFile(int descriptor, const std::string& file, Missing missing, struct stat& status) {
   if (fstat(descriptor, &status) != 0) return Unreadable(file, std::strerror(errno));
   if (S_ISDIR(status.st_mode)) return Unreadable(file, "it is a folder");
   if (IsNamedFifo(descriptor, status)) return Unreadable(file, "it is a FIFO");
@@ -141,7 +139,7 @@ Status CheckFile(int descriptor, const std::string& file, Missing missing) {
 
 struct Opened {
   std::string text;
-  std::string sharing;  ///< FindSharing
+  struct stat status;
 };
 
 // Nothing when there is no such file.
@@ -154,10 +152,11 @@ Result<std::optional<Opened>> ReadText(const std::string& file, Missing missing)
     return Unreadable(file, std::strerror(errno));
   }
   Result<std::optional<Opened>> opened;
-  if (auto ok = CheckFile(descriptor, file, missing); !ok) {
+  struct stat status {};
+  if (auto ok = CheckFile(descriptor, file, missing, status); !ok) {
     opened = Fail(std::move(ok.error()));
   } else if (auto content = base::ReadAll(descriptor, base::Printable(file), kLargestConfig)) {
-    opened = Opened{*std::move(content), FindSharing(descriptor, file)};
+    opened = Opened{*std::move(content), status};
   } else {
     opened = Fail(ErrorKind::kUsage, std::move(content.error().message));
   }
@@ -166,10 +165,11 @@ Result<std::optional<Opened>> ReadText(const std::string& file, Missing missing)
 }
 
 // What names a program to run must be ours or root's alone.
-ValueCheck WithSharing(std::string sharing, ValueCheck check) {
-  return [sharing = std::move(sharing), check = std::move(check)](
+ValueCheck WithSharing(const struct stat& status, std::string file, ValueCheck check) {
+  return [status, file = std::move(file), check = std::move(check)](
              std::string_view key, const std::vector<std::string>& texts) -> Status {
-    if (key == kPasswordCommand && !sharing.empty()) {
+    const std::string sharing = key == kPasswordCommand ? FindSharing(status, file) : "";
+    if (!sharing.empty()) {
       return Fail(ErrorKind::kUsage,
                   fmt::format("{}: others can choose the program that is run: {}", key, sharing));
     }
@@ -200,9 +200,9 @@ Result<Config> LoadConfigFiles(std::span<const fs::path> files, Missing missing,
     auto opened = ReadText(file.string(), missing);
     if (!opened) return Fail(std::move(opened.error()));
     if (!*opened) continue;
-    auto& [text, sharing] = **opened;
     Mistakes mistakes;
-    ReadConfig(text, file.string(), config, mistakes, WithSharing(std::move(sharing), {}));
+    ReadConfig((*opened)->text, file.string(), config, mistakes,
+               WithSharing((*opened)->status, file.string(), {}));
     if (!mistakes.empty()) return Fail(std::move(mistakes.front()));
   }
   if (auto ok = Resolve(profile, config); !ok) return Fail(ok.error());
@@ -225,8 +225,8 @@ Mistakes CheckConfig(const std::optional<std::string>& file,
     if (!opened) {
       mistakes.push_back(std::move(opened.error()));
     } else if (*opened) {
-      auto& [text, sharing] = **opened;
-      ReadConfig(text, each.string(), config, mistakes, WithSharing(std::move(sharing), check));
+      ReadConfig((*opened)->text, each.string(), config, mistakes,
+                 WithSharing((*opened)->status, each.string(), check));
     }
   }
   Resolve(profile, config, mistakes);
