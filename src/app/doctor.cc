@@ -20,8 +20,6 @@ using vda5050::RobotAddress;
 using vda5050::RobotPattern;
 using vda5050::TopicLevels;
 
-constexpr std::chrono::days kWeek{7};
-constexpr int kNewestRows = 10'000;
 constexpr std::size_t kMostAskedByName = 1'000;
 
 // Without these a fleet control is blind.
@@ -207,16 +205,11 @@ class Doctor final : private ListenObserver {
   [[nodiscard]] std::optional<ledger::Record> FindAnswer() const {
     constexpr auto kAnswers = std::to_array<std::string_view>(
         {"ACCEPTED", "FINISHED", "NO_ORDER", "FAILED", "REJECTED", "RETRIABLE"});
-    const auto ledger = environment_.ledger(ledger::OpenMode::kReadOnly);
-    if (!ledger) return std::nullopt;
-    const auto rows =
-        (*ledger)->History({.since = environment_.Now() - kWeek, .limit = kNewestRows});
-    if (!rows) return std::nullopt;
-    const auto row = std::find_if(rows->rbegin(), rows->rend(), [&](const ledger::Record& one) {
-      return one.broker == listening_.broker->ToString() &&
-             std::find(kAnswers.begin(), kAnswers.end(), one.status) != kAnswers.end();
+    const auto rows = FindRecentRows(environment_, *listening_.broker);
+    const auto row = std::find_if(rows.rbegin(), rows.rend(), [&](const ledger::Record& one) {
+      return std::find(kAnswers.begin(), kAnswers.end(), one.status) != kAnswers.end();
     });
-    return row == rows->rend() ? std::nullopt : std::optional(*row);
+    return row == rows.rend() ? std::nullopt : std::optional(*row);
   }
 
   Status ListenToRobots();

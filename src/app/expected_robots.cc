@@ -21,21 +21,27 @@ constexpr std::size_t kFew = 5;
 
 std::vector<RobotAddress> FindCommanded(const Environment& environment,
                                         const mqtt::BrokerUrl& broker) {
-  const auto ledger = environment.ledger(ledger::OpenMode::kReadOnly);
-  if (!ledger) return {};
-  const auto rows =
-      (*ledger)->History({.since = std::chrono::system_clock::now() - kWeek, .limit = kNewestRows});
-  if (!rows) return {};
-  const std::string here = broker.ToString();
   std::vector<RobotAddress> robots;
-  for (const ledger::Record& row : *rows) {
-    if (!base::EqualsIgnoringCase(row.protocol, "vda5050") || row.broker != here) continue;
+  for (const ledger::Record& row : FindRecentRows(environment, broker)) {
+    if (!base::EqualsIgnoringCase(row.protocol, "vda5050")) continue;
     if (auto robot = vda5050::ParseRobotAddress(row.target)) robots.push_back(*std::move(robot));
   }
   return robots;
 }
 
 }  // namespace
+
+std::vector<ledger::Record> FindRecentRows(const Environment& environment,
+                                           const mqtt::BrokerUrl& broker) {
+  const auto ledger = environment.ledger(ledger::OpenMode::kReadOnly);
+  if (!ledger) return {};
+  auto rows =
+      (*ledger)->History({.since = std::chrono::system_clock::now() - kWeek, .limit = kNewestRows});
+  if (!rows) return {};
+  std::erase_if(
+      *rows, [here = broker.ToString()](const ledger::Record& row) { return row.broker != here; });
+  return *std::move(rows);
+}
 
 std::vector<ExpectedRobot> FindExpectedRobots(const Environment& environment,
                                               const mqtt::BrokerUrl& broker,
@@ -85,10 +91,10 @@ void WarnOfUnheard(const std::vector<ExpectedRobot>& unheard, Log& log) {
       if (one.was_commanded == was_commanded) robots.push_back(one.robot);
     }
     if (robots.empty()) continue;
-    const std::string text = fmt::format(
-        "{} robot{} {} did not answer: {}", robots.size(), robots.size() == 1 ? "" : "s",
-        was_commanded ? "commanded in the last 7 days" : "of the configuration",
-        FormatRobotList(robots));
+    const std::string text =
+        fmt::format("{} {} did not answer: {}", base::Counted(robots.size(), "robot"),
+                    was_commanded ? "commanded in the last 7 days" : "of the configuration",
+                    FormatRobotList(robots));
     // A configuration may name robots of several sites.
     if (was_commanded) {
       log.Warn(text);

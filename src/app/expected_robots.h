@@ -20,6 +20,11 @@ struct ExpectedRobot {
   bool was_commanded = false;   ///< at this broker, in the last seven days
 };
 
+/// What was sent by this broker in the last seven days, oldest first: the newest 10,000 messages.
+/// Nothing when the ledger cannot be read.
+[[nodiscard]] std::vector<ledger::Record> FindRecentRows(const Environment& environment,
+                                                         const mqtt::BrokerUrl& broker);
+
 /// Nothing: this robot is not meant.
 using SchemeHook =
     std::function<std::optional<vda5050::TopicScheme>(const vda5050::RobotAddress& robot)>;
