@@ -120,9 +120,9 @@ class Player {
     if (auto ok = CheckPlaces(); !ok) return Fail(std::move(ok.error()));
     schedule_.Connected(steady_clock::now());
     auto played = Play();
-    const Status settled = Settle();
+    const Status finished = Finish();
     if (!played) return Fail(std::move(played.error()));
-    if (!settled) return Fail(settled.error());
+    if (!finished) return Fail(finished.error());
     if (transport_ != nullptr) transport_->Disconnect();
     return replayed_;
   }
@@ -307,7 +307,7 @@ class Player {
   }
 
   // All of it is with the broker, and nothing is left there that was not before.
-  Status Settle() {
+  Status Finish() {
     if (transport_ == nullptr) {
       if (options_.keep ? sent_.empty() : left_.empty()) return {};
       auto opened = hooks_.open();

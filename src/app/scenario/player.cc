@@ -80,7 +80,7 @@ bool Player::Listen(milliseconds time, Done done) {
 }
 
 // Whoever sent has heard the robot's answer; it may come here a little later.
-void Player::Settle() {
+void Player::AwaitLatecomers() {
   constexpr milliseconds kOnItsWay{100};
   if (has_sent_) (void)Listen(kOnItsWay, [] { return false; });
   has_sent_ = false;
@@ -221,7 +221,7 @@ Player::Finding Player::Await(const Step& step) {
 
 // The last message; null: none came within the step's time.
 const Heard* Player::FindLast(const Step& step) {
-  Settle();
+  AwaitLatecomers();
   Track& track = Of(step);
   (void)Listen(step.within, [&] { return !track.heard.empty(); });
   return track.heard.empty() ? nullptr : &track.heard.back();

@@ -98,7 +98,7 @@ class Player {
   void Take(Said said);
   template <class Done>
   bool Listen(std::chrono::milliseconds time, Done done);
-  void Settle();
+  void AwaitLatecomers();
   [[nodiscard]] Track& Of(const Step& step) { return tracks_[{step.robot, step.topic}]; }
 
   [[nodiscard]] Finding Do(const Step& step);
