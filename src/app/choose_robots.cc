@@ -135,8 +135,8 @@ Error NobodyChosen(mqtt::Transport& transport, const Targets& targets,
   }
   const auto all = ListRobots(transport, resolver.common().topics, discover, Robots::kAll);
   const std::string heard =
-      !all.empty() ? fmt::format("it knows {} robot{}: {}", all.size(), all.size() == 1 ? "" : "s",
-                                 FormatRobotList(all))
+      !all.empty()
+          ? fmt::format("it knows {}: {}", base::Counted(all.size(), "robot"), FormatRobotList(all))
       : transport.server().KeepsNothing()
           ? std::string(kNothingRetained)
           : "it knows no robot: none has left a connection message, or the broker hands out "

@@ -13,6 +13,7 @@
 namespace fleetpub::app {
 namespace {
 
+using base::Counted;
 using base::FormatElapsed;
 using std::chrono::nanoseconds;
 using std::chrono::seconds;
@@ -21,10 +22,6 @@ using vda5050::Shown;
 
 constexpr seconds kClockSlack{5};
 constexpr seconds kClockLimit{60};
-
-std::string Count(std::size_t count, std::string_view what) {
-  return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s");
-}
 
 // Tells what one check finds of one robot.
 class Finder {
@@ -42,15 +39,15 @@ class Finder {
     told_ = true;
     tell_({blank_.check, health, blank_.subject, std::move(text), std::move(remedy), blank_.kind});
   }
-  /// There was something to judge.
-  void Judge() { judged_ = true; }
+  /// There was something to look at.
+  void Examined() { was_examined_ = true; }
 
   [[nodiscard]] bool Hears(std::string_view topic_name) const {
     return !listening_.refused.contains(topic_name);
   }
   [[nodiscard]] const ListeningFacts& listening() const { return listening_; }
   [[nodiscard]] bool has_told() const { return told_; }
-  [[nodiscard]] bool is_right() const { return judged_ && !told_; }
+  [[nodiscard]] bool is_right() const { return was_examined_ && !told_; }
 
   /// `fleetpub COMMAND ROBOT OPTIONS…`
   [[nodiscard]] Remedy Try(std::string command, std::vector<std::string> options = {}) const {
@@ -74,7 +71,7 @@ class Finder {
   const ListeningFacts& listening_;
   const DiagnosisHook& tell_;
   bool told_ = false;
-  bool judged_ = false;
+  bool was_examined_ = false;
 };
 
 void CheckRetained(const PlaceEvidence& place, Finder& finder) {
@@ -82,7 +79,7 @@ void CheckRetained(const PlaceEvidence& place, Finder& finder) {
     const TopicEvidence* const topic = place.Find(std::string(topic_name));
     return topic != nullptr && topic->is_retained ? topic : nullptr;
   };
-  if (finder.Hears("order") && finder.Hears("instantActions")) finder.Judge();
+  if (finder.Hears("order") && finder.Hears("instantActions")) finder.Examined();
   for (const std::string_view command : vda5050::kCommandTopics) {
     if (const TopicEvidence* const topic = is_retained(command)) {
       finder.Problem(Shown(topic->topic) + " is retained: the robot gets it again at each connect",
@@ -100,7 +97,7 @@ void CheckRetained(const PlaceEvidence& place, Finder& finder) {
 void CheckConnection(const PlaceEvidence& place, Finder& finder) {
   if (!finder.listening().knows_retained || !finder.Hears("connection")) return;
   const TopicEvidence* const topic = place.Find("connection");
-  if (topic != nullptr && topic->is_retained) return finder.Judge();
+  if (topic != nullptr && topic->is_retained) return finder.Examined();
   if (topic == nullptr && !place.SendsStates()) return;
   finder.Problem("no connection message is retained: who connects later cannot see the robot",
                  {.advice = "the robot must publish its connection with the retain flag"});
@@ -111,13 +108,13 @@ void CheckOnline(const PlaceEvidence& place, Finder& finder) {
   const std::string topic = Shown(place.Find("connection")->topic);
   const nanoseconds silence = finder.listening().elapsed - place.since;
   if (place.SendsStates()) {
-    finder.Judge();
+    finder.Examined();
     if (!vda5050::IsAway(place.connection->connection_state)) return;
     finder.Warn(fmt::format("sends states, but {} says {}", topic,
                             vda5050::ConnectionText(*place.connection)),
                 {.advice = "the robot must publish ONLINE whenever it connects: restart it"});
   } else if (!place.IsOnline()) {
-    finder.Judge();
+    finder.Examined();
   } else if (silence >= vda5050::kLongestSilence) {
     finder.Problem(fmt::format("{} says ONLINE, but no state came in {}: it may be long gone",
                                topic, FormatElapsed(silence)),
@@ -136,7 +133,7 @@ void CheckIntervals(const PlaceEvidence& place, Finder& finder) {
       has_left ? rhythm.longest : rhythm.FindSilence(finder.listening().elapsed, place.since);
   const auto usual = place.factsheet ? place.factsheet->usual_interval : std::nullopt;
   const Remedy look = finder.Try("tail", {"--topic", "state"});
-  finder.Judge();
+  finder.Examined();
   if (silence > vda5050::kLongestSilence) {
     finder.Problem(
         fmt::format("{} without a state, which is due every 30 s", FormatElapsed(silence)), look);
@@ -153,7 +150,7 @@ void TellHeaderFaults(const PlaceEvidence& place, std::string_view member, Healt
   std::vector<std::string> topics;
   std::string text;
   for (const auto& [topic_name, topic] : place.topics) {
-    if (!topic.versions.empty()) finder.Judge();
+    if (!topic.versions.empty()) finder.Examined();
     const auto fault = topic.header_faults.find(member);
     if (fault == topic.header_faults.end()) continue;
     topics.push_back(topic_name);
@@ -169,7 +166,7 @@ void CheckClock(const PlaceEvidence& place, Finder& finder) {
   for (const auto& [topic_name, topic] : place.topics) {
     const Clock& clock = topic.clock;
     if (!clock.offset) continue;
-    finder.Judge();
+    finder.Examined();
     const nanoseconds off = std::chrono::abs(*clock.offset);
     if (off > kClockSlack) {
       finder.Tell(
@@ -179,7 +176,7 @@ void CheckClock(const PlaceEvidence& place, Finder& finder) {
           {.advice = "set the clock of who publishes this, or of this host when all differ (NTP)"});
     } else if (clock.backwards > 0) {
       finder.Warn(fmt::format("{}: {} older than the message before", topic_name,
-                              Count(clock.backwards, "timestamp")),
+                              Counted(clock.backwards, "timestamp")),
                   {.advice = "its clock was set back, or two publish there"});
     }
   }
@@ -188,26 +185,27 @@ void CheckClock(const PlaceEvidence& place, Finder& finder) {
 void CheckHeaderIds(const PlaceEvidence& place, Finder& finder) {
   for (const auto& [topic_name, topic] : place.topics) {
     const HeaderIds& ids = topic.ids;
-    if (ids.messages > 1) finder.Judge();
+    if (ids.messages > 1) finder.Examined();
     if (ids.missing > 0) {
       finder.Problem(
-          fmt::format("{}: {} without headerId", topic_name, Count(ids.missing, "message")),
+          fmt::format("{}: {} without headerId", topic_name, Counted(ids.missing, "message")),
           finder.LookAt());
     } else if (ids.repeated > 0 && ids.repeated + 1 == ids.messages) {
       finder.Problem(fmt::format("{}: headerId is always {}", topic_name, *ids.last),
                      finder.LookAt());
     } else if (ids.resumed > 0 || ids.repeated > 0) {
-      finder.Problem(fmt::format("{}: two publishers count headerId here: {} came twice, the count "
-                                 "went back and forth {}",
-                                 topic_name, Count(ids.repeated, "id"), Count(ids.resumed, "time")),
-                     {.advice = "find the other one: the broker's log names the clients"});
+      finder.Problem(
+          fmt::format("{}: two publishers count headerId here: {} came twice, the count "
+                      "went back and forth {}",
+                      topic_name, Counted(ids.repeated, "id"), Counted(ids.resumed, "time")),
+          {.advice = "find the other one: the broker's log names the clients"});
     } else if (ids.falls > 0) {
       finder.Warn(
-          fmt::format("{}: headerId began anew {}", topic_name, Count(ids.falls, "time")),
+          fmt::format("{}: headerId began anew {}", topic_name, Counted(ids.falls, "time")),
           {.advice = "a robot that restarts may do so; a running one is broken, or two publish"});
     } else if (ids.skipped > 0) {
-      finder.Warn(fmt::format("{}: {} missing between {}", topic_name, Count(ids.skipped, "id"),
-                              Count(ids.messages, "message")),
+      finder.Warn(fmt::format("{}: {} missing between {}", topic_name, Counted(ids.skipped, "id"),
+                              Counted(ids.messages, "message")),
                   {.advice = "messages are lost on their way, or other topics share the count"});
     }
   }
@@ -245,7 +243,7 @@ void CheckFactsheet(const PlaceEvidence& place, Finder& finder) {
     if (!knows_retained || !place.IsThere()) return;
     return finder.Problem("has no factsheet: what it can do is not known", ask);
   }
-  finder.Judge();
+  finder.Examined();
   if (!place.factsheet->fault.empty()) {
     finder.Problem("its factsheet cannot be read: " + Shown(place.factsheet->fault), ask);
   } else if (!place.Find("factsheet")->is_retained && knows_retained) {
@@ -257,7 +255,7 @@ void CheckFactsheet(const PlaceEvidence& place, Finder& finder) {
 }
 
 void CheckActionLists(const PlaceEvidence& place, Finder& finder) {
-  if (place.SendsStates()) finder.Judge();
+  if (place.SendsStates()) finder.Examined();
   for (const std::string& error : place.full_lists) {
     finder.Problem(Shown(error, 80) + ": it takes no further instant actions",
                    finder.Try("clearInstantActions", {"--wait"}));
@@ -266,10 +264,10 @@ void CheckActionLists(const PlaceEvidence& place, Finder& finder) {
 
 void CheckMessages(const PlaceEvidence& place, Finder& finder) {
   for (const auto& [topic_name, topic] : place.topics) {
-    if (!topic.versions.empty()) finder.Judge();
+    if (!topic.versions.empty()) finder.Examined();
     if (topic.invalid == 0) continue;
     finder.Problem(fmt::format("{}: {} not as the schema says: {}", topic_name,
-                               Count(topic.invalid, "message"), Shown(topic.violation)),
+                               Counted(topic.invalid, "message"), Shown(topic.violation)),
                    finder.LookAt());
   }
 }
@@ -307,9 +305,9 @@ void Run(const FleetCheck& check, const FleetEvidence& evidence, const Listening
     has_told = has_told || finder.has_told();
   }
   if (right > 0) {
-    tell({check.id, Health::kOk, Count(right, "robot"), std::string(check.right)});
+    tell({check.id, Health::kOk, Counted(right, "robot"), std::string(check.right)});
   } else if (!has_told) {
-    tell({check.id, Health::kUnknown, Count(evidence.robots().size(), "robot"),
+    tell({check.id, Health::kUnknown, Counted(evidence.robots().size(), "robot"),
           "nothing was heard to judge this by"});
   }
 }
@@ -336,7 +334,7 @@ void CheckPlaces(const FleetEvidence& evidence, const DiagnosisHook& tell) {
                       there > 1 ? ", and is at several now: two robots may bear one name" : ""),
           {.command = {"fleetpub", "tail", name}}});
   }
-  if (right > 0) tell({"places", Health::kOk, Count(right, "robot"), "topics lie at one place"});
+  if (right > 0) tell({"places", Health::kOk, Counted(right, "robot"), "topics lie at one place"});
 }
 
 void CheckPresence(const FleetEvidence& evidence, const ListeningFacts& listening,
@@ -368,7 +366,7 @@ void CheckPresence(const FleetEvidence& evidence, const ListeningFacts& listenin
          "none was heard: another broker, other topics, or a login that may not read them",
          listening.broker ? listen : Remedy());
   }
-  if (are_all) tell({"presence", Health::kOk, Count(heard, "robot"), "all expected were heard"});
+  if (are_all) tell({"presence", Health::kOk, Counted(heard, "robot"), "all expected were heard"});
 }
 
 }  // namespace

@@ -80,8 +80,8 @@ void Warn(const Fleet& fleet, const std::vector<ExpectedRobot>& expected,
   if (directory.abridged() > 0) log.Warn(AbridgedWarning(directory.abridged()));
   WarnOfSilent(fleet, environment, asked, log);
   if (found.empty()) {
-    log.Info(fmt::format("{} robot{} found, none matches {}", directory.CountSeen(),
-                         directory.CountSeen() == 1 ? "" : "s", fleet.name()));
+    log.Info(fmt::format("{} found, none matches {}", base::Counted(directory.CountSeen(), "robot"),
+                         fleet.name()));
   }
 }
 

@@ -467,7 +467,7 @@ std::string DescribePath(const PlannedPath& planned) {
   }
   std::string text = base::Join(names, " → ");
   if (planned.length) text += fmt::format(", {:.1f} m", *planned.length);
-  if (actions > 0) text += fmt::format(", {} action{}", actions, actions == 1 ? "" : "s");
+  if (actions > 0) text += ", " + base::Counted(actions, "action");
   return text;
 }
 

@@ -372,12 +372,10 @@ class Discoverer {
       if (auto ok = filters.Add(entry.base->topics, Exactly(robot), kTopics); !ok) return ok;
     }
     if (silent.empty()) return {};
-    log_.Info(fmt::format("waiting up to {} for the states of {} robot{}",
-                          base::FormatElapsed(targets_.state_wait), silent.size(),
-                          silent.size() == 1 ? "" : "s"));
-    log_.Wait(fmt::format("waiting for the states of {} robot{}", silent.size(),
-                          silent.size() == 1 ? "" : "s"),
-              end);
+    log_.Info(fmt::format("waiting up to {} for the states of {}",
+                          base::FormatElapsed(targets_.state_wait),
+                          base::Counted(silent.size(), "robot")));
+    log_.Wait("waiting for the states of " + base::Counted(silent.size(), "robot"), end);
     const auto left = std::max(end - steady_clock::now(), steady_clock::duration(0));
     auto options = options_.discover;
     options.quiet = options.most = std::chrono::ceil<std::chrono::milliseconds>(left);

@@ -44,7 +44,7 @@ class Warnings {
     for (const auto& [words, count] : told_) {
       if (count <= kTold) continue;
       const std::size_t more = count - kTold;
-      log_.Warn(fmt::format("the same for {} more robot{}{}{}", more, more == 1 ? "" : "s",
+      log_.Warn(fmt::format("the same for {}{}{}", base::Counted(more, "more robot"),
                             words.starts_with(":") ? "" : ":", words));
     }
   }
@@ -230,8 +230,8 @@ class CommandSender final : private delivery::CommandSource {
   Status CheckCount() {
     const auto& expect = request_.targets.expect;
     if (!expect || robots_.size() == *expect) return {};
-    const std::string text = fmt::format("{} robot{} found, but --expect says {}", robots_.size(),
-                                         robots_.size() == 1 ? "" : "s", *expect);
+    const std::string text = fmt::format("{} found, but --expect says {}",
+                                         base::Counted(robots_.size(), "robot"), *expect);
     return Fail(ReportNothingSent(CommandStatus::kRefused, {ErrorKind::kPreflight, text}));
   }
 

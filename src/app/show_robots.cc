@@ -156,9 +156,8 @@ class SheetReader {
       return robot.second.IsKnown();
     });
     if (found > 0) {
-      return {ErrorKind::kPreflight,
-              fmt::format("{} robot{} found at {}, none satisfies every --where", found,
-                          found == 1 ? "" : "s", Site())};
+      return {ErrorKind::kPreflight, fmt::format("{} found at {}, none satisfies every --where",
+                                                 base::Counted(found, "robot"), Site())};
     }
     return {ErrorKind::kPreflight,
             fmt::format("{} knows no such robot: {}. try: fleetpub fleet", Site(),

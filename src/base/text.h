@@ -1,6 +1,7 @@
 // Small things about text that the standard library lacks.
 #pragma once
 
+#include <concepts>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -28,6 +29,14 @@ namespace fleetpub::base {
 /// The text, or this one where it is empty.
 [[nodiscard]] inline std::string_view NonEmptyOr(std::string_view text, std::string_view fallback) {
   return text.empty() ? fallback : text;
+}
+
+/// `1 item`, `3 items`.
+[[nodiscard]] std::string Counted(std::integral auto count, std::string_view noun) {
+  std::string text = std::to_string(count);
+  text.append(" ").append(noun);
+  if (count != 1) text += 's';
+  return text;
 }
 
 /// Without the byte order mark that it may begin with.

@@ -175,8 +175,8 @@ std::string PlayedRecording::Complaint() const {
   if (faults_.is_cut_off) texts.emplace_back("it has no end: whoever wrote it was cut off");
   if (faults_.is_altered) texts.emplace_back("it is not what its last line says: it was changed");
   if (faults_.unreadable > 0) {
-    texts.push_back(fmt::format("{} line{} could not be read, the first at {}", faults_.unreadable,
-                                faults_.unreadable == 1 ? "" : "s", faults_.first));
+    texts.push_back(fmt::format("{} could not be read, the first at {}",
+                                base::Counted(faults_.unreadable, "line"), faults_.first));
   }
   if (texts.empty()) return "";
   return base::Printable(name()) + ": " + base::Join(texts, "; ");

@@ -101,10 +101,6 @@ std::string ChoicePhrase(const Value& values) {
   return fmt::format("one of {}{}", base::Join(phrases, ", "), more);
 }
 
-std::string Counted(std::uint64_t count, std::string_view noun) {
-  return fmt::format("{} {}{}", count, noun, count == 1 ? "" : "s");
-}
-
 std::string Alternatives(const std::vector<std::string>& parts) {
   if (parts.size() < 2) return parts.empty() ? "" : parts.front();
   const std::vector<std::string> first(parts.begin(), parts.end() - 1);

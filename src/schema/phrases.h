@@ -23,9 +23,6 @@ namespace fleetpub::schema {
 /// `one of NONE, SOFT, HARD`; the first dozen of many.
 [[nodiscard]] std::string ChoicePhrase(const base::JsonValue& values);
 
-/// `1 item`, `3 items`.
-[[nodiscard]] std::string Counted(std::uint64_t count, std::string_view noun);
-
 /// `a`, `a or b`, `a, b or c`.
 [[nodiscard]] std::string Alternatives(const std::vector<std::string>& parts);
 

@@ -191,10 +191,11 @@ class Walk {
             const Where& where) {
     if (least != nullptr && size < AsCount(*least) && Violated()) {
       Add(where,
-          fmt::format("must have at least {}, has {}", Counted(AsCount(*least), noun), size));
+          fmt::format("must have at least {}, has {}", base::Counted(AsCount(*least), noun), size));
     }
     if (most != nullptr && size > AsCount(*most) && Violated()) {
-      Add(where, fmt::format("must have at most {}, has {}", Counted(AsCount(*most), noun), size));
+      Add(where,
+          fmt::format("must have at most {}, has {}", base::Counted(AsCount(*most), noun), size));
     }
   }
 
@@ -220,7 +221,7 @@ class Walk {
     const Node* others = schema.items_are_listed ? schema.additional_items : schema.items;
     if (others != nullptr && others->is_false && array.Size() > listed.size()) {
       if (Violated()) {
-        Add(where, fmt::format("must have at most {}, has {}", Counted(listed.size(), "item"),
+        Add(where, fmt::format("must have at most {}, has {}", base::Counted(listed.size(), "item"),
                                array.Size()));
       }
       others = nullptr;

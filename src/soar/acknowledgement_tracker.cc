@@ -81,8 +81,8 @@ class MessageTracker : public message::ResponseTracker {
   void UpdateMessage() {
     progress_.message = levels_.empty() ? "nobody acknowledged it" : FormatLevels();
     if (unreadable_ == 0) return;
-    progress_.message += fmt::format("; {} message{} that name it cannot be read, the last one: {}",
-                                     unreadable_, unreadable_ == 1 ? "" : "s", why_);
+    progress_.message += fmt::format("; {} that name it cannot be read, the last one: {}",
+                                     base::Counted(unreadable_, "message"), why_);
   }
 
   // `executed`; of several: `2 of 3 executed`.

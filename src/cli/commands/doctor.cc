@@ -3,7 +3,6 @@
 #include "app/doctor.h"
 
 #include <fmt/format.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -91,9 +90,9 @@ class Findings {
           ok, warnings, problems, unknown, robots, JsonString(site), static_cast<int>(code_)));
     }
     TellLeftOut();
-    output_.PeopleLine(fmt::format("{} problem{}, {} warning{}, {} ok, {} unknown; {}", problems,
-                                   problems == 1 ? "" : "s", warnings, warnings == 1 ? "" : "s", ok,
-                                   unknown, "nothing was sent to robots"));
+    output_.PeopleLine(fmt::format("{}, {}, {} ok, {} unknown; nothing was sent to robots",
+                                   base::Counted(problems, "problem"),
+                                   base::Counted(warnings, "warning"), ok, unknown));
   }
 
   [[nodiscard]] ExitCode code() const { return code_; }
@@ -177,12 +176,6 @@ void CheckLedger(const Context& context, Findings& findings) {
                  info->version == 0
                      ? "none yet, the first command makes it"
                      : fmt::format("{} rows, header ids of {} topics", info->rows, info->topics)});
-}
-
-bool CanOthersRead(const std::string& path) {
-  struct stat status {};
-  return !path.empty() && stat(path.c_str(), &status) == 0 && S_ISREG(status.st_mode) &&
-         (status.st_mode & (S_IRGRP | S_IROTH)) != 0;
 }
 
 bool IsHere(const mqtt::BrokerUrl& broker) {

@@ -97,9 +97,9 @@ class FillingTable {
     const auto shown = MakeRows(robots, base::WallTime::clock::now());
     auto lines = TableLines(FleetColumns(), shown, width, output_, &widths_);
     const std::string more = hidden == 0 ? "" : fmt::format("{} more; ", hidden);
-    const std::string left = fmt::format("{}waiting up to {} for {} state{} (Ctrl-C ends)", more,
-                                         base::FormatElapsed(fleet.targets().state_wait), silent,
-                                         silent == 1 ? "" : "s");
+    const std::string left = fmt::format("{}waiting up to {} for {} (Ctrl-C ends)", more,
+                                         base::FormatElapsed(fleet.targets().state_wait),
+                                         base::Counted(silent, "state"));
     lines.push_back(output_.Toned(Tone::kDim, base::Shortened(width, left)));
     if (std::exchange(lines_, lines) != lines) output_.Pass(lines);
   }

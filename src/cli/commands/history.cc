@@ -294,8 +294,7 @@ Result<ExitCode> RunPrune(std::optional<base::WallTime> before, const Context& c
   if (context.output.json()) {
     context.output.Line(fmt::format(R"({{"pruned":{}}})", *count));
   } else {
-    context.output.PeopleLine(
-        fmt::format("{} row{} removed; header ids are kept", *count, *count == 1 ? "" : "s"));
+    context.output.PeopleLine(base::Counted(*count, "row") + " removed; header ids are kept");
   }
   return ExitCode::kDone;
 }

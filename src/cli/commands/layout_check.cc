@@ -84,8 +84,8 @@ class Checker {
     const std::string name = options_.files.size() == 1
                                  ? ShownFile(options_.files.front())
                                  : fmt::format("{} files", options_.files.size());
-    output_.PeopleLine(fmt::format("{}: {} error{}, {} warning{}", name, errors_,
-                                   errors_ == 1 ? "" : "s", warnings_, warnings_ == 1 ? "" : "s"));
+    output_.PeopleLine(fmt::format("{}: {}, {}", name, base::Counted(errors_, "error"),
+                                   base::Counted(warnings_, "warning")));
   }
 
   [[nodiscard]] ExitCode code() const { return code_; }

@@ -111,7 +111,7 @@ std::string ToText(const Options& o, const Site& site, const Route& route,
   text += fmt::format(", {:.1f} m", route.length);
   if (o.cost == RouteCost::kTime) text += fmt::format(", {:.0f} s", route.seconds);
   if (const auto actions = CountActions(site, route, type); actions > 0) {
-    text += fmt::format(", {} action{}", actions, actions == 1 ? "" : "s");
+    text += ", " + base::Counted(actions, "action");
   }
   return text;
 }

@@ -142,11 +142,10 @@ void ShowSummary(const Options& o, const recording::Written& written, const Reco
   }
   const int gaps = recorder.gaps();
   output.PeopleLine(fmt::format(
-      "{} message{} in {}, {}{}{}", written.messages, written.messages == 1 ? "" : "s",
+      "{} in {}, {}{}{}", base::Counted(written.messages, "message"),
       base::FormatElapsed(recorder.Lasted()), FormatBytes(written.bytes),
       written.files == 1 ? "" : fmt::format(" in {} files", written.files),
-      gaps == 0 ? ""
-                : fmt::format("; {} gap{}: the connection was lost", gaps, gaps == 1 ? "" : "s")));
+      gaps == 0 ? "" : fmt::format("; {}: the connection was lost", base::Counted(gaps, "gap"))));
 }
 
 Result<ExitCode> RunRecord(const Options& o, const Context& context) {

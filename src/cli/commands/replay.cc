@@ -34,10 +34,6 @@ struct Options {
   app::VdaOptions vda;
 };
 
-std::string Count(std::uint64_t messages) {
-  return fmt::format("{} message{}", messages, messages == 1 ? "" : "s");
-}
-
 ValueKind SpeedKind(double& speed) {
   return {.type = "N",
           .store = internal::StoreOne(
@@ -96,7 +92,7 @@ void ShowEnd(const simulator::Replayed& replayed, const simulator::ReplayPlan& p
     output.Warn(
         fmt::format("{} sent a second time: the broker had not acknowledged it, or had not "
                     "kept it, and some may have heard it twice",
-                    Count(replayed.again)));
+                    base::Counted(replayed.again, "message")));
   }
   output.PeopleLine(fmt::format("{} of {} messages sent{}", replayed.messages, plan.messages,
                                 o.keep ? "" : "; what was retained before is back"));
@@ -111,10 +107,11 @@ Result<ExitCode> RunReplay(const Options& o, const Context& context) {
   if (auto agreed = AgreeToCommands(o, *plan, context); !agreed) return Fail(agreed.error());
   if (plan->commands > 0 && !o.commands) {
     output.Info(fmt::format("left out: what robots were told, {} in all. --commands sends it, too",
-                            Count(plan->commands)));
+                            base::Counted(plan->commands, "message")));
   }
   if (plan->others > 0) {
-    output.Info(fmt::format("left out: {} of other robots or topics", Count(plan->others)));
+    output.Info(fmt::format("left out: {} of other robots or topics",
+                            base::Counted(plan->others, "message")));
   }
   if (plan->faults.unreadable > 0) {
     output.Warn(fmt::format("{} lines could not be read, the first at {}", plan->faults.unreadable,
@@ -126,12 +123,12 @@ Result<ExitCode> RunReplay(const Options& o, const Context& context) {
   auto transport = mqtt::ConnectPahoAsRobot(*connect);
   if (!transport) return Fail(std::move(transport.error()));
   const StopSignal stop;
-  output.Info(
-      fmt::format("replaying {} of {} robot{} in {} at {}; Ctrl-C ends it", Count(plan->messages),
-                  plan->robots.size(), plan->robots.size() == 1 ? "" : "s",
-                  base::FormatElapsed(
-                      std::chrono::duration_cast<std::chrono::nanoseconds>(plan->lasts / o.speed)),
-                  (*transport)->server().broker.ToString()));
+  output.Info(fmt::format(
+      "replaying {} of {} in {} at {}; Ctrl-C ends it", base::Counted(plan->messages, "message"),
+      base::Counted(plan->robots.size(), "robot"),
+      base::FormatElapsed(
+          std::chrono::duration_cast<std::chrono::nanoseconds>(plan->lasts / o.speed)),
+      (*transport)->server().broker.ToString()));
   const simulator::ReplayHooks hooks = {
       .open = [&] { return mqtt::ConnectPahoAsRobot(*connect); },
       .lost = [&](const Error& error) { output.Lost(error); },

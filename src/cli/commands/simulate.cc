@@ -361,8 +361,8 @@ Result<ExitCode> RunSimulate(const Options& o, const Context& context) {
   };
   run.on_ready = [&] {
     StopOnSignals();
-    Print(stderr, fmt::format("fleetpub: {} robot{} online at {}, version {}\n", robots->size(),
-                              robots->size() == 1 ? "" : "s",
+    Print(stderr, fmt::format("fleetpub: {} online at {}, version {}\n",
+                              base::Counted(robots->size(), "robot"),
                               run.connect.brokers.front().ToString(), version));
   };
   if (auto ended = simulator::Run(**fleet, run); !ended) return Fail(std::move(ended.error()));

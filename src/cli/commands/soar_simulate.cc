@@ -56,9 +56,9 @@ Result<ExitCode> RunSoarSimulation(const SoarSimulation& simulation, const Conte
   run.on_ready = [&] {
     simulation.on_ready();
     const std::size_t count = (*fleet)->size();
-    Print(stderr, fmt::format("fleetpub: {} platform{} online at {}, SoAR {}\n", count,
-                              count == 1 ? "" : "s", run.connect.brokers.front().ToString(),
-                              soar::kFormatVersion));
+    Print(stderr,
+          fmt::format("fleetpub: {} online at {}, SoAR {}\n", base::Counted(count, "platform"),
+                      run.connect.brokers.front().ToString(), soar::kFormatVersion));
   };
   if (auto ended = simulator::RunPlatforms(**fleet, run); !ended) return Fail(ended.error());
   return ExitCode::kDone;

@@ -105,12 +105,16 @@ bool HasPasswordInEnvironment() {
   return std::getenv("FLEETPUB_PASSWORD") != nullptr || SystemdCredential(kCredential);
 }
 
+bool CanOthersRead(const std::string& path) {
+  struct stat status {};
+  return stat(path.c_str(), &status) == 0 && S_ISREG(status.st_mode) &&
+         (status.st_mode & (S_IRGRP | S_IROTH)) != 0;
+}
+
 Result<std::string> ReadSecretFile(const std::string& path, Output& output) {
   auto content = base::ReadFile(path, kLongestPassword + 2);
   if (!content) return content;
-  struct stat status {};
-  if (stat(path.c_str(), &status) == 0 && S_ISREG(status.st_mode) &&
-      (status.st_mode & (S_IRGRP | S_IROTH)) != 0) {
+  if (CanOthersRead(path)) {
     output.Warn(fmt::format("{} can be read by others: chmod 600 {}", path, path));
   }
   return content;

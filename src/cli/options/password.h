@@ -40,6 +40,9 @@ void ForgetVariable(const char* name);
 /// libpq finds it. Errors: ErrorKind::kLedger.
 [[nodiscard]] Result<std::optional<std::string>> FindLedgerPassword(Output& output);
 
+/// Whether the group or everybody may read this regular file; false when it is not there.
+[[nodiscard]] bool CanOthersRead(const std::string& path);
+
 /// The file's bytes, 64 KiB at most. Warns when others may read the file. Errors:
 /// ErrorKind::kLedger.
 [[nodiscard]] Result<std::string> ReadSecretFile(const std::string& path, Output& output);

@@ -23,8 +23,8 @@ std::string FormatTitle(const FleetBrowser::Robots& robots, const FleetBrowser::
   const auto online = count([](const vda5050::RobotEntry& robot) { return robot.IsOnline(); });
   const auto troubled = count(vda5050::HasProblem);
   // What matters most comes first: a narrow window cuts the rest.
-  return fmt::format("{} robot{}, {} online{}   q quits   ? keys   {}   {}", robots.size(),
-                     robots.size() == 1 ? "" : "s", online,
+  return fmt::format("{}, {} online{}   q quits   ? keys   {}   {}",
+                     base::Counted(robots.size(), "robot"), online,
                      troubled == 0 ? "" : fmt::format(", {} in trouble", troubled),
                      base::FormatLocal(frame.now), frame.title);
 }

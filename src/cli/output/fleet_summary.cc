@@ -86,8 +86,8 @@ std::vector<FleetSummary::Slow> FleetSummary::TheSlow() const {
 
 std::vector<std::string> FleetSummary::Lines(nanoseconds elapsed, std::string_view site,
                                              Names names) const {
-  std::vector<std::string> lines = {fmt::format("{} robot{} at {}: {}  {}", robots(),
-                                                robots() == 1 ? "" : "s", site, Counts(),
+  std::vector<std::string> lines = {fmt::format("{} at {}: {}  {}",
+                                                base::Counted(robots(), "robot"), site, Counts(),
                                                 base::FormatElapsed(elapsed))};
   if (names == Names::kByReason) {
     for (const auto& [what, named] : reasons_) {

@@ -180,7 +180,7 @@ std::string DescribeProgress(const RobotState& state) {
                        [](const auto& a, const auto& b) { return a.sequence_id < b.sequence_id; });
   if (last == state.nodes.end() || !state.last_node_sequence_id ||
       *state.last_node_sequence_id > last->sequence_id) {
-    return fmt::format("{} node{} to go", *state.nodes_left, *state.nodes_left == 1 ? "" : "s");
+    return base::Counted(*state.nodes_left, "node") + " to go";
   }
   return fmt::format("node {} of {}", *state.last_node_sequence_id / 2 + 1,
                      last->sequence_id / 2 + 1);
