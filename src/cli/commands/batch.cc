@@ -48,12 +48,9 @@ TestResult MakeCase(const message::Report& report, ExitCode code, const base::Js
   TestResult result{.group = report.target,
                     .id = fmt::format("line {} {}", line["line"].GetUint64(), report.target),
                     .says = report.topic.substr(report.topic.rfind('/') + 1),
-                    .outcome = was_left_out              ? TestOutcome::kSkipped
-                               : code == ExitCode::kDone ? TestOutcome::kPassed
-                                                         : TestOutcome::kFailed,
-                    .verdict = was_left_out              ? "SKIPPED"
-                               : code == ExitCode::kDone ? "PASS"
-                                                         : "FAIL",
+                    .verdict = was_left_out              ? app::Verdict::kSkipped
+                               : code == ExitCode::kDone ? app::Verdict::kPass
+                                                         : app::Verdict::kFail,
                     .why = std::string(GetName(report.status)),
                     .details = {}};
   if (!report.actions.empty()) {

@@ -95,11 +95,8 @@ void Show(const CaseResult& result, const std::string& target, std::string_view 
         JsonString(of.says), of.clause, of.limit, JsonString(finding.why),
         base::JsonStrings(finding.evidence), JsonString(of.advice)));
   }
-  output.Line(fmt::format(
-      "{}  {}  {} ({}): {}{}",
-      output.Toned(ToTone(finding.verdict), fmt::format("{:<12}", GetName(finding.verdict))), of.id,
-      of.says, of.clause, finding.why,
-      finding.evidence.empty() ? "" : "; see " + base::Join(finding.evidence, ", ")));
+  output.Line(fmt::format("{}  {}  {} ({}): {}{}", VerdictColumn(finding.verdict, output), of.id,
+                          of.says, of.clause, finding.why, SeeEvidence(finding.evidence)));
   if (finding.verdict == Verdict::kFail) {
     output.Line(fmt::format("              advice: {}", of.advice));
   }
@@ -120,8 +117,7 @@ TestReport MakeReport(const app::ConformReport& report, const Options& o, const 
     TestResult result{.group = std::string(of.id.substr(0, 1)),
                       .id = std::string(of.id),
                       .says = std::string(of.says),
-                      .outcome = ToOutcome(finding.verdict),
-                      .verdict = std::string(GetName(finding.verdict)),
+                      .verdict = finding.verdict,
                       .why = finding.why,
                       .details = finding.evidence};
     result.details.push_back(fmt::format("clause {}", of.clause));
@@ -244,7 +240,6 @@ Result<ExitCode> RunConform(const Options& o, const Context& context) {
 Run DeclareConform(OptionSet& set) {
   constexpr const char* kTest = "Test";
   constexpr const char* kWay = "Way";
-  constexpr const char* kReport = "Report";
   const auto options = std::make_shared<Options>();
   set.AddOption("target", options->target, "The robot: manufacturer/serialNumber, or its alias")
       .Type("TARGET");
@@ -280,9 +275,7 @@ Run DeclareConform(OptionSet& set) {
       .Group(kWay);
   set.AddFlag("--yes", options->yes, "Let it drive without asking").Group(kWay);
   DeclareReport(set, options->reports);
-  set.AddOption("--record", options->record, "Record all that is heard, as record does")
-      .Type("FILE")
-      .Group(kReport);
+  DeclareRecord(set, options->record);
   DeclareVdaOptions(set, options->vda);
   return [options](const Context& context) { return RunConform(*options, context); };
 }

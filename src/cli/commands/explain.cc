@@ -10,6 +10,7 @@
 #include "base/text.h"
 #include "cli/environment.h"
 #include "cli/listening.h"
+#include "cli/output/test_report.h"
 #include "cli/parser/option_set.h"
 #include "cli/parser/subcommand.h"
 
@@ -57,13 +58,9 @@ void Show(const vda5050::RobotAddress& robot, const app::Explanation& told, Outp
     output.Line(fmt::format("  {}  {}", base::FormatLocal(entry.at), entry.text));
   }
   for (const app::ExplainFinding& finding : told.findings) {
-    const Tone tone = finding.verdict == app::Verdict::kPass   ? Tone::kGood
-                      : finding.verdict == app::Verdict::kFail ? Tone::kBad
-                                                               : Tone::kWarn;
-    const std::string name = fmt::format("{:<12}", GetName(finding.verdict));
-    output.Line(fmt::format(
-        "{}  {:<9}  {} ({}){}", output.Toned(tone, name), finding.id, finding.text, finding.clause,
-        finding.evidence.empty() ? "" : "; see " + base::Join(finding.evidence, ", ")));
+    output.Line(fmt::format("{}  {:<9}  {} ({}){}", VerdictColumn(finding.verdict, output),
+                            finding.id, finding.text, finding.clause,
+                            SeeEvidence(finding.evidence)));
   }
 }
 

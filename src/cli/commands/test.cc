@@ -133,11 +133,9 @@ void Show(const Suite& suite, const Test& test, const TestEnd& end, Output& outp
         decided ? std::to_string(end.step->line) : "null", base::JsonStrings(finding.evidence),
         std::chrono::duration<double, std::milli>(end.elapsed).count()));
   }
-  const std::string line = fmt::format(
-      "{}  {}: {}: {}{}",
-      output.Toned(ToTone(finding.verdict), fmt::format("{:<12}", GetName(finding.verdict))),
-      base::Printable(suite.file), base::Printable(test.name), DescribeEnd(end),
-      finding.evidence.empty() ? "" : "; see " + base::Join(finding.evidence, ", "));
+  const std::string line = fmt::format("{}  {}: {}: {}{}", VerdictColumn(finding.verdict, output),
+                                       base::Printable(suite.file), base::Printable(test.name),
+                                       DescribeEnd(end), SeeEvidence(finding.evidence));
   finding.verdict == Verdict::kPass ? output.PeopleLine(line) : output.Line(line);
 }
 
@@ -145,8 +143,7 @@ TestResult MakeResult(const Suite& suite, const Test& test, const TestEnd& end) 
   return {.group = suite.file,
           .id = test.name,
           .says = {},
-          .outcome = ToOutcome(end.finding.verdict),
-          .verdict = std::string(GetName(end.finding.verdict)),
+          .verdict = end.finding.verdict,
           .why = DescribeEnd(end),
           .details = end.finding.evidence};
 }
@@ -226,9 +223,7 @@ Run DeclareTest(OptionSet& set) {
   set.AddFlag("--yes", options->yes, "Command robots that are not simulated, without asking")
       .Group(kTests);
   DeclareReport(set, options->reports);
-  set.AddOption("--record", options->record, "Record all that is heard, as record does")
-      .Type("FILE")
-      .Group("Report");
+  DeclareRecord(set, options->record);
   DeclareTopicOptions(set, options->vda);
   return [options, &set](const Context& context) { return RunTest(*options, set, context); };
 }

@@ -111,8 +111,7 @@ TestResult MakeCase(const Checked& checked) {
   TestResult result{.group = checked.input.file,
                     .id = checked.input.file,
                     .says = "is valid",
-                    .outcome = errors.empty() ? TestOutcome::kPassed : TestOutcome::kFailed,
-                    .verdict = errors.empty() ? "PASS" : "FAIL",
+                    .verdict = errors.empty() ? app::Verdict::kPass : app::Verdict::kFail,
                     .why = errors.empty() ? "valid" : checked.Describe(errors.front()),
                     .details = {}};
   if (checked.line > 0) result.id += fmt::format(":{}", checked.line);
@@ -140,13 +139,8 @@ class Checker {
       read = Fail(ErrorKind::kInvalid, input.Name() + ": there is no message in it");
     }
     if (!read && stop_) {
-      cases_.push_back({input.file,
-                        input.file,
-                        "is valid",
-                        TestOutcome::kFailed,
-                        "FAIL",
-                        read.error().message,
-                        {}});
+      cases_.push_back(
+          {input.file, input.file, "is valid", app::Verdict::kFail, read.error().message, {}});
     }
     return read;
   }

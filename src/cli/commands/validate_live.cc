@@ -29,8 +29,8 @@ std::string TallyJson(const Tally& tally) {
 }
 
 std::string TallyText(const Tally& tally) {
-  return fmt::format("{} message{}, {} valid, {} invalid", tally.messages,
-                     tally.messages == 1 ? "" : "s", tally.messages - tally.invalid, tally.invalid);
+  return fmt::format("{}, {} valid, {} invalid", base::Counted(tally.messages, "message"),
+                     tally.messages - tally.invalid, tally.invalid);
 }
 
 void ShowSummary(const app::LiveSummary& summary, Output& output) {
@@ -69,8 +69,7 @@ class Case {
     TestResult result{.group = robot,
                       .id = robot + " " + topic,
                       .says = "messages are valid",
-                      .outcome = tally_.invalid > 0 ? TestOutcome::kFailed : TestOutcome::kPassed,
-                      .verdict = tally_.invalid > 0 ? "FAIL" : "PASS",
+                      .verdict = tally_.invalid > 0 ? app::Verdict::kFail : app::Verdict::kPass,
                       .why = TallyText(tally_),
                       .details = {}};
     for (const auto& [text, seen] : findings_) {

@@ -19,6 +19,8 @@
 namespace fleetpub::cli {
 namespace {
 
+constexpr const char* kReport = "Report";
+
 constexpr auto kWriters = std::to_array<std::pair<std::string_view, ReportWriter>>(
     {{"junit", ToJUnit}, {"tap", ToTap}, {"json", ToJson}, {"html", ToHtml}});
 
@@ -50,7 +52,13 @@ void DeclareReport(OptionSet& set, std::vector<std::string>& words) {
                 "Write files: junit=FILE, tap=FILE, json=FILE, html=FILE; repeatable")
       .Type("KIND=FILE")
       .OneValueEach()
-      .Group("Report");
+      .Group(kReport);
+}
+
+void DeclareRecord(OptionSet& set, std::string& file) {
+  set.AddOption("--record", file, "Record all that is heard, as record does")
+      .Type("FILE")
+      .Group(kReport);
 }
 
 Result<std::vector<ReportFile>> ParseReportFiles(const std::vector<std::string>& words) {

@@ -14,6 +14,8 @@ namespace fleetpub::cli {
 class OptionSet;
 
 void DeclareReport(OptionSet& set, std::vector<std::string>& words);
+/// `--record`, of what is heard while it is tested.
+void DeclareRecord(OptionSet& set, std::string& file);
 
 using ReportWriter = std::string (*)(const TestReport& report);
 struct ReportFile {

@@ -10,6 +10,8 @@
 namespace fleetpub::cli {
 namespace {
 
+using app::Verdict;
+
 // For XML and HTML, element or attribute; characters that XML 1.0 has not are shown as Printable does.
 std::string Escaped(std::string_view text) {
   std::string escaped;
@@ -34,10 +36,10 @@ std::string Escaped(std::string_view text) {
   return escaped;
 }
 
-std::size_t Count(const TestReport& report, TestOutcome outcome) {
-  return static_cast<std::size_t>(
-      std::count_if(report.results.begin(), report.results.end(),
-                    [&](const TestResult& one) { return one.outcome == outcome; }));
+VerdictCounts CountVerdicts(const TestReport& report) {
+  VerdictCounts counts;
+  for (const TestResult& one : report.results) counts.Add(one.verdict);
+  return counts;
 }
 
 double Seconds(const TestReport& report) {
@@ -68,30 +70,29 @@ constexpr std::string_view kStyle =
 
 }  // namespace
 
-TestOutcome ToOutcome(app::Verdict verdict) {
-  return verdict == app::Verdict::kPass   ? TestOutcome::kPassed
-         : verdict == app::Verdict::kFail ? TestOutcome::kFailed
-                                          : TestOutcome::kSkipped;
+std::string VerdictColumn(Verdict verdict, const Output& output) {
+  const Tone tone = verdict == Verdict::kPass   ? Tone::kGood
+                    : verdict == Verdict::kFail ? Tone::kBad
+                                                : Tone::kWarn;
+  return output.Toned(tone, fmt::format("{:<12}", GetName(verdict)));
 }
 
-Tone ToTone(app::Verdict verdict) {
-  return verdict == app::Verdict::kPass   ? Tone::kGood
-         : verdict == app::Verdict::kFail ? Tone::kBad
-                                          : Tone::kWarn;
+std::string SeeEvidence(const std::vector<std::string>& evidence) {
+  return evidence.empty() ? "" : "; see " + base::Join(evidence, ", ");
 }
 
-void VerdictCounts::Add(app::Verdict verdict) {
+void VerdictCounts::Add(Verdict verdict) {
   switch (verdict) {
-    case app::Verdict::kPass:
+    case Verdict::kPass:
       ++passed;
       break;
-    case app::Verdict::kFail:
+    case Verdict::kFail:
       ++failed;
       break;
-    case app::Verdict::kSkipped:
+    case Verdict::kSkipped:
       ++skipped;
       break;
-    case app::Verdict::kInconclusive:
+    case Verdict::kInconclusive:
       ++inconclusive;
   }
 }
@@ -107,9 +108,10 @@ std::string VerdictCounts::ToJson() const {
 }
 
 std::string ToJUnit(const TestReport& report) {
-  const std::string counts = fmt::format(
-      R"(tests="{}" failures="{}" errors="0" skipped="{}" time="{:.3f}")", report.results.size(),
-      Count(report, TestOutcome::kFailed), Count(report, TestOutcome::kSkipped), Seconds(report));
+  const VerdictCounts verdicts = CountVerdicts(report);
+  const std::string counts =
+      fmt::format(R"(tests="{}" failures="{}" errors="0" skipped="{}" time="{:.3f}")",
+                  report.results.size(), verdicts.failed, verdicts.undecided(), Seconds(report));
   std::string time = base::FormatTimestamp(report.started);
   time.resize(19);  // JUnit's has neither fraction nor zone
   const std::string name = Escaped(report.name);
@@ -125,15 +127,16 @@ std::string ToJUnit(const TestReport& report) {
   for (const TestResult& one : report.results) {
     xml += fmt::format("    <testcase classname=\"{}.{}\" name=\"{}\" time=\"0\"", name,
                        Escaped(one.group), Escaped(Title(one)));
-    if (one.outcome == TestOutcome::kPassed) {
+    if (one.verdict == Verdict::kPass) {
       xml += "/>\n";
       continue;
     }
-    const std::string why = Escaped(one.verdict + ": " + one.why);
-    xml += one.outcome == TestOutcome::kSkipped
-               ? fmt::format("><skipped message=\"{}\"/></testcase>\n", why)
-               : fmt::format("><failure type=\"{}\" message=\"{}\">{}</failure></testcase>\n",
-                             Escaped(one.verdict), why, Escaped(base::Join(one.details, "; ")));
+    const std::string_view verdict = GetName(one.verdict);
+    const std::string why = fmt::format("{}: {}", verdict, Escaped(one.why));
+    xml += one.verdict == Verdict::kFail
+               ? fmt::format("><failure type=\"{}\" message=\"{}\">{}</failure></testcase>\n",
+                             verdict, why, Escaped(base::Join(one.details, "; ")))
+               : fmt::format("><skipped message=\"{}\"/></testcase>\n", why);
   }
   return xml + "  </testsuite>\n</testsuites>\n";
 }
@@ -142,12 +145,12 @@ std::string ToTap(const TestReport& report) {
   std::string tap = fmt::format("TAP version 13\n1..{}\n", report.results.size());
   std::size_t number = 0;
   for (const TestResult& one : report.results) {
-    const bool is_skipped = one.outcome == TestOutcome::kSkipped;
-    tap +=
-        fmt::format("{} {} - {}{}\n", one.outcome == TestOutcome::kFailed ? "not ok" : "ok",
-                    ++number, TapText(Title(one)),
-                    is_skipped ? fmt::format(" # SKIP {}: {}", one.verdict, TapText(one.why)) : "");
-    if (one.outcome != TestOutcome::kFailed) continue;
+    const bool has_failed = one.verdict == Verdict::kFail;
+    const bool is_skipped = !has_failed && one.verdict != Verdict::kPass;
+    tap += fmt::format(
+        "{} {} - {}{}\n", has_failed ? "not ok" : "ok", ++number, TapText(Title(one)),
+        is_skipped ? fmt::format(" # SKIP {}: {}", GetName(one.verdict), TapText(one.why)) : "");
+    if (!has_failed) continue;
     tap += "# " + base::Printable(one.why) + "\n";
     for (const std::string& detail : one.details) tap += "# " + base::Printable(detail) + "\n";
   }
@@ -164,27 +167,27 @@ std::string ToJson(const TestReport& report) {
   for (const TestResult& one : report.results) {
     results += fmt::format(R"({}{{"id":{},"says":{},"verdict":{},"why":{},"details":{}}})",
                            results.empty() ? "" : ",", base::JsonString(one.id),
-                           base::JsonString(one.says), base::JsonString(one.verdict),
+                           base::JsonString(one.says), base::JsonString(GetName(one.verdict)),
                            base::JsonString(one.why), base::JsonStrings(one.details));
   }
+  const VerdictCounts verdicts = CountVerdicts(report);
   return fmt::format(
       R"({{"name":{},"started":"{}","elapsedMs":{},"passed":{},"failed":{},"skipped":{},)"
       R"("properties":{{{}}},"results":[{}]}})"
       "\n",
       base::JsonString(report.name), base::FormatTimestamp(report.started), report.elapsed.count(),
-      Count(report, TestOutcome::kPassed), Count(report, TestOutcome::kFailed),
-      Count(report, TestOutcome::kSkipped), properties, results);
+      verdicts.passed, verdicts.failed, verdicts.undecided(), properties, results);
 }
 
 std::string ToHtml(const TestReport& report) {
   const std::string name = Escaped(report.name);
+  const VerdictCounts verdicts = CountVerdicts(report);
   std::string html = fmt::format(
       "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>{0}</title>\n"
       "<style>{1}</style></head><body>\n<h1>{0}</h1>\n<p>{2}, {3}. {4} passed, {5} failed, {6} not "
       "judged.</p>\n<table>\n",
       name, kStyle, base::FormatTimestamp(report.started), base::FormatElapsed(report.elapsed),
-      Count(report, TestOutcome::kPassed), Count(report, TestOutcome::kFailed),
-      Count(report, TestOutcome::kSkipped));
+      verdicts.passed, verdicts.failed, verdicts.undecided());
   for (const auto& [key, value] : report.properties) {
     html += fmt::format("<tr><th>{}</th><td>{}</td></tr>\n", Escaped(key), Escaped(value));
   }
@@ -195,7 +198,7 @@ std::string ToHtml(const TestReport& report) {
       details += "<br><small>" + Escaped(detail) + "</small>";
     html += fmt::format(
         "<tr><td class=\"v {0}\">{0}</td><td><b>{1}</b> {2}</td><td>{3}{4}</td></tr>\n",
-        Escaped(one.verdict), Escaped(one.id), Escaped(one.says), Escaped(one.why), details);
+        GetName(one.verdict), Escaped(one.id), Escaped(one.says), Escaped(one.why), details);
   }
   return html + "</table>\n</body></html>\n";
 }

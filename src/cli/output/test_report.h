@@ -13,14 +13,11 @@
 
 namespace fleetpub::cli {
 
-enum class TestOutcome { kPassed, kFailed, kSkipped };
-
 struct TestResult {
   std::string group;  ///< `H`
   std::string id;     ///< `H03`
   std::string says;   ///< what is asked for; "": the id tells
-  TestOutcome outcome = TestOutcome::kPassed;
-  std::string verdict;               ///< the word for it: `INCONCLUSIVE`
+  app::Verdict verdict = app::Verdict::kPass;
   std::string why;                   ///< one line
   std::vector<std::string> details;  ///< one line each
 };
@@ -33,8 +30,10 @@ struct TestReport {
   std::vector<TestResult> results;
 };
 
-[[nodiscard]] TestOutcome ToOutcome(app::Verdict verdict);
-[[nodiscard]] Tone ToTone(app::Verdict verdict);
+/// The verdict in its colour, as the first column of a line.
+[[nodiscard]] std::string VerdictColumn(app::Verdict verdict, const Output& output);
+/// `; see state headerId 3`; "" without any.
+[[nodiscard]] std::string SeeEvidence(const std::vector<std::string>& evidence);
 
 struct VerdictCounts {
   std::size_t passed = 0;
@@ -43,6 +42,8 @@ struct VerdictCounts {
   std::size_t inconclusive = 0;
 
   void Add(app::Verdict verdict);
+  /// What reports call skipped: neither passed nor failed.
+  [[nodiscard]] std::size_t undecided() const { return skipped + inconclusive; }
   /// `3 passed, 1 failed, …`
   [[nodiscard]] std::string ToText() const;
   /// Members of an object.

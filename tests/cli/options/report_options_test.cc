@@ -14,7 +14,7 @@ using testing::TemporaryFolder;
 
 TestReport MakeReport() {
   TestReport report{.name = "test", .started = base::WallTime::clock::now()};
-  report.results = {{"H", "H02", "says it", TestOutcome::kFailed, "FAIL", "it does not", {}}};
+  report.results = {{"H", "H02", "says it", app::Verdict::kFail, "it does not", {}}};
   return report;
 }
 

@@ -17,15 +17,9 @@ TestReport MakeReport() {
   TestReport report{
       .name = "conform KIT/<1>", .properties = {{"broker", "a & b"}}, .started = {}, .results = {}};
   report.results = {
-      {"H", "H01", "keeps \"it\"", TestOutcome::kPassed, "PASS", "yes", {}},
-      {"H",
-       "H02",
-       "says # once",
-       TestOutcome::kFailed,
-       "FAIL",
-       "no: <b>\x1b[1m</b>",
-       {"state headerId 3"}},
-      {"S", "S01", "comes", TestOutcome::kSkipped, "INCONCLUSIVE", "nothing came", {}},
+      {"H", "H01", "keeps \"it\"", app::Verdict::kPass, "yes", {}},
+      {"H", "H02", "says # once", app::Verdict::kFail, "no: <b>\x1b[1m</b>", {"state headerId 3"}},
+      {"S", "S01", "comes", app::Verdict::kInconclusive, "nothing came", {}},
   };
   return report;
 }
