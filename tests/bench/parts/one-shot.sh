@@ -1,9 +1,11 @@
 # One message, one process: what each program takes from start to end.
 heading "One shot, $runs pairs: build, durable stamp, record, validate, publish, record the outcome" fleetpub mosquitto_pub
-for preset in static release; do
+for linked in static release; do
+  program=build/release/src/fleetpub
+  [ $linked = release ] || program+=-static
   for qos in 0 1; do
-    compare "$runs" "one shot, $preset, QoS $qos" \
-      fleetpub "build/$preset/src/fleetpub" pause KIT/0001 --vda 3.0 --no-check --quiet -q $qos -- \
+    compare "$runs" "one shot, $linked, QoS $qos" \
+      fleetpub $program pause KIT/0001 --vda 3.0 --no-check --quiet -q $qos -- \
       mosquitto_pub mosquitto_pub -h 127.0.0.1 -p "$broker_port" -t "$topic" -m "$message" -q $qos
   done
 done
