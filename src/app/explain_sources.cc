@@ -59,7 +59,7 @@ class Ear final : public ListenObserver {
   // Then no state comes.
   static bool IsGone(const mqtt::Message& message) {
     const auto connection = vda5050::ReadConnection(message.payload);
-    return connection && connection->connection_state != "ONLINE";
+    return connection && vda5050::IsAway(connection->connection_state);
   }
 
   std::chrono::steady_clock::time_point start_;

@@ -156,6 +156,8 @@ constexpr auto kKeyOptions = std::to_array<KeyOptions>({
     {"order replace", {"--to", "--layout", "--action", "--release", "--wait"}},
     {"publish", {"--file", "--wait", "--dry-run", "--all", "--where"}},
     {"respond", {"--lease-expiry", "--wait", "--dry-run", "--vda", "--broker"}},
+    {"await", {"--timeout", "--print", "--from", "--vda", "--broker"}},
+    {"layout route", {"--from", "--to", "--via", "--vehicle-type", "--by"}},
     {"batch", {"--wait", "--rate", "--stop-on-error", "--dry-run", "--broker"}},
     {"validate", {"--vda", "--topic", "--lines", "--live", "--schema"}},
     {"history", {"--target", "--since", "--status", "--user", "--limit"}},
@@ -163,13 +165,16 @@ constexpr auto kKeyOptions = std::to_array<KeyOptions>({
     {"record", {"--file", "--for", "--rotate", "--topic", "--broker"}},
     {"tail", {"--topic", "--changes", "--from", "--where", "--broker"}},
     {"replay", {"--map", "--speed", "--restamp", "--commands", "--broker"}},
+    {"doctor", {"--for", "--from", "--except", "--profile", "--broker"}},
+    {"explain", {"--order", "--action", "--from", "--for", "--broker"}},
     {"conform", {"--level", "--distance", "--only", "--report", "--record"}},
     {"test", {"--check", "--only", "--report", "--record", "--broker"}},
     {"soar mission-plan", {"--plan-id", "--platform-id", "--waypoint", "--plan", "--wait"}},
     {"", {"--wait", "--dry-run", "--all", "--where", "--broker"}},
 });
 
-// The options that matter most: of a few all, of many those of the table.
+// The options that matter most: of a few all, of many those of the table, and the first of the command's own where it has
+// fewer of these.
 std::string KeyOptionLines(const OptionSet& set, std::string_view command) {
   std::vector<Option> own;
   for (const Option& option : set.options()) {
@@ -179,15 +184,22 @@ std::string KeyOptionLines(const OptionSet& set, std::string_view command) {
   const auto table = std::find_if(kKeyOptions.begin(), kKeyOptions.end(), [&](const auto& entry) {
     return entry.command.empty() || entry.command == command;
   });
+  std::vector<Option> shown;
+  if (own.size() > table->names.size()) {
+    for (const std::string_view name : table->names) {
+      const Option option = set.Find(std::string(name));
+      if (option.exists()) shown.push_back(option);
+    }
+  }
+  for (const Option& option : own) {
+    if (shown.size() >= table->names.size()) break;
+    const auto is_shown = [&](const Option& other) {
+      return other.long_names() == option.long_names();
+    };
+    if (std::none_of(shown.begin(), shown.end(), is_shown)) shown.push_back(option);
+  }
   std::string text;
-  if (own.size() <= table->names.size()) {
-    for (const Option& option : own) text += OptionLine(option, HelpSize::kBrief);
-    return text;
-  }
-  for (const std::string_view name : table->names) {
-    const Option option = set.Find(std::string(name));
-    if (option.exists()) text += OptionLine(option, HelpSize::kBrief);
-  }
+  for (const Option& option : shown) text += OptionLine(option, HelpSize::kBrief);
   return text;
 }
 
