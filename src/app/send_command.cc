@@ -168,10 +168,12 @@ class CommandSender final : private delivery::CommandSource {
     const bool check = request_.waiting.check;
     factory_.SetLook(check, link_->transport->server(), environment_.config.profile);
     const auto message = request_.make_message();
+    auto discover = DiscoverOptions();
+    if (!settings_.dry_run) discover.meanwhile = [this] { OpenLedger(); };
     DiscoveryOptions options{
         .all = check || message->IsMadeForRobot(),
         .factsheets = check && message->NeedsFactsheet(),
-        .discover = DiscoverOptions(),
+        .discover = std::move(discover),
         .expected = FindExpectedRobots(request_.targets, request_.resolver, environment_,
                                        link_->transport->server().broker)};
     if (message->IsMadeForRobot()) {
@@ -286,8 +288,13 @@ class CommandSender final : private delivery::CommandSource {
     return sent;
   }
 
+  void OpenLedger() {
+    if (!ledger_) ledger_ = environment_.ledger(ledger::OpenMode::kCreate);
+  }
+
   Status Send() {
-    auto ledger = environment_.ledger(ledger::OpenMode::kCreate);
+    OpenLedger();
+    auto& ledger = *ledger_;
     if (!ledger) return Fail(ReportNothingSent(CommandStatus::kError, std::move(ledger.error())));
     if (auto ok = Connect(); !ok) return ok;
     std::optional<delivery::WaitOptions> wait;
@@ -390,6 +397,7 @@ class CommandSender final : private delivery::CommandSource {
   CommandFactory factory_;
   Warnings warnings_;
   std::optional<Link> link_;
+  std::optional<Result<std::unique_ptr<ledger::Ledger>>> ledger_;  // opened once
   std::vector<const ListedRobot*> robots_;   // of the directory
   std::vector<const ListedRobot*> unheard_;  // whether --where is true is not known
   std::size_t left_out_ = 0;                 // as they are offline

@@ -18,14 +18,19 @@ constexpr std::chrono::seconds kMaxReadTime{60};
 // this belongs to it, such as another message of the same robot at another topic.
 constexpr std::chrono::milliseconds kBurstGap{2};
 
-Status ReadBurst(mqtt::Transport& transport, mqtt::Deadline end, const MessageCallback& take) {
-  while (steady_clock::now() < end) {
-    const auto message = transport.Receive(steady_clock::now() + kBurstGap);
+Status ReadBurst(mqtt::Transport& transport, const RetainedOptions& options,
+                 const MessageCallback& take) {
+  const mqtt::Deadline end = steady_clock::now() + options.quiet;
+  mqtt::Deadline gap = steady_clock::now() + kBurstGap;
+  if (options.meanwhile) options.meanwhile();
+  do {
+    const auto message = transport.Receive(gap);
     if (!message) return Fail(message.error());
     if (!*message) return {};
     take(**message);
     if (!(*message)->retained) return {};
-  }
+    gap = steady_clock::now() + kBurstGap;
+  } while (steady_clock::now() < end);
   return {};
 }
 
@@ -96,7 +101,7 @@ Status ReadInto(mqtt::Transport& transport, std::span<const std::string> filters
       if (!message) return Fail(message.error());
       if (!*message) break;
       if (take(**message)) {
-        return ReadBurst(transport, steady_clock::now() + options.quiet, take);
+        return ReadBurst(transport, options, take);
       }
     }
   }
@@ -106,7 +111,7 @@ Status ReadInto(mqtt::Transport& transport, std::span<const std::string> filters
     const auto message = transport.Receive(is_all ? silence.end() : silence.pause());
     if (!message) return Fail(message.error());
     if (*message) {
-      if (take(**message)) return ReadBurst(transport, steady_clock::now() + options.quiet, take);
+      if (take(**message)) return ReadBurst(transport, options, take);
       silence.Hear(**message);
       if (steady_clock::now() < (is_all ? silence.end() : silence.pause())) continue;
     }

@@ -28,6 +28,9 @@ struct RetainedOptions {
   /// Subscribed to when the others seem to have brought all, some milliseconds later; the silence
   /// begins anew then, and ends both. Not for filters of which what is retained counts.
   std::vector<std::string> behind = {};
+  /// Done while the last messages are awaited, when enough was taken: a millisecond costs nothing
+  /// then. May be empty.
+  std::function<void()> meanwhile = {};
   /// Gets every message too: whoever waits for others on the same connection. May be empty.
   std::function<void(const mqtt::Message&)> also;
 };
