@@ -3,18 +3,24 @@
 // node. Headings that differ by less than 2° are one.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "base/choice.h"
 #include "base/result.h"
 #include "layout/layout.h"
 
 namespace fleetpub::layout {
 
 enum class RouteCost { kLength, kTime };
+inline constexpr auto kRouteCosts = std::to_array<base::Choice<RouteCost>>({
+    {"length", RouteCost::kLength},
+    {"time", RouteCost::kTime},
+});
 
 struct RouteRequest {
   std::string vehicle_type;  ///< LIF `vehicleTypeId`

@@ -18,7 +18,7 @@ using vda5050::Version;
 
 // Everything but lists and times. `{}`: the most nodes of an order, the times, the optional
 // members, the actions.
-constexpr std::string_view kUpTo21 =
+constexpr std::string_view kFactsheetUpTo21 =
     R"("typeSpecification":{{"seriesName":"fleetpub virtual robot","agvKinematic":"DIFF",)"
     R"("agvClass":"CARRIER","maxLoadMass":100,"localizationTypes":["NATURAL"],)"
     R"("navigationTypes":["VIRTUAL_LINE_GUIDED"]}},)"
@@ -29,7 +29,7 @@ constexpr std::string_view kUpTo21 =
     R"("protocolFeatures":{{"optionalParameters":[{}],"agvActions":[{}]}},)"
     R"("agvGeometry":{{}},"loadSpecification":{{}})";
 
-constexpr std::string_view kFrom30 =
+constexpr std::string_view kFactsheetFrom30 =
     R"("typeSpecification":{{"seriesName":"fleetpub virtual robot",)"
     R"("mobileRobotKinematics":"DIFFERENTIAL","mobileRobotClass":"CARRIER","maximumLoadMass":100,)"
     R"("localizationTypes":["NATURAL"],"navigationTypes":["VIRTUAL_LINE_GUIDED"]}},)"
@@ -123,9 +123,10 @@ std::string FactsheetBody(const Settings& settings) {
   const double usual = ToSeconds(settings.state_interval);
   const double speed = std::max(kFastest, settings.speed);
   const std::string members = MembersJson(version);
-  return version >= Version::k300
-             ? fmt::format(kFrom30, speed, limit, shortest, usual, visualization, members, actions)
-             : fmt::format(kUpTo21, speed, limit, shortest, usual, visualization, members, actions);
+  return version >= Version::k300 ? fmt::format(kFactsheetFrom30, speed, limit, shortest, usual,
+                                                visualization, members, actions)
+                                  : fmt::format(kFactsheetUpTo21, speed, limit, shortest, usual,
+                                                visualization, members, actions);
 }
 
 }  // namespace fleetpub::simulator

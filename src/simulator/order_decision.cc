@@ -13,6 +13,10 @@
 namespace fleetpub::simulator {
 namespace {
 
+using vda5050::kAllVersions;
+using vda5050::kFrom21;
+using vda5050::kFrom30;
+using vda5050::kUpTo21;
 using vda5050::Version;
 using vda5050::VersionRange;
 
@@ -365,38 +369,34 @@ struct Question {
   Refusal refusal = Refusal::kMalformed;
 };
 
-constexpr VersionRange kAll = {Version::k110, Version::k300};
 constexpr VersionRange kOnly11 = {Version::k110, Version::k110};
-constexpr VersionRange kUpTo21 = {Version::k110, Version::k210};
-constexpr VersionRange kFrom21 = {Version::k210, Version::k300};
-constexpr VersionRange kFrom30 = {Version::k300, Version::k300};
 
 using enum Outcome;
 
 // In the order of the figure; the first yes decides.
 constexpr auto kQuestions = std::to_array<Question>({
     {Of::kNew, kOnly11, IsBusyButContinued, kReplace},
-    {Of::kNew, kAll, IsBusy, kRefuse, Refusal::kOtherOrderActive},
+    {Of::kNew, kAllVersions, IsBusy, kRefuse, Refusal::kOtherOrderActive},
     {Of::kNew, kFrom30, IsAboveZero, kRefuse, Refusal::kNewAboveZero},
-    {Of::kNew, kAll, StartsElsewhere, kRefuse, Refusal::kStartOutOfRange},
-    {Of::kUpdate, kAll, IsOutdated, kRefuse, Refusal::kOutdated},
+    {Of::kNew, kAllVersions, StartsElsewhere, kRefuse, Refusal::kStartOutOfRange},
+    {Of::kUpdate, kAllVersions, IsOutdated, kRefuse, Refusal::kOutdated},
     {Of::kUpdate, kFrom30, IsCancelled, kRefuse, Refusal::kAfterCancel},
-    {Of::kUpdate, kAll, IsResent, kDiscard},
+    {Of::kUpdate, kAllVersions, IsResent, kDiscard},
     {Of::kUpdate, kFrom30, IsOtherContent, kRefuse, Refusal::kOtherContent},
     {Of::kUpdate, kUpTo21, IsRefusedResend, kRefuse, Refusal::kOutdated},
     {Of::kUpdate, kUpTo21, IsSameUpdate, kDiscard},
-    {Of::kUpdate, kAll, IsBeingCancelled, kRefuse, Refusal::kCancelling},
-    {Of::kUpdate, kAll, StitchesElsewhere, kRefuse, Refusal::kWrongStitch},
-    {Of::kUpdate, kAll, ContinuesElsewhere, kRefuse, Refusal::kWrongContinuation},
+    {Of::kUpdate, kAllVersions, IsBeingCancelled, kRefuse, Refusal::kCancelling},
+    {Of::kUpdate, kAllVersions, StitchesElsewhere, kRefuse, Refusal::kWrongStitch},
+    {Of::kUpdate, kAllVersions, ContinuesElsewhere, kRefuse, Refusal::kWrongContinuation},
     // What the figure does not ask: only of what would be taken otherwise.
-    {Of::kEvery, kAll, IsOneNode, kRefuse, Refusal::kMalformed},
-    {Of::kEvery, kAll, IsInOtherMode, kRefuse, Refusal::kMode},
-    {Of::kEvery, kAll, IsTooLarge, kRefuse, Refusal::kMemory},
+    {Of::kEvery, kAllVersions, IsOneNode, kRefuse, Refusal::kMalformed},
+    {Of::kEvery, kAllVersions, IsInOtherMode, kRefuse, Refusal::kMode},
+    {Of::kEvery, kAllVersions, IsTooLarge, kRefuse, Refusal::kMemory},
     {Of::kEvery, kUpTo21, HasOtherZoneSet, kRefuse, Refusal::kOtherZoneSet},
-    {Of::kEvery, kAll, HasUnsupportedMember, kRefuse, Refusal::kUnsupported},
-    {Of::kEvery, kAll, HasUnknownAction, kRefuse, Refusal::kUnknownAction},
+    {Of::kEvery, kAllVersions, HasUnsupportedMember, kRefuse, Refusal::kUnsupported},
+    {Of::kEvery, kAllVersions, HasUnknownAction, kRefuse, Refusal::kUnknownAction},
     {Of::kEvery, kFrom21, HasUnknownMap, kRefuse, Refusal::kUnknownMap},
-    {Of::kEvery, kAll, HasNoRoute, kRefuse, Refusal::kNoRoute},
+    {Of::kEvery, kAllVersions, HasNoRoute, kRefuse, Refusal::kNoRoute},
 });
 
 // Once an update under another orderId has been decided on, the rest asks about both alike.

@@ -15,6 +15,11 @@ using base::FindArray;
 using base::FindMember;
 using base::NumberMember;
 using base::StringMember;
+using vda5050::kAllVersions;
+using vda5050::kFrom20;
+using vda5050::kFrom21;
+using vda5050::kFrom30;
+using vda5050::kUpTo21;
 using vda5050::Version;
 using Value = base::JsonValue;
 
@@ -98,26 +103,20 @@ EdgeLeg ReadEdge(const Value& edge, const ProtocolTerms& terms) {
   return leg;
 }
 
-constexpr vda5050::VersionRange kAll = {Version::k110, Version::k300};
-constexpr vda5050::VersionRange kUpTo21 = {Version::k110, Version::k210};
-constexpr vda5050::VersionRange kFrom20 = {Version::k200, Version::k300};
-constexpr vda5050::VersionRange kFrom21 = {Version::k210, Version::k300};
-constexpr vda5050::VersionRange kFrom30 = {Version::k300, Version::k300};
-
 // It has no mast, no rails, no limit to how fast it turns, and drives forwards.
 constexpr auto kMembers = std::to_array<OptionalMember>({
     {"order.orderDescription", kFrom30, true},
     {"order.zoneSetId", kUpTo21, true},
     {"order.nodes.nodeDescription", kUpTo21, true},
     {"order.nodes.nodeDescriptor", kFrom30, true},
-    {"order.nodes.nodePosition", kAll, true},
-    {"order.nodes.nodePosition.theta", kAll, true},
-    {"order.nodes.nodePosition.allowedDeviationXY", kAll, true},
-    {"order.nodes.nodePosition.allowedDeviationTheta", kAll, true},
+    {"order.nodes.nodePosition", kAllVersions, true},
+    {"order.nodes.nodePosition.theta", kAllVersions, true},
+    {"order.nodes.nodePosition.allowedDeviationXY", kAllVersions, true},
+    {"order.nodes.nodePosition.allowedDeviationTheta", kAllVersions, true},
     {"order.nodes.nodePosition.mapDescription", kUpTo21, true},
     {"order.nodes.actions.actionDescription", kUpTo21, true},
     {"order.nodes.actions.actionDescriptor", kFrom30, true},
-    {"order.nodes.actions.actionParameters", kAll, true},
+    {"order.nodes.actions.actionParameters", kAllVersions, true},
     {"order.nodes.actions.retriable", kFrom30, true},
     {"order.edges.edgeDescription", kUpTo21, true},
     {"order.edges.edgeDescriptor", kFrom30, true},
@@ -127,20 +126,20 @@ constexpr auto kMembers = std::to_array<OptionalMember>({
     {"order.edges.maximumMobileRobotHeight", kFrom30, false},
     {"order.edges.minHeight", kUpTo21, false},
     {"order.edges.minimumLoadHandlingDeviceHeight", kFrom30, false},
-    {"order.edges.orientation", kAll, true},
+    {"order.edges.orientation", kAllVersions, true},
     {"order.edges.orientationType", kFrom20, true},
-    {"order.edges.direction", kAll, false},
+    {"order.edges.direction", kAllVersions, false},
     {"order.edges.rotationAllowed", kUpTo21, true},
     {"order.edges.reachOrientationBeforeEntering", kFrom30, false},
-    {"order.edges.maxRotationSpeed", kAll, false},  // 3.0's schema has kept the old name
+    {"order.edges.maxRotationSpeed", kAllVersions, false},  // 3.0's schema has kept the old name
     {"order.edges.maximumRotationSpeed", kFrom30, false},
-    {"order.edges.trajectory", kAll, true},
+    {"order.edges.trajectory", kAllVersions, true},
     {"order.edges.distance", {Version::k110, Version::k110}, true},
-    {"order.edges.length", kAll, true},
+    {"order.edges.length", kAllVersions, true},
     {"order.edges.corridor", kFrom21, true},
     {"order.edges.actions.actionDescription", kUpTo21, true},
     {"order.edges.actions.actionDescriptor", kFrom30, true},
-    {"order.edges.actions.actionParameters", kAll, true},
+    {"order.edges.actions.actionParameters", kAllVersions, true},
     {"order.edges.actions.retriable", kFrom30, true},
 });
 

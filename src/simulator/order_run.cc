@@ -17,7 +17,7 @@ using std::chrono::steady_clock;
 constexpr double kDrivingHours = 8;   // with a full battery
 constexpr double kChargingHours = 1;  // until it is full again
 constexpr std::chrono::milliseconds kRest{500};
-constexpr double kDeviation = 2;  // m
+constexpr double kBesideNode = 2;  // m
 
 steady_clock::duration FromSeconds(double seconds) {
   return duration_cast<steady_clock::duration>(duration<double>(seconds));
@@ -311,7 +311,7 @@ void OrderRun::ReachNode(RobotState& state, const NodeLeg& node) {
   state.position.y = node.place->y;
   state.position.map_id = node.place->map_id;
   if (node.place->theta && !Has(Fault::kSkipTheta)) state.position.theta = *node.place->theta;
-  if (Has(Fault::kDeviation)) state.position.y += kDeviation + node.place->deviation_a;
+  if (Has(Fault::kDeviation)) state.position.y += kBesideNode + node.place->deviation_a;
 }
 
 void OrderRun::AskForBase(RobotState& state) {

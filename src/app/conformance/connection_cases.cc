@@ -60,7 +60,7 @@ CaseFinding CheckWords(Run& run) {
 }
 
 using enum Version;
-constexpr auto kCases = std::to_array<Case>({
+constexpr auto kConnectionCases = std::to_array<Case>({
     {"C01", Level::kListen, k110, k300, "6.5 / 6.14", "connection is retained", "2 s",
      "publish connection with the retain flag, at every connect", CheckRetained},
     {"C02", Level::kListen, k200, k300, "4.1 / 6.2", "connection is published with QoS 1", "",
@@ -80,6 +80,6 @@ constexpr auto kCases = std::to_array<Case>({
 
 }  // namespace
 
-std::span<const Case> ConnectionCases() { return kCases; }
+std::span<const Case> ConnectionCases() { return kConnectionCases; }
 
 }  // namespace fleetpub::app::conformance

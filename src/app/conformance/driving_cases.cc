@@ -469,49 +469,50 @@ CaseFinding CheckLoop(Run& run) {
 }
 
 using enum Version;
-constexpr Level kDrive = Level::kDrive;
-constexpr auto kCases = std::to_array<Case>({
-    {"D01", kDrive, k110, k300, "7.8 / 6.10", "driving is true under way and false at rest",
+constexpr auto kDrivingCases = std::to_array<Case>({
+    {"D01", Level::kDrive, k110, k300, "7.8 / 6.10", "driving is true under way and false at rest",
      "next state", "turning counts as driving, too", CheckDriving},
-    {"D02", kDrive, k110, k300, "6.6.2",
+    {"D02", Level::kDrive, k110, k300, "6.6.2",
      "with each node one state has node and edge gone and lastNodeId and lastNodeSequenceId set",
      "next state", "change all of it in one state", CheckNodes},
-    {"D03", kDrive, k210, k300, "6.6.2", "a node is reported within its allowed deviation",
+    {"D03", Level::kDrive, k210, k300, "6.6.2", "a node is reported within its allowed deviation",
      "0.2 m more", "report it when it is reached, not before", CheckPlace},
-    {"D04", kDrive, k110, k300, "7.3 / 6.6",
+    {"D04", Level::kDrive, k110, k300, "7.3 / 6.6",
      "a node with theta is reported when the heading is reached", "0.15 rad more",
      "turn first, then report", CheckHeading},
-    {"D05", kDrive, k110, k300, "7.3 / 6.6", "an edge's greatest speed is kept", "10 % more",
+    {"D05", Level::kDrive, k110, k300, "7.3 / 6.6", "an edge's greatest speed is kept", "10 % more",
      "obey maxSpeed, from 3.0 maximumSpeed", CheckSpeed},
-    {"D06", kDrive, k110, k300, "6.1.2 / 6.6",
+    {"D06", Level::kDrive, k110, k300, "6.1.2 / 6.6",
      "at the end of the base it stands, lists the horizon and does not enter it", "10 s",
      "enter released edges only", CheckEndOfBase},
-    {"D07", kDrive, k110, k300, "6.6.3 / 6.10", "newBaseRequest is false after the update",
+    {"D07", Level::kDrive, k110, k300, "6.6.3 / 6.10", "newBaseRequest is false after the update",
      "next state", "clear it when an update is taken", CheckNewBase},
-    {"D08", kDrive, k110, k300, "6.1.2 / 6.6.2",
+    {"D08", Level::kDrive, k110, k300, "6.1.2 / 6.6.2",
      "an update in time is taken, and it drives on without a stop", "next state",
      "extend the base while driving", CheckUpdate},
-    {"D09", kDrive, k110, k300, "6.1.2 / 6.6.2", "an update's horizon takes the old one's place",
-     "next state", "clear the horizon before taking the update's", CheckReplaced},
-    {"D10", kDrive, k110, k300, "6.1.2 / 6.6.2",
+    {"D09", Level::kDrive, k110, k300, "6.1.2 / 6.6.2",
+     "an update's horizon takes the old one's place", "next state",
+     "clear the horizon before taking the update's", CheckReplaced},
+    {"D10", Level::kDrive, k110, k300, "6.1.2 / 6.6.2",
      "an update of the decision point alone deletes the horizon", "next state",
      "an update may have one node", CheckDeleted},
-    {"D11", kDrive, k110, k300, "6.1.2 / 6.6.2",
+    {"D11", Level::kDrive, k110, k300, "6.1.2 / 6.6.2",
      "an update that does not begin at the decision point is refused, the order goes on",
      "next state", "compare nodeId and sequenceId", CheckStitch},
-    {"D12", kDrive, k110, k300, "6.1.2 / 6.6.2", "an update after the order's end is taken",
+    {"D12", Level::kDrive, k110, k300, "6.1.2 / 6.6.2", "an update after the order's end is taken",
      "next state", "keep orderId and lastNodeSequenceId after the end", CheckContinued},
-    {"D13", kDrive, k300, k300, "6.1.2",
+    {"D13", Level::kDrive, k300, k300, "6.1.2",
      "actions that come again with the decision point are not done again", "",
      "compare their actionIds", CheckRerun},
-    {"D14", kDrive, k300, k300, "6.1.2", "a further node at the same place has its action done",
-     "60 s", "take an edge that leads back to its own node", CheckExtraNode},
-    {"D15", kDrive, k110, k300, "7.3 / 6.6", "an order may come to the same node twice", "",
+    {"D14", Level::kDrive, k300, k300, "6.1.2",
+     "a further node at the same place has its action done", "60 s",
+     "take an edge that leads back to its own node", CheckExtraNode},
+    {"D15", Level::kDrive, k110, k300, "7.3 / 6.6", "an order may come to the same node twice", "",
      "tell nodes apart by sequenceId, not by nodeId", CheckLoop},
 });
 
 }  // namespace
 
-std::span<const Case> DrivingCases() { return kCases; }
+std::span<const Case> DrivingCases() { return kDrivingCases; }
 
 }  // namespace fleetpub::app::conformance

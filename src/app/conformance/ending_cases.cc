@@ -14,15 +14,7 @@ namespace {
 using vda5050::RobotState;
 using vda5050::Version;
 
-constexpr seconds kCancel{120};
 constexpr milliseconds kUnderWay{200};  // so that it has left its node
-
-StateTest ShowsEnd(const std::string& id) {
-  return [id](const RobotState& state) {
-    const auto* action = vda5050::FindActionState(state, id);
-    return action != nullptr && vda5050::IsTerminal(action->status);
-  };
-}
 
 // An order that is cancelled under way, and what comes after it.
 struct Cancelled {
@@ -211,7 +203,7 @@ CaseFinding CheckPause(Run& run) {
   return finding;
 }
 
-CaseFinding CheckKept(Run& run) {
+CaseFinding CheckActionsKept(Run& run) {
   const std::string id = run.Do("stopPause");
   if (run.Await(ShowsEnd(id)).found == nullptr) return Inconclusive("stopPause did not end");
   run.Refresh();
@@ -240,38 +232,38 @@ CaseFinding CheckDropped(Run& run) {
 }
 
 using enum Version;
-constexpr Level kDrive = Level::kDrive;
-constexpr auto kCases = std::to_array<Case>({
-    {"X01", kDrive, k110, k300, "6.1.3 / 6.6.3",
+constexpr auto kEndingCases = std::to_array<Case>({
+    {"X01", Level::kDrive, k110, k300, "6.1.3 / 6.6.3",
      "cancelOrder under way: it stands, the arrays are empty, the ids and actions kept, then it is "
      "FINISHED",
      "120 s", "report FINISHED last", CheckCancel},
-    {"X03", kDrive, k300, k300, "6.1.3.1",
+    {"X03", Level::kDrive, k300, k300, "6.1.3.1",
      "an update of a cancelled order brings ORDER_UPDATE_FOLLOWING_CANCEL", "next state",
      "remember that the order was cancelled", CheckUpdate},
-    {"X02", kDrive, k110, k300, "6.1.3.1 / 6.6.3",
+    {"X02", Level::kDrive, k110, k300, "6.1.3.1 / 6.6.3",
      "after that it takes new orders from its last node, by its deviation, and from where it "
      "stands",
      "next state", "keep the deviation, and take a node that no layout has", CheckNext},
-    {"X04", kDrive, k300, k300, "6.1.3.2",
+    {"X04", Level::kDrive, k300, k300, "6.1.3.2",
      "cancelOrder with another orderId is FAILED, and the order goes on", "next state",
      "compare the orderId, when there is one", CheckOtherId},
-    {"X05", kDrive, k110, k300, "6.2.3 / 6.8",
+    {"X05", Level::kDrive, k110, k300, "6.2.3 / 6.8",
      "a pause under way stops it and keeps the order; stopPause has it finished", "10 s",
      "stop, and keep nodeStates and edgeStates", CheckPause},
-    {"X06", kDrive, k110, k210, "6.10.6", "a new order drops ended instant actions from the state",
-     "next state", "clear actionStates of what has ended", CheckDropped},
-    {"I13", kDrive, k300, k300, "7.8", "ended instant actions outlast a new order", "next state",
-     "keep them until clearInstantActions", CheckKept},
-    {"X07", kDrive, k110, k300, "6.6.7 / 6.10", "who switches to MANUAL clears the order",
+    {"X06", Level::kDrive, k110, k210, "6.10.6",
+     "a new order drops ended instant actions from the state", "next state",
+     "clear actionStates of what has ended", CheckDropped},
+    {"I13", Level::kDrive, k300, k300, "7.8", "ended instant actions outlast a new order",
+     "next state", "keep them until clearInstantActions", CheckActionsKept},
+    {"X07", Level::kDrive, k110, k300, "6.6.7 / 6.10", "who switches to MANUAL clears the order",
      "next state", "clear it with the state that reports the mode", nullptr},
-    {"X08", kDrive, k110, k300, "4.1 / 6.2",
+    {"X08", Level::kDrive, k110, k300, "4.1 / 6.2",
      "without a connection it finishes its base, and sends a state on return", "",
      "stop at the end of the base only", nullptr},
 });
 
 }  // namespace
 
-std::span<const Case> EndingCases() { return kCases; }
+std::span<const Case> EndingCases() { return kEndingCases; }
 
 }  // namespace fleetpub::app::conformance

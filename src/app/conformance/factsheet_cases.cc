@@ -28,7 +28,7 @@ CaseFinding CheckRetained(Run& run) {
   return Fault("the robot sends states, and has left no factsheet", {run.last_state()->Evidence()});
 }
 
-CaseFinding CheckSchema(Run& run) {
+CaseFinding CheckFactsheetSchema(Run& run) {
   const auto found = run.Of("factsheet");
   if (found.empty()) return Inconclusive("no factsheet came");
   const Heard& one = *found.back();
@@ -101,11 +101,11 @@ CaseFinding CheckReference(Run& run) {
 }
 
 using enum Version;
-constexpr auto kCases = std::to_array<Case>({
+constexpr auto kFactsheetCases = std::to_array<Case>({
     {"F01", Level::kListen, k200, k300, "6.10 / 6.15", "factsheet is retained", "2 s",
      "publish it with the retain flag, at every connect", CheckRetained},
     {"F02", Level::kListen, k200, k300, "7.10 / 6.15", "factsheet keeps its schema", "",
-     "fleetpub validate factsheet -f FILE shows every violation", CheckSchema},
+     "fleetpub validate factsheet -f FILE shows every violation", CheckFactsheetSchema},
     {"F03", Level::kListen, k300, k300, "6.2.3",
      "factsheet lists cancelOrder, startPause and stopPause", "",
      "list what every robot must know, too", CheckActions},
@@ -119,6 +119,6 @@ constexpr auto kCases = std::to_array<Case>({
 
 }  // namespace
 
-std::span<const Case> FactsheetCases() { return kCases; }
+std::span<const Case> FactsheetCases() { return kFactsheetCases; }
 
 }  // namespace fleetpub::app::conformance

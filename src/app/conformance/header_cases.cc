@@ -134,7 +134,7 @@ CaseFinding CheckTimes(Run& run) {
 }
 
 using enum Version;
-constexpr auto kCases = std::to_array<Case>({
+constexpr auto kHeaderCases = std::to_array<Case>({
     {"H01", Level::kListen, k110, k300, "7.2 / 6.4",
      "every message has a whole header, its version [Major].[Minor].[Patch]", "",
      "write version as 2.1.0, not v2 or 2.1", CheckComplete},
@@ -151,6 +151,6 @@ constexpr auto kCases = std::to_array<Case>({
 
 }  // namespace
 
-std::span<const Case> HeaderCases() { return kCases; }
+std::span<const Case> HeaderCases() { return kHeaderCases; }
 
 }  // namespace fleetpub::app::conformance

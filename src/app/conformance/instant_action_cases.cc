@@ -16,13 +16,6 @@ using vda5050::RobotState;
 using vda5050::Shown;
 using vda5050::Version;
 
-StateTest ShowsEnd(const std::string& id) {
-  return [id](const RobotState& state) {
-    const ActionState* action = vda5050::FindActionState(state, id);
-    return action != nullptr && vda5050::IsTerminal(action->status);
-  };
-}
-
 bool Names(const RobotError& error, std::string_view id) {
   return std::any_of(error.references.begin(), error.references.end(),
                      [&](const auto& reference) { return reference.value == id; });
@@ -171,7 +164,7 @@ CaseFinding CheckStopPause(Run& run) {
   return finding;
 }
 
-bool IsIdle(const Run& run) {
+bool DrivesNowhere(const Run& run) {
   const Heard* last = run.last_state();
   return last != nullptr && last->state->nodes_left == 0U &&
          last->state->edges_left.value_or(0) == 0;
@@ -179,7 +172,7 @@ bool IsIdle(const Run& run) {
 
 CaseFinding CheckCancelIdle(Run& run) {
   run.Refresh();
-  if (!IsIdle(run)) return Inconclusive("it has an order");
+  if (!DrivesNowhere(run)) return Inconclusive("it has an order");
   const std::string id = run.Do("cancelOrder");
   const auto awaited = run.Await(ShowsEnd(id));
   auto finding = CheckEnd(awaited, id, "FAILED");
@@ -199,7 +192,7 @@ CaseFinding CheckCancelIdle(Run& run) {
   return Pass(fmt::format("FAILED with {}", type), {awaited.found->Evidence()});
 }
 
-CaseFinding CheckKept(Run& run) {
+CaseFinding CheckInstantActionsKept(Run& run) {
   const std::string id = run.Do("stopPause");
   if (run.Await(ShowsEnd(id)).found == nullptr) return Inconclusive("it did not end");
   for (int i = 0; i < 3; ++i) {
@@ -237,7 +230,7 @@ CaseFinding CheckGarbage(Run& run) {
 
 using enum Version;
 constexpr Level kActions = Level::kActions;
-constexpr auto kCases = std::to_array<Case>({
+constexpr auto kInstantActionCases = std::to_array<Case>({
     {"I01", kActions, k110, k300, "6.2.3 / 6.8", "stateRequest brings a state and is FINISHED",
      "5 s", "send the state in which it is FINISHED", CheckStateRequest},
     {"I02", kActions, k200, k300, "6.10 / 6.15",
@@ -261,7 +254,7 @@ constexpr auto kCases = std::to_array<Case>({
      "cancelOrder without an order is FAILED, and an error names it", "next state",
      "report noOrderToCancel, from 3.0 NO_ORDER_TO_CANCEL, with the actionId", CheckCancelIdle},
     {"I10", kActions, k300, k300, "7.8", "ended instant actions stay until they are cleared",
-     "3 states", "keep them until clearInstantActions", CheckKept},
+     "3 states", "keep them until clearInstantActions", CheckInstantActionsKept},
     {"I11", kActions, k300, k300, "6.2.3", "clearInstantActions clears the ended ones",
      "next state", "remove all that are FINISHED or FAILED", CheckClear},
     {"I12", kActions, k110, k300, "–", "a message that is no JSON changes nothing", "35 s",
@@ -270,6 +263,6 @@ constexpr auto kCases = std::to_array<Case>({
 
 }  // namespace
 
-std::span<const Case> InstantActionCases() { return kCases; }
+std::span<const Case> InstantActionCases() { return kInstantActionCases; }
 
 }  // namespace fleetpub::app::conformance

@@ -305,34 +305,34 @@ CaseFinding CheckLoads(Run& run) {
 }
 
 using enum Version;
-constexpr Level kDrive = Level::kDrive;
-constexpr auto kCases = std::to_array<Case>({
-    {"A01", kDrive, k110, k300, "6.2.2 / 6.12", "a NONE action on a passed node does not stop it",
-     "", "drive on while it runs", CheckNone},
-    {"A02", kDrive, k110, k300, "6.2.2, 6.6.2 / 6.12",
+constexpr auto kOrderActionCases = std::to_array<Case>({
+    {"A01", Level::kDrive, k110, k300, "6.2.2 / 6.12",
+     "a NONE action on a passed node does not stop it", "", "drive on while it runs", CheckNone},
+    {"A02", Level::kDrive, k110, k300, "6.2.2, 6.6.2 / 6.12",
      "a HARD action runs alone, and standing; the next edge's actions wait for it", "",
      "wait until all before it have ended", CheckHard},
-    {"A03", kDrive, k110, k300, "6.2.2 / 6.12", "SOFT actions run side by side, and standing", "",
-     "begin all NONE and SOFT actions together", CheckSoft},
-    {"A04", kDrive, k300, k300, "6.2.2", "a SINGLE action runs alone, and does not stop it", "",
-     "wait until all before it have ended, and drive", CheckSingle},
-    {"A05", kDrive, k110, k300, "6.2.2 / 6.12", "actions begin in the order of the array", "",
-     "do not sort by blockingType", CheckArray},
-    {"A06", kDrive, k110, k300, "6.6.2", "an edge's action has ended at its end", "next state",
-     "end it with the edge", CheckEdgeAction},
-    {"A07", kDrive, k110, k300, "6.2.3.2 / 6.8",
+    {"A03", Level::kDrive, k110, k300, "6.2.2 / 6.12",
+     "SOFT actions run side by side, and standing", "", "begin all NONE and SOFT actions together",
+     CheckSoft},
+    {"A04", Level::kDrive, k300, k300, "6.2.2", "a SINGLE action runs alone, and does not stop it",
+     "", "wait until all before it have ended, and drive", CheckSingle},
+    {"A05", Level::kDrive, k110, k300, "6.2.2 / 6.12", "actions begin in the order of the array",
+     "", "do not sort by blockingType", CheckArray},
+    {"A06", Level::kDrive, k110, k300, "6.6.2", "an edge's action has ended at its end",
+     "next state", "end it with the edge", CheckEdgeAction},
+    {"A07", Level::kDrive, k110, k300, "6.2.3.2 / 6.8",
      "when pick is FINISHED loads has one more, after drop one less", "next state",
      "report loads with the action's end", CheckLoads},
-    {"A08", kDrive, k110, k300, "6.6.5 / 6.10",
+    {"A08", Level::kDrive, k110, k300, "6.6.5 / 6.10",
      "a failing action is FAILED, an error names it, and the order is kept", "next state",
      "never give an order up by itself", nullptr},
-    {"A09", kDrive, k300, k300, "6.6.9",
+    {"A09", Level::kDrive, k300, k300, "6.6.9",
      "a retriable action is RETRIABLE; retry and skipRetry work", "next state",
      "wait for fleet control", nullptr},
 });
 
 }  // namespace
 
-std::span<const Case> OrderActionCases() { return kCases; }
+std::span<const Case> OrderActionCases() { return kOrderActionCases; }
 
 }  // namespace fleetpub::app::conformance

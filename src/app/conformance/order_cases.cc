@@ -71,7 +71,7 @@ CaseFinding CheckNotListed(Run& run) {
 }
 
 CaseFinding CheckAction(Run& run) {
-  constexpr seconds kLong{60};
+  constexpr seconds kLongAction{60};
   TestOrder order = Standing(run);
   const auto action = HarmlessAction(run, "NODE", "HARD");
   if (action.type.empty()) return Skipped("its factsheet lists no harmless action for nodes");
@@ -85,7 +85,7 @@ CaseFinding CheckAction(Run& run) {
         const auto* one = vda5050::FindActionState(state, action.id);
         return state.order_id != order.id || (one != nullptr && one->status == "FINISHED");
       },
-      kLong);
+      kLongAction);
   if (ended.found == nullptr) return Run::Missing(ended, "the action does not end");
   run.Refresh();
   const RobotState& last = *run.last_state()->state;
@@ -342,62 +342,68 @@ CaseFinding CheckBusy(Run& run) {
   return finding;
 }
 
-constexpr Level kDrive = Level::kDrive;
-constexpr auto kCases = std::to_array<Case>({
-    {"O01", kDrive, k110, k300, "6.1.2 / 6.6.1", "an order of one node, where it stands, is taken",
-     "next state", "an order has no edges when it has one node", CheckOneNode},
-    {"O02", kDrive, k110, k300, "6.1.1 / 6.6.1",
+constexpr auto kOrderCases = std::to_array<Case>({
+    {"O01", Level::kDrive, k110, k300, "6.1.2 / 6.6.1",
+     "an order of one node, where it stands, is taken", "next state",
+     "an order has no edges when it has one node", CheckOneNode},
+    {"O02", Level::kDrive, k110, k300, "6.1.1 / 6.6.1",
      "lastNodeId and lastNodeSequenceId are those of a new order's first node", "next state",
      "set both when the order is taken", CheckFirstNode},
-    {"O03", kDrive, k300, k300, "6.1.1", "the first node of a new order is not in nodeStates",
-     "next state", "it is traversed when the order is taken", CheckNotListed},
-    {"O04", kDrive, k110, k300, "6.6.2, 6.1.2.1 / 6.6.2",
+    {"O03", Level::kDrive, k300, k300, "6.1.1",
+     "the first node of a new order is not in nodeStates", "next state",
+     "it is traversed when the order is taken", CheckNotListed},
+    {"O04", Level::kDrive, k110, k300, "6.6.2, 6.1.2.1 / 6.6.2",
      "an action of the order runs and ends; then the arrays are empty, the ids kept", "60 s",
      "keep orderId and orderUpdateId until the next order", CheckAction},
-    {"O05", kDrive, k110, k300, "6.6.9 / 6.11",
+    {"O05", Level::kDrive, k110, k300, "6.6.9 / 6.11",
      "a new order's nodes, edges and actions are all listed, those of the horizon too",
      "next state", "list the horizon's actions as WAITING", CheckListed},
-    {"O06", kDrive, k110, k300, "6.1.4.5 / 6.6.4.3",
+    {"O06", Level::kDrive, k110, k300, "6.1.4.5 / 6.6.4.3",
      "an order that comes again is no error and changes nothing", "2 states",
      "compare orderId and orderUpdateId, and discard it", CheckResend},
-    {"O07", kDrive, k300, k300, "6.1.4.5",
+    {"O07", Level::kDrive, k300, k300, "6.1.4.5",
      "the same ids with another content bring SAME_ORDER_UPDATE_ID", "next state",
      "compare the content", CheckOtherContent},
-    {"O08", kDrive, k110, k300, "6.1.4.4 / 6.6.4.3",
+    {"O08", Level::kDrive, k110, k300, "6.1.4.4 / 6.6.4.3",
      "a lower orderUpdateId is refused, and the order goes on", "next state",
      "report orderUpdateError, from 3.0 OUTDATED_ORDER_UPDATE", CheckLower},
-    {"O09", kDrive, k110, k300, "6.1.4 / 6.6.4",
+    {"O09", Level::kDrive, k110, k300, "6.1.4 / 6.6.4",
      "the error of a refused order is in every state until an order is taken", "3 states",
      "keep it until then", CheckStays},
-    {"O10", kDrive, k300, k300, "6.6.5.4",
+    {"O10", Level::kDrive, k300, k300, "6.6.5.4",
      "the error of a refused update names orderId and orderUpdateId", "next state",
      "add both as errorReferences", CheckReferences},
-    {"O11", kDrive, k110, k300, "6.1.4.1 / 6.6.4", "an order without one of its members is refused",
-     "next state", "report validationError, from 3.0 VALIDATION_FAILURE", CheckMember},
-    {"O12", kDrive, k110, k300, "6.1.1 / 6.6.1", "an order has one edge less than nodes",
+    {"O11", Level::kDrive, k110, k300, "6.1.4.1 / 6.6.4",
+     "an order without one of its members is refused", "next state",
+     "report validationError, from 3.0 VALIDATION_FAILURE", CheckMember},
+    {"O12", Level::kDrive, k110, k300, "6.1.1 / 6.6.1", "an order has one edge less than nodes",
      "next state", "count them", CheckEdges},
-    {"O13", kDrive, k110, k300, "6.1.1 / 6.6.1",
+    {"O13", Level::kDrive, k110, k300, "6.1.1 / 6.6.1",
      "an order with a base behind its horizon, or from 3.0 a gap in its sequenceIds, is refused",
      "next state", "compare each node and edge with the one before", CheckSequence},
-    {"O14", kDrive, k300, k300, "6.1.2", "a new order begins with orderUpdateId 0", "next state",
-     "refuse another one", CheckAboveZero},
-    {"O15", kDrive, k110, k300, "6.1.4.3 / 6.6.4.2", "an order with an unknown action is refused",
-     "next state", "report orderError, from 3.0 INVALID_ORDER_ACTION", CheckUnknownAction},
-    {"O16", kDrive, k200, k300, "6.1.4.2 / 6.6.4.2",
+    {"O14", Level::kDrive, k300, k300, "6.1.2", "a new order begins with orderUpdateId 0",
+     "next state", "refuse another one", CheckAboveZero},
+    {"O15", Level::kDrive, k110, k300, "6.1.4.3 / 6.6.4.2",
+     "an order with an unknown action is refused", "next state",
+     "report orderError, from 3.0 INVALID_ORDER_ACTION", CheckUnknownAction},
+    {"O16", Level::kDrive, k200, k300, "6.1.4.2 / 6.6.4.2",
      "an order with an optional member that it cannot use is refused", "next state",
      "report orderError, from 3.0 UNSUPPORTED_PARAMETER", CheckUnsupported},
-    {"O17", kDrive, k110, k300, "6.1.4.7 / 6.6.4", "an order that begins 100 m away is refused",
-     "next state", "report noRouteError, from 3.0 START_NODE_OUT_OF_RANGE", CheckFarStart},
-    {"O18", kDrive, k210, k300, "6.1.4.10 / 6.7.1", "an order with an unknown map is refused",
-     "next state", "look at every node's mapId before taking it", CheckUnknownMap},
-    {"O19", kDrive, k110, k300, "6.1.4.6 / 6.6.4", "another order is refused while one is active",
-     "next state", "an order with a horizon is active also at the end of its base", CheckBusy},
-    {"O20", kDrive, k300, k300, "6.1.4.9", "an order in MANUAL brings MOBILE_ROBOT_NOT_AVAILABLE",
-     "next state", "refuse it", nullptr},
+    {"O17", Level::kDrive, k110, k300, "6.1.4.7 / 6.6.4",
+     "an order that begins 100 m away is refused", "next state",
+     "report noRouteError, from 3.0 START_NODE_OUT_OF_RANGE", CheckFarStart},
+    {"O18", Level::kDrive, k210, k300, "6.1.4.10 / 6.7.1",
+     "an order with an unknown map is refused", "next state",
+     "look at every node's mapId before taking it", CheckUnknownMap},
+    {"O19", Level::kDrive, k110, k300, "6.1.4.6 / 6.6.4",
+     "another order is refused while one is active", "next state",
+     "an order with a horizon is active also at the end of its base", CheckBusy},
+    {"O20", Level::kDrive, k300, k300, "6.1.4.9",
+     "an order in MANUAL brings MOBILE_ROBOT_NOT_AVAILABLE", "next state", "refuse it", nullptr},
 });
 
 }  // namespace
 
-std::span<const Case> OrderCases() { return kCases; }
+std::span<const Case> OrderCases() { return kOrderCases; }
 
 }  // namespace fleetpub::app::conformance

@@ -18,7 +18,6 @@ using vda5050::Shown;
 
 constexpr double kDeviation = 0.5;  // m: how exactly it has to stand
 constexpr seconds kTrip{120};       // for one way
-constexpr seconds kCancel{120};
 
 bool IsSame(const RobotError& a, const RobotError& b) {
   return a.type == b.type && a.level == b.level && a.description == b.description &&

@@ -1,6 +1,7 @@
 // Orders for the cases: where the robot stands, and along its way.
 #pragma once
 
+#include <chrono>
 #include <string>
 #include <vector>
 
@@ -52,6 +53,8 @@ inline constexpr const char* kLoaded = "carries a load of ours";
 /// Holds an order with a horizon (Holding), and tells whether it does.
 [[nodiscard]] bool Hold(Run& run, const TestOrder& order);
 inline constexpr const char* kNoHorizon = "it does not keep an order with a horizon";
+/// A robot that cancels ends it within this time.
+inline constexpr std::chrono::seconds kCancel{120};
 /// Has it give up what it has, and waits until it is idle.
 void EndOrder(Run& run);
 

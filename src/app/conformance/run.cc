@@ -142,6 +142,13 @@ void Run::Listen(std::chrono::nanoseconds time) {
   while (wire_.Now() < until && !wire_.IsStopped()) (void)Step(until);
 }
 
+StateTest ShowsEnd(const std::string& id) {
+  return [id](const RobotState& state) {
+    const auto* action = vda5050::FindActionState(state, id);
+    return action != nullptr && vda5050::IsTerminal(action->status);
+  };
+}
+
 Awaited Run::Await(const StateTest& test, std::chrono::nanoseconds limit) {
   return AwaitSince(mark(), wire_.Now(), test, limit);
 }

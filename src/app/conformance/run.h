@@ -116,6 +116,8 @@ struct Awaited {
 };
 
 using StateTest = std::function<bool(const vda5050::RobotState& state)>;
+/// Whether it shows the action of this id as ended, FINISHED or FAILED.
+[[nodiscard]] StateTest ShowsEnd(const std::string& id);
 
 class Run {
  public:

@@ -36,7 +36,7 @@ double Timing(Run& run, std::string_view old_name, std::string_view name) {
   return number != nullptr && number->IsNumber() ? number->GetDouble() : 0;
 }
 
-CaseFinding CheckSchema(Run& run) {
+CaseFinding CheckStateSchema(Run& run) {
   const auto states = Live(run);
   if (states.empty()) return Inconclusive("no state came");
   for (const Heard* one : states) {
@@ -242,9 +242,9 @@ CaseFinding CheckErrorTypes(Run& run) {
 }
 
 using enum Version;
-constexpr auto kCases = std::to_array<Case>({
+constexpr auto kStateCases = std::to_array<Case>({
     {"S01", Level::kListen, k110, k300, "7.8 / 6.10", "state keeps its schema, theta is within ±π",
-     "", "fleetpub validate --live shows every violation", CheckSchema},
+     "", "fleetpub validate --live shows every violation", CheckStateSchema},
     {"S02", Level::kListen, k110, k300, "6.6 / 6.10", "a state comes at least every 30 s", "35 s",
      "send a state 30 s after the last one, whatever happened", CheckLongest},
     {"S03", Level::kListen, k200, k300, "6.6 / 6.10",
@@ -274,6 +274,6 @@ constexpr auto kCases = std::to_array<Case>({
 
 }  // namespace
 
-std::span<const Case> StateCases() { return kCases; }
+std::span<const Case> StateCases() { return kStateCases; }
 
 }  // namespace fleetpub::app::conformance

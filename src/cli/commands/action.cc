@@ -8,12 +8,12 @@
 namespace fleetpub::cli {
 namespace {
 
-struct Options {
+struct ActionOptions {
   std::string type;
   InstantSendingOptions sending;
 };
 
-Result<ExitCode> RunAction(const Options& options, const Context& context) {
+Result<ExitCode> RunAction(const ActionOptions& options, const Context& context) {
   if (options.type.empty()) {
     return Fail(ErrorKind::kUsage,
                 "name the action and the robots. try: fleetpub action beep KIT/0001");
@@ -24,7 +24,7 @@ Result<ExitCode> RunAction(const Options& options, const Context& context) {
 }  // namespace
 
 Run DeclareAction(OptionSet& set) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<ActionOptions>();
   set.AddOption("type", options->type, "The actionType, exactly as the robot knows it")
       .Type("TYPE");
   DeclareInstantSendingOptions(set, options->sending);

@@ -52,7 +52,7 @@ std::string ActionJson(const ActionSpec& action, vda5050::Version version) {
       action.linked_state, action.idempotent, base::JsonString(action.summary));
 }
 
-struct Options {
+struct ActionsOptions {
   std::string name;
   std::string version = "3.0.0";
   Option version_option;
@@ -77,7 +77,7 @@ Result<ExitCode> ListAll(vda5050::Version version, const Context& context) {
 }
 
 // What holds in one version.
-struct Row {
+struct ActionRow {
   vda5050::Version version;
   const ActionSpec* action;
 };
@@ -89,7 +89,7 @@ void ShowColumns(std::string_view left, std::string_view right, Output& output) 
 }
 
 // A line for each way in which versions differ: `2.1.0 to 3.0.0  stateRequest, instant`.
-void ShowVersions(std::span<const Row> rows, Output& output) {
+void ShowVersions(std::span<const ActionRow> rows, Output& output) {
   const auto describe = [](const ActionSpec& action) {
     return fmt::format("{}, {}{}{}", action.type, ScopesText(action.scopes),
                        action.linked_state.empty() ? "" : "; shown by ", action.linked_state);
@@ -104,7 +104,7 @@ void ShowVersions(std::span<const Row> rows, Output& output) {
   }
 }
 
-void Explain(std::span<const Row> rows, Output& output) {
+void Explain(std::span<const ActionRow> rows, Output& output) {
   const ActionSpec& newest = *rows.back().action;
   std::vector<std::string> names = {std::string(newest.type)};
   for (const std::string_view name : vda5050::ListShortNames(newest.type)) names.emplace_back(name);
@@ -118,7 +118,7 @@ void Explain(std::span<const Row> rows, Output& output) {
   output.Line(parameters.empty() ? "No parameters." : "Parameters:");
   for (const auto& parameter : parameters) {
     std::vector<std::string> lacking;
-    for (const Row& row : rows) {
+    for (const ActionRow& row : rows) {
       const auto& own = row.action->parameters;
       const bool has = std::any_of(own.begin(), own.end(),
                                    [&](const auto& p) { return p.name == parameter.name; });
@@ -135,7 +135,7 @@ void Explain(std::span<const Row> rows, Output& output) {
   }
 }
 
-Result<ExitCode> ExplainOne(const Options& options, vda5050::Version version,
+Result<ExitCode> ExplainOne(const ActionsOptions& options, vda5050::Version version,
                             const Context& context) {
   const auto type = vda5050::ActionCalled(options.name);
   if (!type) {
@@ -145,7 +145,7 @@ Result<ExitCode> ExplainOne(const Options& options, vda5050::Version version,
                             nearest ? fmt::format(": did you mean {}?", *nearest)
                                     : "; " + TryCommand("actions")));
   }
-  std::vector<Row> rows;
+  std::vector<ActionRow> rows;
   for (const vda5050::Version each : vda5050::kVersions) {
     if (options.version_option.IsGiven() && each != version) continue;
     const auto* action = vda5050::FindAction(each, vda5050::NameIn(each, *type));
@@ -159,11 +159,11 @@ Result<ExitCode> ExplainOne(const Options& options, vda5050::Version version,
     Explain(rows, context.output);
     return ExitCode::kDone;
   }
-  for (const Row& row : rows) context.output.Line(ActionJson(*row.action, row.version));
+  for (const ActionRow& row : rows) context.output.Line(ActionJson(*row.action, row.version));
   return ExitCode::kDone;
 }
 
-Result<ExitCode> RunActions(const Options& options, const Context& context) {
+Result<ExitCode> RunActions(const ActionsOptions& options, const Context& context) {
   const auto version = vda5050::ParseVersion(options.version);
   if (!version) return Fail(version.error());
   return options.name.empty() ? ListAll(*version, context) : ExplainOne(options, *version, context);
@@ -172,7 +172,7 @@ Result<ExitCode> RunActions(const Options& options, const Context& context) {
 }  // namespace
 
 Run DeclareActions(OptionSet& set) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<ActionsOptions>();
   set.AddOption("name", options->name, "Only this action, in all versions or the stated one")
       .Type("NAME");
   options->version_option =

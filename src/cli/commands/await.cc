@@ -15,7 +15,7 @@
 namespace fleetpub::cli {
 namespace {
 
-struct Options {
+struct AwaitOptions {
   std::string target;
   std::string topic;
   std::vector<std::string> conditions;  ///< perhaps the topic among them
@@ -34,13 +34,13 @@ bool IsCondition(std::string_view text) {
 }
 
 // A topic may be left out: then its place holds the first condition.
-std::vector<std::string> ConditionTexts(const Options& o) {
+std::vector<std::string> ConditionTexts(const AwaitOptions& o) {
   std::vector<std::string> texts = o.conditions;
   if (IsCondition(o.topic)) texts.insert(texts.begin(), o.topic);
   return texts;
 }
 
-Result<app::AwaitRequest> ParseAwaitOptions(const Options& o) {
+Result<app::AwaitRequest> ParseAwaitOptions(const AwaitOptions& o) {
   const std::vector<std::string> texts = ConditionTexts(o);
   if (o.target.empty() || o.topic.empty() || texts.empty()) {
     return Fail(ErrorKind::kUsage,
@@ -61,7 +61,7 @@ Result<app::AwaitRequest> ParseAwaitOptions(const Options& o) {
   return request;
 }
 
-Result<ExitCode> RunAwait(const Options& o, const Context& context) {
+Result<ExitCode> RunAwait(const AwaitOptions& o, const Context& context) {
   const auto request = ParseAwaitOptions(o);
   if (!request) return Fail(request.error());
   const InterruptGuard interrupt;
@@ -88,7 +88,7 @@ Result<ExitCode> RunAwait(const Options& o, const Context& context) {
 }  // namespace
 
 Run DeclareAwait(OptionSet& set) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<AwaitOptions>();
   set.AddOption("target", options->target,
                 "A robot: manufacturer/serialNumber, or its alias; all of @group, of 'KIT/*'")
       .Type("TARGET");

@@ -29,7 +29,7 @@
 namespace fleetpub::cli {
 namespace {
 
-struct Options {
+struct BatchOptions {
   std::string file = "-";
   std::chrono::milliseconds reconnect = std::chrono::seconds(60);
   bool stop_on_error = false;
@@ -125,7 +125,7 @@ std::string DescribeStop(app::BatchStop reason, std::chrono::milliseconds reconn
   return "";
 }
 
-Status ParseDefaults(const Options& options, const config::Config& config,
+Status ParseDefaults(const BatchOptions& options, const config::Config& config,
                      app::BatchRequest& request) {
   auto resolver = app::DialectResolver::Make(options.vda, config);
   if (!resolver) return Fail(std::move(resolver.error()));
@@ -154,7 +154,8 @@ Status ParseDefaults(const Options& options, const config::Config& config,
   return {};
 }
 
-Result<app::BatchRequest> ParseBatchOptions(const Options& options, const config::Config& config) {
+Result<app::BatchRequest> ParseBatchOptions(const BatchOptions& options,
+                                            const config::Config& config) {
   app::BatchRequest request{.stop_on_error = options.stop_on_error};
   if (auto ok = ParseDefaults(options, config, request); !ok) return Fail(std::move(ok.error()));
   request.wait.total = options.waiting.timeout;
@@ -170,7 +171,7 @@ Result<app::BatchRequest> ParseBatchOptions(const Options& options, const config
   return request;
 }
 
-Result<ExitCode> RunBatch(const Options& options, const Context& context) {
+Result<ExitCode> RunBatch(const BatchOptions& options, const Context& context) {
   auto request = ParseBatchOptions(options, context.config);
   if (!request) return Fail(std::move(request.error()));
   const auto reports = ParseReportFiles(options.reports);
@@ -206,7 +207,7 @@ Result<ExitCode> RunBatch(const Options& options, const Context& context) {
 }  // namespace
 
 Run DeclareBatch(OptionSet& set) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<BatchOptions>();
   set.AddOption("file", options->file, "The commands, one per line; - or nothing: standard input")
       .Type("FILE");
   DeclareOnline(set, options->online);

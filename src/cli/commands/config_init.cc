@@ -97,7 +97,7 @@ constexpr std::string_view kStarter =
 #hall-1 = ["KIT/0002", "agv1"]
 )";
 
-struct Options {
+struct ConfigInitOptions {
   bool to_stdout = false;
   std::string place;
 };
@@ -134,7 +134,7 @@ Status WriteStarter(const fs::path& file) {
   return written;
 }
 
-Result<ExitCode> RunConfigInit(const Options& options, const Context& context) {
+Result<ExitCode> RunConfigInit(const ConfigInitOptions& options, const Context& context) {
   if (!options.place.empty() && options.place != "-") {
     return Fail(ErrorKind::kUsage,
                 fmt::format("config init takes - for standard output, not '{}'; --config FILE "
@@ -160,7 +160,7 @@ Result<ExitCode> RunConfigInit(const Options& options, const Context& context) {
 }  // namespace
 
 Run DeclareConfigInit(OptionSet& set) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<ConfigInitOptions>();
   set.AddOption("place", options->place, "-: standard output").Type("-");
   set.AddFlag("--stdout", options->to_stdout, "Print it, write no file").Group("Writing");
   return [options](const Context& context) { return RunConfigInit(*options, context); };

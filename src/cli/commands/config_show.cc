@@ -26,7 +26,7 @@ using base::JsonString;
 constexpr std::string_view kMask = "********";
 
 // What other commands take, so that its variables are seen here too.
-struct Options {
+struct ConfigShowOptions {
   mqtt::Qos qos = mqtt::Qos::kAtMostOnce;
   app::VdaOptions vda;
   std::string source;
@@ -34,7 +34,7 @@ struct Options {
   std::string layout;
 };
 
-struct Row {
+struct SettingRow {
   std::string key;
   std::string value;
   std::string origin;
@@ -66,8 +66,8 @@ std::string MaskedLedger(const std::string& text) {
   return may_be_shown ? text : ledger::FormatPlace(text);
 }
 
-Row MakeRow(const OptionSet::Setting& setting) {
-  Row row{std::string(setting.key), {}, setting.origin};
+SettingRow MakeRow(const OptionSet::Setting& setting) {
+  SettingRow row{std::string(setting.key), {}, setting.origin};
   if (setting.texts.empty()) {
     row.value = FindStandard(setting.key);
     return row;
@@ -79,9 +79,9 @@ Row MakeRow(const OptionSet::Setting& setting) {
   return row;
 }
 
-std::optional<Row> PasswordRow(const GlobalOptions& options) {
+std::optional<SettingRow> PasswordRow(const GlobalOptions& options) {
   const auto row = [](std::string origin) {
-    return Row{"password", std::string(kMask), std::move(origin)};
+    return SettingRow{"password", std::string(kMask), std::move(origin)};
   };
   if (options.ask_password) return row("flag --ask-password");
   if (!options.password_file.empty()) return row(fmt::format("file {}", options.password_file));
@@ -93,8 +93,8 @@ std::optional<Row> PasswordRow(const GlobalOptions& options) {
   return std::nullopt;
 }
 
-Row ProfileRow(const OptionSet& set, const Context& context) {
-  Row row{"profile", context.config.profile, "default"};
+SettingRow ProfileRow(const OptionSet& set, const Context& context) {
+  SettingRow row{"profile", context.config.profile, "default"};
   if (context.options.profile) {
     row.origin = set.Origin(set.Find("--profile"));
   } else if (context.config.default_profile) {
@@ -103,7 +103,7 @@ Row ProfileRow(const OptionSet& set, const Context& context) {
   return row;
 }
 
-void AddRobots(const config::Config& config, std::vector<Row>& rows) {
+void AddRobots(const config::Config& config, std::vector<SettingRow>& rows) {
   for (const auto& [robot, table] : config.robots) {
     for (const auto& [key, value] : table.settings) {
       rows.push_back(
@@ -117,15 +117,15 @@ void AddRobots(const config::Config& config, std::vector<Row>& rows) {
   }
 }
 
-void Show(const std::vector<Row>& rows, Output& output) {
+void Show(const std::vector<SettingRow>& rows, Output& output) {
   std::size_t key_width = 0;
   std::size_t value_width = 0;
-  for (const Row& row : rows) {
+  for (const SettingRow& row : rows) {
     key_width = std::max(key_width, base::MeasureWidth(base::Printable(row.key)));
     value_width = std::max(
         value_width, std::min<std::size_t>(base::MeasureWidth(base::Printable(row.value)), 40));
   }
-  for (const Row& row : rows) {
+  for (const SettingRow& row : rows) {
     if (output.json()) {
       output.Line(fmt::format(R"({{"key":{},"value":{},"origin":{}}})", JsonString(row.key),
                               JsonString(row.value), JsonString(row.origin)));
@@ -138,7 +138,7 @@ void Show(const std::vector<Row>& rows, Output& output) {
 }
 
 Result<ExitCode> RunConfigShow(const OptionSet& set, const Context& context) {
-  std::vector<Row> rows = {ProfileRow(set, context)};
+  std::vector<SettingRow> rows = {ProfileRow(set, context)};
   for (const auto& setting : set.Settings(context.config)) {
     const bool is_place = setting.key == "host" || setting.key == "port";
     if (is_place && setting.texts.empty()) continue;
@@ -148,7 +148,7 @@ Result<ExitCode> RunConfigShow(const OptionSet& set, const Context& context) {
   }
   if (const auto password = PasswordRow(context.options);
       password && std::none_of(rows.begin(), rows.end(),
-                               [](const Row& row) { return row.key == "password"; })) {
+                               [](const SettingRow& row) { return row.key == "password"; })) {
     rows.push_back(*password);  // it stands instead of the configuration's password_file
   }
   AddRobots(context.config, rows);
@@ -164,7 +164,7 @@ Result<ExitCode> RunConfigShow(const OptionSet& set, const Context& context) {
 }  // namespace
 
 Run DeclareConfigShow(OptionSet& set) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<ConfigShowOptions>();
   DeclareQos(set, options->qos);
   const auto add = [&](const char* key, const char* name, ValueKind kind, const char* help) {
     return set.AddOption(name, std::move(kind), help).Group("VDA 5050").Key(key);

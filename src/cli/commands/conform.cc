@@ -35,7 +35,7 @@ constexpr auto kLevels = std::to_array<base::Choice<Level>>({
     {"drive", Level::kDrive},
 });
 
-struct Options : RobotOptions {
+struct ConformOptions : RobotOptions {
   Level level = Level::kListen;
   bool list = false;
   std::vector<std::string> only;
@@ -102,8 +102,8 @@ void Show(const CaseResult& result, const std::string& target, std::string_view 
   }
 }
 
-TestReport MakeReport(const app::ConformReport& report, const Options& o, const Context& context,
-                      base::WallTime started) {
+TestReport MakeReport(const app::ConformReport& report, const ConformOptions& o,
+                      const Context& context, base::WallTime started) {
   TestReport made{.name = "fleetpub conform " + report.target,
                   .properties = {{"robot", report.target},
                                  {"VDA 5050", report.version},
@@ -151,8 +151,8 @@ ExitCode ShowSummary(const app::ConformReport& report, Output& output) {
 
 // ---- Running ----
 
-Status AgreeToDrive(const Options& o, const vda5050::RobotAddress& robot, const std::string& extent,
-                    const Context& context) {
+Status AgreeToDrive(const ConformOptions& o, const vda5050::RobotAddress& robot,
+                    const std::string& extent, const Context& context) {
   if (o.yes) return {};
   const std::string text = fmt::format(
       "{} at {} drives: {}; a robot that breaks the standard may drive elsewhere. No load, "
@@ -161,7 +161,7 @@ Status AgreeToDrive(const Options& o, const vda5050::RobotAddress& robot, const 
   return AskOnTerminal(text + ". Go on", "nothing was sent: " + text + ". --yes agrees");
 }
 
-Result<app::ConformRequest> MakeRequest(const Options& o, const Context& context) {
+Result<app::ConformRequest> MakeRequest(const ConformOptions& o, const Context& context) {
   auto robot = MakeFollowRequest(o, kExample, context);
   if (!robot) return Fail(std::move(robot.error()));
   robot->timeout = std::chrono::hours(24);
@@ -209,7 +209,7 @@ Result<app::ConformRequest> MakeRequest(const Options& o, const Context& context
   return request;
 }
 
-Result<ExitCode> RunConform(const Options& o, const Context& context) {
+Result<ExitCode> RunConform(const ConformOptions& o, const Context& context) {
   if (o.list) return ShowCases(context.output);
   auto request = MakeRequest(o, context);
   if (!request) return Fail(std::move(request.error()));
@@ -240,7 +240,7 @@ Result<ExitCode> RunConform(const Options& o, const Context& context) {
 Run DeclareConform(OptionSet& set) {
   constexpr const char* kTest = "Test";
   constexpr const char* kWay = "Way";
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<ConformOptions>();
   set.AddOption("target", options->target, "The robot: manufacturer/serialNumber, or its alias")
       .Type("TARGET");
   set.AddOption("--level", OneOf(options->level, kLevels), "What is done to it: {} [listen]")

@@ -34,7 +34,7 @@ using base::JsonString;
 
 constexpr std::size_t kMostAlike = 5;  // lines of a check; JSON has them all
 
-struct Options {
+struct DoctorOptions {
   TargetOptions targets;
   app::VdaOptions vda;
   std::optional<std::chrono::milliseconds> duration;
@@ -281,7 +281,7 @@ void ExamineProfile(const std::string& name, const Context& context, Stop& stop,
   if (!reached) fail(reached.error());
 }
 
-Result<ExitCode> RunDoctor(const Options& options, const Context& context) {
+Result<ExitCode> RunDoctor(const DoctorOptions& options, const Context& context) {
   if (options.duration && !options.from.empty()) return Fail(NoTimeFrom("--for"));
   auto targets = ParseTargetOptions(options.targets);
   if (!targets) return Fail(std::move(targets.error()));
@@ -320,7 +320,7 @@ Result<ExitCode> RunDoctor(const Options& options, const Context& context) {
 }  // namespace
 
 Run DeclareDoctor(OptionSet& set) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<DoctorOptions>();
   DeclareTargetWords(set, options->targets, " [all]");
   set.AddOption("--except", options->targets.except,
                 "But not this robot, alias, @group or pattern; repeatable")

@@ -19,7 +19,7 @@ namespace {
 
 using base::JsonString;
 
-struct Options {
+struct ExplainOptions {
   std::string target;
   std::string order;
   std::string action;
@@ -64,7 +64,7 @@ void Show(const vda5050::RobotAddress& robot, const app::Explanation& told, Outp
   }
 }
 
-Result<ExitCode> RunExplain(const Options& o, const Context& context) {
+Result<ExitCode> RunExplain(const ExplainOptions& o, const Context& context) {
   if (o.target.empty()) {
     return Fail(ErrorKind::kUsage, "explain needs a robot. try: fleetpub explain KIT/0001");
   }
@@ -93,7 +93,7 @@ Result<ExitCode> RunExplain(const Options& o, const Context& context) {
 }  // namespace
 
 Run DeclareExplain(OptionSet& set) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<ExplainOptions>();
   set.AddOption("target", options->target, "A robot: manufacturer/serialNumber, or its alias")
       .Type("TARGET");
   set.AddOption("--order", options->order, "The order [the last one that is known]")

@@ -24,7 +24,7 @@ namespace {
 
 using app::ListedRobot;
 
-struct Options {
+struct FleetTableOptions {
   FleetDiscoveryOptions fleet;
   FleetViewOptions view;
 };
@@ -42,7 +42,7 @@ std::vector<Row> MakeRows(const std::vector<const ListedRobot*>& robots, base::W
   return rows;
 }
 
-void Show(const app::Fleet& fleet, const Options& o, base::WallTime now, Output& output) {
+void Show(const app::Fleet& fleet, const FleetTableOptions& o, base::WallTime now, Output& output) {
   if (output.json()) {
     for (const ListedRobot* robot : Sorted(fleet, o.view.sort.value_or(SortBy::kName))) {
       output.Line("{" + FleetJson(*robot) + "}");
@@ -111,7 +111,7 @@ class FillingTable {
   std::vector<std::string> lines_;
 };
 
-Result<ExitCode> RunFleet(const Options& o, const Context& context) {
+Result<ExitCode> RunFleet(const FleetTableOptions& o, const Context& context) {
   auto request = ParseFleetOptions(o.fleet);
   if (!request) return Fail(request.error());
   request->problems = o.view.problems;
@@ -144,7 +144,7 @@ Result<ExitCode> RunFleet(const Options& o, const Context& context) {
 }  // namespace
 
 Run DeclareFleet(OptionSet& set) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<FleetTableOptions>();
   DeclareFleetDiscoveryOptions(set, options->fleet);
   DeclareFleetViewOptions(set, options->view);
   return [options](const Context& context) { return RunFleet(*options, context); };

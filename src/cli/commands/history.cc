@@ -31,7 +31,7 @@ using base::JsonString;
 using ledger::Record;
 using vda5050::Version;
 
-struct Options {
+struct HistoryOptions {
   std::vector<std::string> words;    ///< robots, aliases, groups, patterns, SoAR destinations
   std::vector<std::string> targets;  ///< the same, of --target
   ledger::HistoryFilter filter;
@@ -202,7 +202,7 @@ int RowsThatFit() {
   return static_cast<int>(std::max(height, kLeast + kOthers) - kOthers);
 }
 
-Result<ExitCode> RunHistory(Options options, const Context& context) {
+Result<ExitCode> RunHistory(HistoryOptions options, const Context& context) {
   Normalize(options.filter);
   std::vector<std::string>& words = options.words;
   words.insert(words.end(), options.targets.begin(), options.targets.end());
@@ -303,7 +303,7 @@ Result<ExitCode> RunPrune(std::optional<base::WallTime> before, const Context& c
 
 Run DeclareHistory(OptionSet& set) {
   constexpr const char* kFilter = "Filter";
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<HistoryOptions>();
   ledger::HistoryFilter& filter = options->filter;
   const auto add = [&](const char* names, ValueKind kind, const char* type, const char* help) {
     set.AddOption(names, std::move(kind), help).Type(type).Group(kFilter);

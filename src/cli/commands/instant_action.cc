@@ -17,7 +17,7 @@ namespace {
 
 using vda5050::ParameterSpec;
 
-struct Options {
+struct InstantActionOptions {
   std::string type;
   std::vector<ParameterSpec> specs;
   std::map<std::string_view, std::string> texts;  ///< by parameter name, as typed
@@ -39,7 +39,7 @@ const char* TypeName(vda5050::ParameterType type) {
   return "TEXT";
 }
 
-void DeclareParameter(OptionSet& set, const ParameterSpec& spec, Options& options) {
+void DeclareParameter(OptionSet& set, const ParameterSpec& spec, InstantActionOptions& options) {
   const std::string kebab = base::ToKebabCase(spec.name);
   std::string names = fmt::format("--{}", spec.name);
   if (kebab != spec.name) names += fmt::format(",--{}", kebab);
@@ -50,7 +50,7 @@ void DeclareParameter(OptionSet& set, const ParameterSpec& spec, Options& option
           .Group(kParameters);
 }
 
-Result<ExitCode> RunInstantAction(const Options& options, const Context& context) {
+Result<ExitCode> RunInstantAction(const InstantActionOptions& options, const Context& context) {
   std::vector<vda5050::Parameter> parameters;
   for (const ParameterSpec& spec : options.specs) {
     if (!options.given.at(spec.name).IsGiven()) continue;
@@ -73,7 +73,7 @@ std::string TypeMeantBy(std::string_view word) {
 }  // namespace
 
 Run DeclareInstantAction(OptionSet& set, std::string_view word) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<InstantActionOptions>();
   options->type = TypeMeantBy(word);
   options->specs = vda5050::ParametersInAnyVersion(options->type);
   for (const ParameterSpec& spec : options->specs) DeclareParameter(set, spec, *options);

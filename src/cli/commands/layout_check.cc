@@ -23,7 +23,7 @@ using base::JsonString;
 using layout::LayoutFinding;
 using Level = LayoutFinding::Level;
 
-struct Options {
+struct LayoutCheckOptions {
   std::vector<std::string> files;
   std::string version;
   std::string factsheet;
@@ -32,7 +32,7 @@ struct Options {
 
 class Checker {
  public:
-  Checker(const Options& options, Output& output) : options_(options), output_(output) {}
+  Checker(const LayoutCheckOptions& options, Output& output) : options_(options), output_(output) {}
 
   Status Prepare() {
     if (!options_.version.empty()) {
@@ -141,7 +141,7 @@ class Checker {
                              finding.text));
   }
 
-  const Options& options_;
+  const LayoutCheckOptions& options_;
   Output& output_;
   vda5050::Version version_ = vda5050::kVersions.back();
   std::unique_ptr<base::JsonDocument> factsheet_;
@@ -150,8 +150,8 @@ class Checker {
   ExitCode code_ = ExitCode::kDone;
 };
 
-Result<ExitCode> RunCheck(const Options& options, const Context& context) {
-  Options chosen = options;
+Result<ExitCode> RunCheck(const LayoutCheckOptions& options, const Context& context) {
+  LayoutCheckOptions chosen = options;
   if (chosen.files.empty()) {
     const auto* const configured = context.config.Find("layout");
     if (configured == nullptr) return Fail(ErrorKind::kUsage, "which layout? name its FILE");
@@ -171,7 +171,7 @@ Result<ExitCode> RunCheck(const Options& options, const Context& context) {
 }  // namespace
 
 Run DeclareLayoutCheck(OptionSet& set) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<LayoutCheckOptions>();
   set.AddOption("file", options->files,
                 "Layouts (LIF); - is standard input [layout of the configuration]")
       .Type("FILE");

@@ -20,12 +20,7 @@ using layout::Route;
 using layout::RouteCost;
 using layout::Site;
 
-constexpr auto kCosts = std::to_array<base::Choice<RouteCost>>({
-    {"length", RouteCost::kLength},
-    {"time", RouteCost::kTime},
-});
-
-struct Options {
+struct LayoutRouteOptions {
   std::string file;
   std::string from;
   std::string to;
@@ -51,7 +46,7 @@ ValueKind Number(std::optional<double>& value, std::string_view type, double lea
           [=] { return fmt::format("a number from {} to {}", least, most); }};
 }
 
-Result<layout::RouteRequest> MakeRequest(const Options& o, const Site& site) {
+Result<layout::RouteRequest> MakeRequest(const LayoutRouteOptions& o, const Site& site) {
   if (o.from.empty() || o.to.empty()) {
     return Fail(ErrorKind::kUsage, "a route needs --from and --to: nodes or stations");
   }
@@ -96,7 +91,7 @@ std::size_t CountActions(const Site& site, const Route& route, const std::string
 }
 
 // A station is named behind its node.
-std::string ToText(const Options& o, const Site& site, const Route& route,
+std::string ToText(const LayoutRouteOptions& o, const Site& site, const Route& route,
                    const std::string& type) {
   const auto words = o.Stops();
   std::string text;
@@ -116,7 +111,7 @@ std::string ToText(const Options& o, const Site& site, const Route& route,
   return text;
 }
 
-std::string ToJson(const Options& o, const Site& site, const Route& route,
+std::string ToJson(const LayoutRouteOptions& o, const Site& site, const Route& route,
                    const std::string& type) {
   base::JsonBuffer buffer;
   base::JsonWriter json(buffer);
@@ -143,7 +138,7 @@ std::string ToJson(const Options& o, const Site& site, const Route& route,
   return buffer.GetString();
 }
 
-Result<ExitCode> RunRoute(const Options& o, const Context& context) {
+Result<ExitCode> RunRoute(const LayoutRouteOptions& o, const Context& context) {
   const auto site = LoadLayout(o.file, context.output);
   if (!site) return Fail(site.error());
   const auto request = MakeRequest(o, *site);
@@ -162,8 +157,8 @@ Result<ExitCode> RunRoute(const Options& o, const Context& context) {
 }  // namespace
 
 Run DeclareLayoutRoute(OptionSet& set) {
-  const auto options = std::make_shared<Options>();
-  Options& o = *options;
+  const auto options = std::make_shared<LayoutRouteOptions>();
+  LayoutRouteOptions& o = *options;
   DeclareLayoutFile(set, o.file);
   const auto add = [&](const char* names, ValueKind kind, const char* help) {
     return set.AddOption(names, std::move(kind), help).Group("Route");
@@ -178,7 +173,7 @@ Run DeclareLayoutRoute(OptionSet& set) {
   set.AddFlag("--loaded", o.loaded, "The vehicle carries a load").Group("Route");
   add("--load-set", Text(o.load_set), "The set of the load, as the factsheet names it; is loaded")
       .Type("NAME");
-  add("--by", OneOf(o.cost, kCosts), "What counts: {} [length]");
+  add("--by", OneOf(o.cost, layout::kRouteCosts), "What counts: {} [length]");
   add("--speed", Number(o.speed, "M/S", 0.01, 100),
       "The vehicle's own speed, for --by time [as fast as edges allow, else 1]");
   add("--heading", Number(o.heading, "RAD", -3.15, 3.15), "In which it stands at the beginning");

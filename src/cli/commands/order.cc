@@ -27,14 +27,9 @@ using app::OrderTask;
 
 constexpr std::string_view kExample = "fleetpub order KIT/0001 n1 n2";
 
-constexpr auto kCosts = std::to_array<base::Choice<layout::RouteCost>>({
-    {"length", layout::RouteCost::kLength},
-    {"time", layout::RouteCost::kTime},
-});
-
 constexpr auto kBlockingTypes = std::to_array<std::string_view>({"NONE", "SOFT", "SINGLE", "HARD"});
 
-struct Options : RobotOptions {
+struct OrderOptions : RobotOptions {
   std::vector<std::string> nodes;
   std::string to;
   std::vector<std::string> via;
@@ -61,7 +56,7 @@ struct Options : RobotOptions {
 
 // --- Declaring
 
-void DeclarePath(OptionSet& set, Options& o) {
+void DeclarePath(OptionSet& set, OrderOptions& o) {
   constexpr const char* kWay = "Way";
   set.AddOption("nodes", o.nodes, "Its nodes, or stations of the layout, in their order")
       .Type("NODE");
@@ -82,7 +77,7 @@ void DeclarePath(OptionSet& set, Options& o) {
       .Type("FILE")
       .Key("layout")
       .Group(kWay);
-  set.AddOption("--by", OneOf(o.cost, kCosts), "What the way is short in: {} [length]")
+  set.AddOption("--by", OneOf(o.cost, layout::kRouteCosts), "What the way is short in: {} [length]")
       .Type("WORD")
       .Group(kWay);
   set.AddOption("--vehicle-type", o.vehicle_type, "The layout's name for it [manufacturer.series]")
@@ -93,7 +88,7 @@ void DeclarePath(OptionSet& set, Options& o) {
   set.AddOption("--load-set", o.load_set, "The kind of its load").Type("NAME").Group(kWay);
 }
 
-void DeclareContents(OptionSet& set, Options& o) {
+void DeclareContents(OptionSet& set, OrderOptions& o) {
   constexpr const char* kOrder = "Order";
   set.AddOption("--action", o.actions,
                 "What to do at a node, station or edge, with its parameters: pick@n7 "
@@ -118,11 +113,11 @@ void DeclareContents(OptionSet& set, Options& o) {
       .Group(kOrder);
 }
 
-void DeclareRelease(OptionSet& set, Options& o, const std::string& help) {
+void DeclareRelease(OptionSet& set, OrderOptions& o, const std::string& help) {
   set.AddOption("--release", WholeNumber(o.release, 1, 1'000'000), help).Group("Order");
 }
 
-void DeclareSending(OptionSet& set, Options& o) {
+void DeclareSending(OptionSet& set, OrderOptions& o) {
   set.AddOption("--header-id", WholeNumber(o.header_id),
                 "The headerId, above the topic's last [the next]")
       .Group("Order");
@@ -132,7 +127,7 @@ void DeclareSending(OptionSet& set, Options& o) {
 
 // --- Reading
 
-Result<app::PathRequest> ParsePath(const Options& o) {
+Result<app::PathRequest> ParsePath(const OrderOptions& o) {
   app::PathRequest path{.nodes = o.nodes,
                         .points = {},
                         .stops = o.via,
@@ -185,7 +180,7 @@ Result<app::PathRequest> ParsePath(const Options& o) {
   return path;
 }
 
-Result<std::set<std::string>> ParseWithout(const Options& o) {
+Result<std::set<std::string>> ParseWithout(const OrderOptions& o) {
   std::set<std::string> names;
   std::vector<std::string_view> known;
   for (const vda5050::OrderMember& member : vda5050::OrderMembers()) {
@@ -206,7 +201,8 @@ Result<std::set<std::string>> ParseWithout(const Options& o) {
 }
 
 // Null: there is none, and none is needed.
-Result<std::shared_ptr<const layout::Site>> ReadSite(const Options& o, const Context& context) {
+Result<std::shared_ptr<const layout::Site>> ReadSite(const OrderOptions& o,
+                                                     const Context& context) {
   if (o.layout_file.empty()) return nullptr;
   auto site = LoadLayout(o.layout_file, context.output);
   if (!site) return Fail(std::move(site.error()));
@@ -223,7 +219,7 @@ Result<std::optional<std::size_t>> ParseReleaseWord(const std::string& word) {
                           base::Printable(word)));
 }
 
-Result<OrderTask> MakeTask(OrderKind kind, const Options& o, const Context& context) {
+Result<OrderTask> MakeTask(OrderKind kind, const OrderOptions& o, const Context& context) {
   OrderTask task{
       .kind = kind, .path = {}, .site = {}, .order_id = o.order_id, .release = o.release};
   task.check = !o.waiting.no_check;
@@ -262,7 +258,7 @@ Result<ExitCode> Follow(const app::FollowRequest& request, const Context& contex
 
 // --- Sending
 
-Result<ExitCode> SendOrder(OrderTask task, const Options& o, const Context& context) {
+Result<ExitCode> SendOrder(OrderTask task, const OrderOptions& o, const Context& context) {
   auto targets = ResolveTarget(o, kExample, context);
   if (!targets) return Fail(std::move(targets.error()));
   auto resolver = app::DialectResolver::Make(o.vda, context.config);
@@ -301,14 +297,14 @@ Result<ExitCode> SendOrder(OrderTask task, const Options& o, const Context& cont
   return Follow(*request, context);
 }
 
-Result<ExitCode> MakeAndSendOrder(OrderKind kind, const Options& o, const Context& context) {
+Result<ExitCode> MakeAndSendOrder(OrderKind kind, const OrderOptions& o, const Context& context) {
   auto task = MakeTask(kind, o, context);
   if (!task) return Fail(std::move(task.error()));
   return SendOrder(*std::move(task), o, context);
 }
 
 // What it drives ends first: orders that come while it cancels are cancelled too.
-Result<ExitCode> ReplaceOrder(const Options& o, const Context& context) {
+Result<ExitCode> ReplaceOrder(const OrderOptions& o, const Context& context) {
   auto task = MakeTask(OrderKind::kNew, o, context);
   if (!task) return Fail(std::move(task.error()));
   if (o.sending.dry_run) return SendOrder(*std::move(task), o, context);
@@ -334,7 +330,7 @@ Result<ExitCode> ReplaceOrder(const Options& o, const Context& context) {
   return SendOrder(*std::move(task), o, context);
 }
 
-void DeclareNew(OptionSet& set, Options& o) {
+void DeclareNew(OptionSet& set, OrderOptions& o) {
   DeclareRobot(set, o);
   DeclarePath(set, o);
   DeclareContents(set, o);
@@ -349,7 +345,7 @@ void DeclareNew(OptionSet& set, Options& o) {
 }  // namespace
 
 Run DeclareOrder(OptionSet& set) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<OrderOptions>();
   DeclareNew(set, *options);
   return [options](const Context& context) {
     return MakeAndSendOrder(OrderKind::kNew, *options, context);
@@ -357,13 +353,13 @@ Run DeclareOrder(OptionSet& set) {
 }
 
 Run DeclareOrderReplace(OptionSet& set) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<OrderOptions>();
   DeclareNew(set, *options);
   return [options](const Context& context) { return ReplaceOrder(*options, context); };
 }
 
 Run DeclareOrderExtend(OptionSet& set) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<OrderOptions>();
   DeclareRobot(set, *options);
   DeclarePath(set, *options);
   DeclareContents(set, *options);
@@ -376,7 +372,7 @@ Run DeclareOrderExtend(OptionSet& set) {
 }
 
 Run DeclareOrderRelease(OptionSet& set) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<OrderOptions>();
   DeclareRobot(set, *options);
   set.AddOption("count", options->release_word, "So many nodes of the horizon, or all [all]")
       .Type("N");

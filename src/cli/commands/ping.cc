@@ -138,12 +138,12 @@ void ShowText(const Finding& finding, Output& output) {
   output.PeopleLine("  publish    not tried: it would reach robots");
 }
 
-struct Options {
+struct PingOptions {
   app::VdaOptions vda;
   std::chrono::milliseconds patience{0};
 };
 
-Result<ExitCode> RunPing(const Options& options, const Context& context) {
+Result<ExitCode> RunPing(const PingOptions& options, const Context& context) {
   const auto filters = MakeFilters(options.vda, context.config);
   if (!filters) return Fail(filters.error());
   const auto connect = MakeConnectOptions(context);
@@ -169,7 +169,7 @@ Result<ExitCode> RunPing(const Options& options, const Context& context) {
 }  // namespace
 
 Run DeclarePing(OptionSet& set) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<PingOptions>();
   set.AddOption("-w,--wait", Duration(options->patience),
                 "Keep trying for so long until the broker is there [0s]")
       .Group("Waiting");

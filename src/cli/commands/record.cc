@@ -27,7 +27,7 @@ namespace {
 using std::chrono::microseconds;
 using std::chrono::steady_clock;
 
-struct Options {
+struct RecordOptions {
   ListenOptions listen;
   std::string file;
   std::optional<std::chrono::milliseconds> duration;
@@ -69,7 +69,7 @@ std::string FormatBytes(std::uint64_t bytes) {
 
 class Recorder final : public app::ListenObserver {
  public:
-  Recorder(const Options& options, Output& output) : options_(options), output_(output) {}
+  Recorder(const RecordOptions& options, Output& output) : options_(options), output_(output) {}
 
   Status Begin(const mqtt::ServerInfo& server, const std::vector<std::string>& filters) override {
     recording::WriterOptions writer{.path = options_.file, .rotation = options_.rotation};
@@ -122,7 +122,7 @@ class Recorder final : public app::ListenObserver {
     return event;
   }
 
-  const Options& options_;
+  const RecordOptions& options_;
   Output& output_;
   const InterruptGuard before_;
   std::optional<StopSignal> stop_;
@@ -132,8 +132,8 @@ class Recorder final : public app::ListenObserver {
   int gaps_ = 0;
 };
 
-void ShowSummary(const Options& o, const recording::Written& written, const Recorder& recorder,
-                 Output& output) {
+void ShowSummary(const RecordOptions& o, const recording::Written& written,
+                 const Recorder& recorder, Output& output) {
   if (output.json()) {
     return output.Line(fmt::format(
         R"({{"file":{},"files":{},"messages":{},"overflow":{},"gaps":{},"bytes":{},"seconds":{:.3f}}})",
@@ -148,7 +148,7 @@ void ShowSummary(const Options& o, const recording::Written& written, const Reco
       gaps == 0 ? "" : fmt::format("; {}: the connection was lost", base::Counted(gaps, "gap"))));
 }
 
-Result<ExitCode> RunRecord(const Options& o, const Context& context) {
+Result<ExitCode> RunRecord(const RecordOptions& o, const Context& context) {
   if (o.file.empty()) {
     return Fail(ErrorKind::kUsage,
                 "record needs a file to write. try: fleetpub record 'KIT/*' -f shift.jsonl");
@@ -177,7 +177,7 @@ Result<ExitCode> RunRecord(const Options& o, const Context& context) {
 
 Run DeclareRecord(OptionSet& set) {
   constexpr const char* kRecording = "Recording";
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<RecordOptions>();
   DeclareListenOptions(set, options->listen);
   set.AddOption("-f,--file", options->file,
                 "A new file; compressed when its name ends in .zst or .gz")

@@ -22,7 +22,7 @@
 namespace fleetpub::cli {
 namespace {
 
-struct Options {
+struct ReplayCommandOptions {
   std::string file;
   std::vector<std::string> maps;
   double speed = 1;
@@ -41,7 +41,8 @@ ValueKind SpeedKind(double& speed) {
           .takes = [] { return std::string("a number from 0.01 to 10000"); }};
 }
 
-Result<simulator::ReplayOptions> ParseReplayOptions(const Options& o, const Context& context) {
+Result<simulator::ReplayOptions> ParseReplayOptions(const ReplayCommandOptions& o,
+                                                    const Context& context) {
   if (o.file.empty()) {
     return Fail(ErrorKind::kUsage, "replay needs a recording. try: fleetpub replay shift.jsonl");
   }
@@ -68,7 +69,7 @@ Result<simulator::ReplayOptions> ParseReplayOptions(const Options& o, const Cont
 }
 
 // Orders and actions move robots, whoever they were recorded of.
-Status AgreeToCommands(const Options& o, const simulator::ReplayPlan& plan,
+Status AgreeToCommands(const ReplayCommandOptions& o, const simulator::ReplayPlan& plan,
                        const Context& context) {
   if (!o.commands || plan.commands == 0 || o.yes) return {};
   const std::vector<vda5050::RobotAddress> robots(plan.robots.begin(), plan.robots.end());
@@ -78,7 +79,7 @@ Status AgreeToCommands(const Options& o, const simulator::ReplayPlan& plan,
 }
 
 void ShowEnd(const simulator::Replayed& replayed, const simulator::ReplayPlan& plan,
-             const Options& o, Output& output) {
+             const ReplayCommandOptions& o, Output& output) {
   const std::uint64_t left_out = o.commands ? 0 : plan.commands;
   const double late = static_cast<double>(replayed.latest.count()) / 1e3;
   if (output.json()) {
@@ -98,7 +99,7 @@ void ShowEnd(const simulator::Replayed& replayed, const simulator::ReplayPlan& p
                                 o.keep ? "" : "; what was retained before is back"));
 }
 
-Result<ExitCode> RunReplay(const Options& o, const Context& context) {
+Result<ExitCode> RunReplay(const ReplayCommandOptions& o, const Context& context) {
   Output& output = context.output;
   const auto options = ParseReplayOptions(o, context);
   if (!options) return Fail(options.error());
@@ -147,7 +148,7 @@ Result<ExitCode> RunReplay(const Options& o, const Context& context) {
 
 Run DeclareReplay(OptionSet& set) {
   constexpr const char* kReplay = "Replay";
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<ReplayCommandOptions>();
   set.AddOption("file", options->file, "A recording").Type("FILE");
   set.AddOption("--speed", SpeedKind(options->speed), "So many times as fast [1]").Group(kReplay);
   set.AddOption("--map", options->maps,

@@ -15,7 +15,7 @@
 namespace fleetpub::cli {
 namespace {
 
-struct Options {
+struct ShowOptions {
   TargetOptions targets{.state_wait = kUsualStateWait};
   app::VdaOptions vda;
   bool no_ask = false;
@@ -23,7 +23,7 @@ struct Options {
   std::string from;
 };
 
-Result<app::ShowRequest> MakeRequest(const Options& o, const Context& context) {
+Result<app::ShowRequest> MakeRequest(const ShowOptions& o, const Context& context) {
   auto request = ParseTargetOptions(o.targets);
   if (!request) return Fail(std::move(request.error()));
   if (!o.from.empty()) request->state_wait = app::kUntilItEnds;
@@ -53,7 +53,7 @@ void Show(const std::vector<app::RobotSheet>& sheets, bool is_one, base::WallTim
   }
 }
 
-Result<ExitCode> RunShow(const Options& o, const Context& context) {
+Result<ExitCode> RunShow(const ShowOptions& o, const Context& context) {
   const auto request = MakeRequest(o, context);
   if (!request) return Fail(request.error());
   const auto environment = MakeEnvironment(context, o.from, delivery::Play::kLast);
@@ -72,7 +72,7 @@ Result<ExitCode> RunShow(const Options& o, const Context& context) {
 }  // namespace
 
 Run DeclareShow(OptionSet& set) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<ShowOptions>();
   DeclareTargetWords(set, options->targets);
   DeclareSelectionFlags(set, options->targets);
   DeclareStateWait(set, options->targets.state_wait, "2s");

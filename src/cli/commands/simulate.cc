@@ -30,7 +30,7 @@ namespace {
 using vda5050::RobotAddress;
 using vda5050::Version;
 
-struct Options {
+struct SimulateOptions {
   std::vector<std::string> targets;
   app::VdaOptions vda;
   std::size_t count = 1;
@@ -107,7 +107,7 @@ void AddTypes(const std::vector<std::string>& words, Version version,
 }
 
 // As this robot, or each of them, is configured; never `auto`, which is for robots that are there.
-app::VdaOptions SpokenBy(const std::vector<RobotAddress>& robots, const Options& o,
+app::VdaOptions SpokenBy(const std::vector<RobotAddress>& robots, const SimulateOptions& o,
                          const config::Config& config) {
   app::VdaOptions vda = robots.size() == 1 ? app::WithConfig(o.vda, config, robots.front())
                                            : app::WithConfig(o.vda, config);
@@ -129,7 +129,7 @@ Result<simulator::ModeChange> ParseModeChange(std::string_view text, Version ver
                           vda5050::GetFacts(version).name, base::Printable(text)));
 }
 
-Status SetModeChanges(const Options& o, simulator::Settings& settings) {
+Status SetModeChanges(const SimulateOptions& o, simulator::Settings& settings) {
   for (const std::string& text : o.mode_changes) {
     auto change = ParseModeChange(text, settings.version);
     if (!change) return Fail(std::move(change.error()));
@@ -141,7 +141,7 @@ Status SetModeChanges(const Options& o, simulator::Settings& settings) {
 }
 
 // Where the layout has the node of --at.
-Status PlaceOnLayout(const Options& o, simulator::RobotState& state, Output& output) {
+Status PlaceOnLayout(const SimulateOptions& o, simulator::RobotState& state, Output& output) {
   if (state.last_node_id.empty()) {
     return Fail(ErrorKind::kUsage, "--layout needs a node to stand on: --at NODE");
   }
@@ -156,7 +156,8 @@ Status PlaceOnLayout(const Options& o, simulator::RobotState& state, Output& out
   return {};
 }
 
-Status SetTrouble(const Options& o, Version version, simulator::RobotState& state, Output& output) {
+Status SetTrouble(const SimulateOptions& o, Version version, simulator::RobotState& state,
+                  Output& output) {
   if (!simulator::HasEmergencyStop(state.emergency_stop, version)) {
     return Fail(ErrorKind::kUsage,
                 fmt::format("--emergency-stop: VDA 5050 {} has MANUAL, REMOTE and NONE, not {}",
@@ -180,7 +181,7 @@ Status SetTrouble(const Options& o, Version version, simulator::RobotState& stat
   return {};
 }
 
-Result<simulator::Settings> MakeSettings(const Options& o, const app::VdaOptions& vda,
+Result<simulator::Settings> MakeSettings(const SimulateOptions& o, const app::VdaOptions& vda,
                                          Output& output) {
   const auto dialect = app::ParseDialect(vda);
   if (!dialect) return Fail(dialect.error());
@@ -213,7 +214,7 @@ Result<simulator::Settings> MakeSettings(const Options& o, const app::VdaOptions
   return settings;
 }
 
-Result<std::vector<RobotAddress>> Robots(const Options& o, const Context& context) {
+Result<std::vector<RobotAddress>> Robots(const SimulateOptions& o, const Context& context) {
   const auto targets = app::ResolveRobots(o.targets, context.config, context.output);
   if (!targets) return Fail(targets.error());
   std::vector<RobotAddress> robots;
@@ -236,24 +237,15 @@ void StopOnSignals() {
   sigaction(SIGTERM, &action, nullptr);
 }
 
-void Show(std::string_view robot, const simulator::Event& event, Output& output) {
-  const std::string line = base::Printable(fmt::format("{}: {}", robot, event.text));
-  if (event.kind == simulator::Event::Kind::kFault) {
-    output.Warn(line);
-  } else {
-    output.Debug(line);
-  }
-}
-
-bool HasTrouble(const Options& o) {
+bool HasTrouble(const SimulateOptions& o) {
   const simulator::RobotState usual;
   const simulator::RobotState& state = o.settings.initial;
-  return o.battery != Options().battery || state.emergency_stop != usual.emergency_stop ||
+  return o.battery != SimulateOptions().battery || state.emergency_stop != usual.emergency_stop ||
          state.field_violation || !state.last_node_id.empty() || !o.errors.empty() || o.position ||
          !o.layout_file.empty();
 }
 
-bool Drives(const Options& o) {
+bool Drives(const SimulateOptions& o) {
   const simulator::Settings usual;
   const simulator::Settings& s = o.settings;
   return s.speed != usual.speed || s.time_scale != usual.time_scale ||
@@ -264,8 +256,8 @@ bool Drives(const Options& o) {
 }
 
 // What only robots have, and was asked of platforms.
-Status RefuseRobotOptions(const Options& o) {
-  const Options none;
+Status RefuseRobotOptions(const SimulateOptions& o) {
+  const SimulateOptions none;
   const bool any = !o.vda.interface_name.empty() || !o.vda.topic_template.empty() ||
                    !o.vda.actions_key.empty() || o.count != none.count || !o.mode.empty() ||
                    o.settings.with_order || Drives(o) || o.settings.faults.Any() ||
@@ -279,7 +271,7 @@ Status RefuseRobotOptions(const Options& o) {
               "--state-interval and --for; the other options are for VDA 5050");
 }
 
-Result<ExitCode> RunPlatforms(const Options& o, const Context& context) {
+Result<ExitCode> RunPlatforms(const SimulateOptions& o, const Context& context) {
   if (auto ok = RefuseRobotOptions(o); !ok) return Fail(ok.error());
   return RunSoarSimulation({.destinations = o.targets,
                             .prefix = o.prefix,
@@ -294,7 +286,7 @@ Result<ExitCode> RunPlatforms(const Options& o, const Context& context) {
 }
 
 // A fault of an action that nobody will send shows nothing.
-void WarnOfMisspelt(const Options& o, Output& output) {
+void WarnOfMisspelt(const SimulateOptions& o, Output& output) {
   for (const auto* words : {&o.fail, &o.reject, &o.retriable, &o.hang}) {
     for (const std::string& word : *words) {
       const auto nearest = vda5050::ActionCalled(word) ? std::nullopt : vda5050::ActionMeant(word);
@@ -320,7 +312,7 @@ Result<std::vector<std::string>> ConnectionFilters(const vda5050::TopicScheme& t
   return filters;
 }
 
-Result<ExitCode> RunSimulate(const Options& o, const Context& context) {
+Result<ExitCode> RunSimulate(const SimulateOptions& o, const Context& context) {
   if (o.is_soar) return RunPlatforms(o, context);
   if (o.stop_at) return Fail(ErrorKind::kUsage, "--stop-at belongs to --protocol soar");
   Output& output = context.output;
@@ -332,9 +324,11 @@ Result<ExitCode> RunSimulate(const Options& o, const Context& context) {
   const std::string_view version = vda5050::GetFacts(settings->version).name;
   schema::Registry registry(context.options.schema_directory);
   WarnOfMisspelt(o, output);
-  const auto fleet = simulator::Fleet::Make(
-      *std::move(settings), *robots, registry,
-      [&](std::string_view robot, const simulator::Event& event) { Show(robot, event, output); });
+  const auto fleet =
+      simulator::Fleet::Make(*std::move(settings), *robots, registry,
+                             [&](std::string_view robot, const simulator::Event& event) {
+                               ShowEvent(robot, event, output);
+                             });
   if (!fleet) return Fail(fleet.error());
   auto connect = MakeConnectOptions(context);
   if (!connect) return Fail(std::move(connect.error()));
@@ -400,7 +394,7 @@ ValueKind FaultNames(simulator::Faults& faults) {
           .is_list = true};
 }
 
-void DeclareRobots(OptionSet& set, Options& o) {
+void DeclareRobots(OptionSet& set, SimulateOptions& o) {
   constexpr const char* kRobots = "Robots";
   const auto add = [&](const char* names, ValueKind kind, const char* type, const char* help) {
     return set.AddOption(names, std::move(kind), help).Type(type).Group(kRobots);
@@ -432,7 +426,7 @@ void DeclareRobots(OptionSet& set, Options& o) {
   set.AddFlag("--force", o.force, "Take the place of a robot that is ONLINE").Group(kRobots);
 }
 
-void DeclareDriving(OptionSet& set, Options& o) {
+void DeclareDriving(OptionSet& set, SimulateOptions& o) {
   constexpr const char* kDriving = "Driving";
   simulator::Settings& settings = o.settings;
   const auto add = [&](const char* names, ValueKind kind, const char* type, const char* help) {
@@ -456,7 +450,7 @@ void DeclareDriving(OptionSet& set, Options& o) {
       .OneValueEach();
 }
 
-void DeclareTrouble(OptionSet& set, Options& o) {
+void DeclareTrouble(OptionSet& set, SimulateOptions& o) {
   constexpr const char* kTrouble = "Trouble";
   simulator::RobotState& state = o.settings.initial;
   const auto add = [&](const char* names, ValueKind kind, const char* type, const char* help) {
@@ -477,7 +471,7 @@ void DeclareTrouble(OptionSet& set, Options& o) {
   add("--layout", Text(o.layout_file), "FILE", "A layout (LIF), which says where that node is");
 }
 
-void DeclarePlatforms(OptionSet& set, Options& o) {
+void DeclarePlatforms(OptionSet& set, SimulateOptions& o) {
   set.AddOption("--protocol", OneOf(o.is_soar, kProtocols),
                 "{}: with soar the targets are platforms [vda5050]")
       .Type("NAME")
@@ -488,7 +482,7 @@ void DeclarePlatforms(OptionSet& set, Options& o) {
       .Group("SoAR");
 }
 
-void DeclareFaults(OptionSet& set, Options& o) {
+void DeclareFaults(OptionSet& set, SimulateOptions& o) {
   constexpr const char* kFaults = "Faults";
   const auto add = [&](const char* names, ValueKind kind, const char* type, const char* help) {
     set.AddOption(names, std::move(kind), help).Type(type).Group(kFaults);
@@ -520,7 +514,7 @@ void DeclareFaults(OptionSet& set, Options& o) {
 }  // namespace
 
 Run DeclareSimulate(OptionSet& set) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<SimulateOptions>();
   DeclareRobots(set, *options);
   DeclareDriving(set, *options);
   DeclareTrouble(set, *options);

@@ -12,7 +12,7 @@
 namespace fleetpub::cli {
 namespace {
 
-struct Options {
+struct SoarMissionPlanOptions {
   FieldOptions fields;
   std::vector<std::string> waypoints;
   std::string file;
@@ -32,7 +32,7 @@ Result<soar::PlanFile> PlanFromOptions(const std::vector<std::string>& texts) {
   return plan;
 }
 
-Result<soar::PlanFile> ReadPlanFile(const Options& options) {
+Result<soar::PlanFile> ReadPlanFile(const SoarMissionPlanOptions& options) {
   if (options.file.empty() == options.waypoints.empty()) {
     return Fail(ErrorKind::kUsage, options.file.empty()
                                        ? "a plan needs waypoints: give them with --waypoint, or a "
@@ -45,7 +45,7 @@ Result<soar::PlanFile> ReadPlanFile(const Options& options) {
   return soar::ReadPlan(*content, options.file);
 }
 
-Result<ExitCode> RunMissionPlan(const Options& options, const Context& context) {
+Result<ExitCode> RunMissionPlan(const SoarMissionPlanOptions& options, const Context& context) {
   context.output.Reads(options.file);
   auto plan = ReadPlanFile(options);
   if (!plan) return Fail(std::move(plan.error()));
@@ -67,7 +67,7 @@ Result<ExitCode> RunMissionPlan(const Options& options, const Context& context) 
 
 Run DeclareSoarMissionPlan(OptionSet& set) {
   constexpr const char* kPayload = "Payload";
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<SoarMissionPlanOptions>();
   options->fields.Declare(set, soar::ListFields(soar::MessageType::kMissionPlan));
   set.AddOption("--waypoint", options->waypoints,
                 "A waypoint: lat=50.37,lon=-4.19 and what else there is to say: depth, altitude, "

@@ -14,7 +14,7 @@
 namespace fleetpub::cli {
 namespace {
 
-struct Options {
+struct SoarPlanningConfigurationOptions {
   FieldOptions fields;
   std::string file;
   SoarSendingOptions sending;
@@ -36,7 +36,8 @@ Result<std::string> PayloadFrom(std::string_view name, std::string_view content,
   return soar::ParsePlanningConfiguration(*json, id);
 }
 
-Result<ExitCode> RunPlanningConfiguration(const Options& options, const Context& context) {
+Result<ExitCode> RunPlanningConfiguration(const SoarPlanningConfigurationOptions& options,
+                                          const Context& context) {
   if (options.file.empty()) {
     return Fail(ErrorKind::kUsage,
                 "a planning configuration comes from a file: name it with --file");
@@ -58,7 +59,7 @@ Result<ExitCode> RunPlanningConfiguration(const Options& options, const Context&
 }  // namespace
 
 Run DeclareSoarPlanningConfiguration(OptionSet& set) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<SoarPlanningConfigurationOptions>();
   set.AddOption("-f,--file", options->file,
                 "Squads, platforms and zones: JSON or TOML; - is standard input")
       .Type("FILE")

@@ -16,7 +16,7 @@ namespace {
 
 using soar::MessageType;
 
-struct Options {
+struct SoarReportsOptions {
   MessageType type = MessageType::kAcknowledgement;
   FieldOptions fields;
   std::vector<std::string> points;
@@ -45,7 +45,7 @@ void AddTime(std::vector<soar::Member>& members) {
   members.insert(members.begin(), {std::string(kName), base::JsonString(now)});
 }
 
-Result<ExitCode> RunReport(const Options& options, const Context& context) {
+Result<ExitCode> RunReport(const SoarReportsOptions& options, const Context& context) {
   auto members = options.fields.Members();
   if (!members) return Fail(std::move(members.error()));
   if (auto added = AddPoints(options.points, *members); !added) return Fail(added.error());
@@ -54,8 +54,8 @@ Result<ExitCode> RunReport(const Options& options, const Context& context) {
                          context);
 }
 
-std::shared_ptr<Options> DeclareReport(OptionSet& set, MessageType type) {
-  auto options = std::make_shared<Options>();
+std::shared_ptr<SoarReportsOptions> DeclareReport(OptionSet& set, MessageType type) {
+  auto options = std::make_shared<SoarReportsOptions>();
   options->type = type;
   options->fields.Declare(set, soar::ListFields(type));
   return options;

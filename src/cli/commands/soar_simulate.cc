@@ -21,16 +21,16 @@ Result<simulator::PlatformSettings> MakeSettings(const SoarSimulation& simulatio
   return settings;
 }
 
-void Show(std::string_view platform, const simulator::Event& event, Output& output) {
-  const std::string line = base::Printable(fmt::format("{}: {}", platform, event.text));
+}  // namespace
+
+void ShowEvent(std::string_view name, const simulator::Event& event, Output& output) {
+  const std::string line = base::Printable(fmt::format("{}: {}", name, event.text));
   if (event.kind == simulator::Event::Kind::kFault) {
     output.Warn(line);
   } else {
     output.Debug(line);
   }
 }
-
-}  // namespace
 
 Result<ExitCode> RunSoarSimulation(const SoarSimulation& simulation, const Context& context) {
   Output& output = context.output;
@@ -41,9 +41,11 @@ Result<ExitCode> RunSoarSimulation(const SoarSimulation& simulation, const Conte
   auto settings = MakeSettings(simulation);
   if (!settings) return Fail(std::move(settings.error()));
   schema::Registry registry(context.options.schema_directory);
-  const auto fleet = simulator::PlatformFleet::Make(
-      *std::move(settings), simulation.destinations, registry,
-      [&](std::string_view name, const simulator::Event& event) { Show(name, event, output); });
+  const auto fleet =
+      simulator::PlatformFleet::Make(*std::move(settings), simulation.destinations, registry,
+                                     [&](std::string_view name, const simulator::Event& event) {
+                                       ShowEvent(name, event, output);
+                                     });
   if (!fleet) return Fail(fleet.error());
   auto connect = MakeConnectOptions(context);
   if (!connect) return Fail(std::move(connect.error()));

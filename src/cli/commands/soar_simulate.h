@@ -10,6 +10,7 @@
 #include "base/result.h"
 #include "cli/options/global_options.h"
 #include "cli/output/exit_code.h"
+#include "simulator/virtual_robot.h"
 #include "soar/message_type.h"
 
 namespace fleetpub::cli {
@@ -25,6 +26,9 @@ struct SoarSimulation {
   std::function<bool()> stopped;
   std::function<void()> on_ready;  ///< called before it is told that they are there
 };
+
+/// A fault of a virtual robot or platform as a warning, anything else of it with `-v`.
+void ShowEvent(std::string_view name, const simulator::Event& event, Output& output);
 
 [[nodiscard]] Result<ExitCode> RunSoarSimulation(const SoarSimulation& simulation,
                                                  const Context& context);

@@ -22,7 +22,7 @@
 namespace fleetpub::cli {
 namespace {
 
-struct Options {
+struct TailOptions {
   ListenOptions listen;
   std::string from;
   std::optional<std::chrono::milliseconds> duration;
@@ -31,7 +31,7 @@ struct Options {
 
 class Tail final : public app::ListenObserver {
  public:
-  Tail(const Options& options, const app::Environment& environment, Output& output)
+  Tail(const TailOptions& options, const app::Environment& environment, Output& output)
       : options_(options), environment_(environment), output_(output) {}
 
   Status Begin(const mqtt::ServerInfo& /*server*/,
@@ -86,13 +86,13 @@ class Tail final : public app::ListenObserver {
         base::JsonStrings(texts), json.empty() ? "null" : json);
   }
 
-  const Options& options_;
+  const TailOptions& options_;
   const app::Environment& environment_;
   Output& output_;
   std::map<std::string, std::vector<Statement>> last_;  // by topic
 };
 
-Result<ExitCode> RunTail(const Options& o, const Context& context) {
+Result<ExitCode> RunTail(const TailOptions& o, const Context& context) {
   auto request = ParseListenOptions(o.listen);
   if (!request) return Fail(std::move(request.error()));
   if (o.duration && !o.from.empty()) return Fail(NoTimeFrom("--for"));
@@ -108,7 +108,7 @@ Result<ExitCode> RunTail(const Options& o, const Context& context) {
 }  // namespace
 
 Run DeclareTail(OptionSet& set) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<TailOptions>();
   DeclareListenOptions(set, options->listen);
   DeclareFrom(set, options->from);
   set.AddFlag("--changes", options->changes,

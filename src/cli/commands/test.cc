@@ -28,7 +28,7 @@ using app::scenario::Test;
 using app::scenario::TestEnd;
 using base::JsonString;
 
-struct Options {
+struct TestOptions {
   std::vector<std::string> files;
   bool check = false;
   std::vector<std::string> only;
@@ -49,7 +49,7 @@ bool NamesOne(const std::vector<std::string>& words, const Test& test) {
 }
 
 // Those that are chosen. Errors: the last mistake, once the others are told.
-Result<std::vector<Suite>> ReadSuites(const Options& o, const ScenarioCommands& commands,
+Result<std::vector<Suite>> ReadSuites(const TestOptions& o, const ScenarioCommands& commands,
                                       const Context& context) {
   constexpr std::size_t kLargest = std::size_t{1} << 20;
   if (o.files.empty()) {
@@ -98,7 +98,7 @@ ExitCode ShowSuites(const std::vector<Suite>& suites, Output& output) {
   return ExitCode::kDone;
 }
 
-Status AgreeToReal(const Options& o, const std::vector<Suite>& suites, const Context& context) {
+Status AgreeToReal(const TestOptions& o, const std::vector<Suite>& suites, const Context& context) {
   std::set<std::string> real;
   for (const Suite& suite : suites) {
     for (const Test& test : suite.tests) {
@@ -162,7 +162,7 @@ ExitCode ShowSummary(std::size_t files, const VerdictCounts& counts, Output& out
   return StopSignal::Received().value_or(code);
 }
 
-Result<ExitCode> RunTest(const Options& o, const OptionSet& set, const Context& context) {
+Result<ExitCode> RunTest(const TestOptions& o, const OptionSet& set, const Context& context) {
   if (context.options.ask_password) {
     return Fail(ErrorKind::kUsage,
                 "test starts commands that cannot ask: use --password-file or FLEETPUB_PASSWORD");
@@ -208,7 +208,7 @@ Result<ExitCode> RunTest(const Options& o, const OptionSet& set, const Context& 
 
 Run DeclareTest(OptionSet& set) {
   constexpr const char* kTests = "Tests";
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<TestOptions>();
   set.AddOption("file", options->files, "Scenarios, in TOML").Type("FILE");
   set.AddFlag("--check", options->check, "Only read the files: all that is wrong in them")
       .Group(kTests);

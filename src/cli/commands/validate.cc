@@ -28,7 +28,7 @@ namespace {
 namespace fs = std::filesystem;
 using delivery::Findings;
 
-struct Options {
+struct ValidateOptions {
   std::vector<std::string> files;  ///< none: standard input; with --live robots
   ValidatorOptions validator;
   bool lines = false;
@@ -261,7 +261,7 @@ Status AddFolder(const fs::path& folder, bool lines, std::vector<Input>& inputs)
   return {};
 }
 
-Result<std::vector<Input>> ListInputs(const Options& options) {
+Result<std::vector<Input>> ListInputs(const ValidateOptions& options) {
   std::vector<Input> inputs;
   for (const std::string& file : options.files) {
     std::error_code unknown;
@@ -275,7 +275,7 @@ Result<std::vector<Input>> ListInputs(const Options& options) {
   return inputs;
 }
 
-Result<ExitCode> RunLive(const Options& options, const Context& context) {
+Result<ExitCode> RunLive(const ValidateOptions& options, const Context& context) {
   const ValidatorOptions& validator = options.validator;
   if (options.lines || !validator.schema_file.empty() || validator.is_soar ||
       validator.message_type || validator.body) {
@@ -292,7 +292,7 @@ Result<ExitCode> RunLive(const Options& options, const Context& context) {
   return ValidateLive(live, context);
 }
 
-Result<ExitCode> RunValidate(const Options& options, const Context& context) {
+Result<ExitCode> RunValidate(const ValidateOptions& options, const Context& context) {
   if (options.live.live || !options.live.from.empty()) return RunLive(options, context);
   if (options.live.AreGiven()) {
     return Fail(ErrorKind::kUsage, "--for, --count and the options that choose robots need --live");
@@ -328,7 +328,7 @@ Result<ExitCode> RunValidate(const Options& options, const Context& context) {
 }  // namespace
 
 Run DeclareValidate(OptionSet& set) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<ValidateOptions>();
   ValidatorOptions& o = options->validator;
   const auto add = [&](const char* names, ValueKind kind, const char* type, const char* help) {
     return set.AddOption(names, std::move(kind), help).Type(type).Group("Checking");

@@ -11,7 +11,7 @@ struct BuildInfo {
   const char* description;  ///< type, way of linking, system, compiler
 };
 
-/// `fleetpub 0.1.0` on the first line, for scripts; then the build, the libraries, the schemas.
+/// `fleetpub 1.0.0` on the first line, for scripts; then the build, the libraries, the schemas.
 [[nodiscard]] std::string VersionText(const BuildInfo& build);
 
 }  // namespace fleetpub::cli

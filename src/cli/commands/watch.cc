@@ -31,7 +31,7 @@ using std::chrono::steady_clock;
 constexpr seconds kNotice{3};
 constexpr seconds kLongestStill{1};  // ages grow while nothing happens
 
-struct Options {
+struct WatchOptions {
   FleetOptions fleet;
   FleetViewOptions view;
   std::optional<std::chrono::milliseconds> duration;
@@ -170,7 +170,7 @@ class ScreenDisplay final : public app::FleetDisplay {
   Screen screen_;
 };
 
-std::unique_ptr<app::FleetDisplay> MakeDisplay(const Options& o, const mqtt::BrokerUrl& broker,
+std::unique_ptr<app::FleetDisplay> MakeDisplay(const WatchOptions& o, const mqtt::BrokerUrl& broker,
                                                const Fleet& fleet, app::AskHook ask,
                                                const app::Environment& environment,
                                                const Context& context) {
@@ -185,7 +185,7 @@ std::unique_ptr<app::FleetDisplay> MakeDisplay(const Options& o, const mqtt::Bro
                                          context.output);
 }
 
-Result<ExitCode> RunWatch(const Options& o, const Context& context) {
+Result<ExitCode> RunWatch(const WatchOptions& o, const Context& context) {
   auto request = ParseFleetOptions(o.fleet);
   if (!request) return Fail(request.error());
   request->problems = o.view.problems;
@@ -205,7 +205,7 @@ Result<ExitCode> RunWatch(const Options& o, const Context& context) {
 }  // namespace
 
 Run DeclareWatch(OptionSet& set) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<WatchOptions>();
   DeclareFleetOptions(set, options->fleet);
   DeclareFleetViewOptions(set, options->view);
   DeclareFrom(set, options->from);

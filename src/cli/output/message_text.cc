@@ -18,6 +18,7 @@ using base::FindArray;
 using base::FindMember;
 using base::JsonValue;
 using base::StringMember;
+using base::UintMember;
 using vda5050::Shown;
 using Statements = std::vector<Statement>;
 
@@ -26,18 +27,12 @@ constexpr std::size_t kLongestShown = 100;
 
 std::string Word(std::string_view text) { return Shown(text, kLongestWord); }
 
-std::optional<std::uint64_t> Number(const JsonValue& value, std::string_view name) {
-  const JsonValue* member = FindMember(value, name);
-  if (member == nullptr || !member->IsUint64()) return std::nullopt;
-  return member->GetUint64();
-}
-
 // The node that the robot comes to next.
 std::string_view FindNextNode(const JsonValue& message, const vda5050::RobotState& state) {
   const JsonValue* nodes = FindArray(message, "nodeStates");
   if (nodes == nullptr) return {};
   for (const JsonValue& node : nodes->GetArray()) {
-    const auto sequence = Number(node, "sequenceId");
+    const auto sequence = UintMember(node, "sequenceId");
     if (state.last_node_sequence_id && sequence && *sequence <= *state.last_node_sequence_id) {
       continue;
     }
@@ -115,7 +110,7 @@ void AddState(const JsonValue& message, Statements& said) {
 }
 
 void AddOrder(const JsonValue& message, Statements& said) {
-  const auto update = Number(message, "orderUpdateId").value_or(0);
+  const auto update = UintMember(message, "orderUpdateId").value_or(0);
   said.push_back({"order",
                   fmt::format("order {}{}", Word(StringMember(message, "orderId")),
                               update == 0 ? "" : fmt::format(" update {}", update)),

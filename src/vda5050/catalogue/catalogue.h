@@ -47,6 +47,11 @@ struct VersionRange {
 
   [[nodiscard]] bool Contains(Version version) const { return version >= first && version <= last; }
 };
+inline constexpr VersionRange kAllVersions{Version::k110, Version::k300};
+inline constexpr VersionRange kUpTo21{Version::k110, Version::k210};
+inline constexpr VersionRange kFrom20{Version::k200, Version::k300};
+inline constexpr VersionRange kFrom21{Version::k210, Version::k300};
+inline constexpr VersionRange kFrom30{Version::k300, Version::k300};
 
 struct ActionSpec {
   std::string_view type;  ///< `actionType`, spelled as the specification spells it

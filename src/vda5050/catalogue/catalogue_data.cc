@@ -15,12 +15,6 @@ constexpr bool kOptional = false;
 constexpr bool kIdempotent = true;
 constexpr bool kNotIdempotent = false;
 
-constexpr VersionRange kAll{k110, k300};
-constexpr VersionRange kUpTo21{k110, k210};
-constexpr VersionRange kFrom20{k200, k300};
-constexpr VersionRange kFrom21{k210, k300};
-constexpr VersionRange kFrom30{k300, k300};
-
 constexpr Scopes kInstant{.instant = true};
 constexpr Scopes kInstantOrNode{.instant = true, .node = true};
 constexpr Scopes kNode{.node = true};
@@ -121,8 +115,9 @@ constexpr std::span<const ParameterSpec> kNone{};
 
 // In the order of the 3.0 table. A row that 3.0 changed stands twice, the older one first.
 constexpr auto kActions = std::to_array<ActionSpec>({
-    {"startPause", kAll, kInstant, kNone, "stopPause", "paused", kIdempotent, "stop and hold"},
-    {"stopPause", kAll, kInstant, kNone, "startPause", "paused", kIdempotent,
+    {"startPause", kAllVersions, kInstant, kNone, "stopPause", "paused", kIdempotent,
+     "stop and hold"},
+    {"stopPause", kAllVersions, kInstant, kNone, "startPause", "paused", kIdempotent,
      "go on after a pause"},
     {"startHibernation", kFrom30, kInstant, kWakeUp, "stopHibernation", "", kIdempotent,
      "save power: connected, but silent"},
@@ -170,11 +165,12 @@ constexpr auto kActions = std::to_array<ActionSpec>({
      "forget ended instant actions"},
     {"clearZoneActions", kFrom30, kInstantOrNode, kNone, "", "zoneActionStates", kIdempotent,
      "forget ended zone actions"},
-    {"stateRequest", kAll, kInstant, kNone, "", "", kIdempotent, "report the state now"},
-    {"logReport", kAll, kInstant, kReason, "", "", kIdempotent, "write a log and name it"},
+    {"stateRequest", kAllVersions, kInstant, kNone, "", "", kIdempotent, "report the state now"},
+    {"logReport", kAllVersions, kInstant, kReason, "", "", kIdempotent, "write a log and name it"},
     {"pick", kUpTo21, kNodeOrEdge, kLoadUpTo21, "drop", "load", kNotIdempotent, "take a load"},
     {"pick", kFrom30, kNodeOrEdge, kPickFrom30, "drop", "load", kNotIdempotent, "take a load"},
-    {"drop", kAll, kNodeOrEdge, kDropUpTo21, "pick", "load", kNotIdempotent, "put a load down"},
+    {"drop", kAllVersions, kNodeOrEdge, kDropUpTo21, "pick", "load", kNotIdempotent,
+     "put a load down"},
     {"detectObject", kUpTo21, kNodeOrEdge, kObject, "", "", kIdempotent, "look for an object"},
     {"detectObject", kFrom30, kNodeEdgeOrZone, kObject, "", "", kIdempotent, "look for an object"},
     {"finePositioning", kUpTo21, kNodeOrEdge, kStation, "", "", kIdempotent, "position exactly"},
