@@ -24,7 +24,7 @@ struct ConformRequest {
   std::shared_ptr<const layout::Site> site = {};  ///< may be null
   std::string vehicle_type = {};
   std::filesystem::path recording = {};  ///< takes all that is heard; empty: none
-  std::string tool;                      ///< `fleetpub 0.1.0`, for the recording
+  std::string tool;                      ///< `fleetpub 1.0.0`, for the recording
 };
 
 struct ConformReport {

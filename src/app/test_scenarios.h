@@ -23,7 +23,7 @@ struct ScenarioRequest {
   std::vector<scenario::Suite> suites;
   VdaOptions vda;                        ///< whose topics are listened to
   std::filesystem::path recording = {};  ///< takes all that is heard; empty: none
-  std::string tool;                      ///< `fleetpub 0.1.0`, for the recording
+  std::string tool;                      ///< `fleetpub 1.0.0`, for the recording
   StartCommand start;
 };
 

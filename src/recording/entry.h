@@ -25,7 +25,7 @@ struct Moment {
 };
 
 struct Head {
-  std::string tool;  ///< `fleetpub 0.1.0`
+  std::string tool;  ///< `fleetpub 1.0.0`
   base::WallTime started;
   std::string broker;        ///< without login
   std::string mqtt_version;  ///< `3.1.1`, `5`
