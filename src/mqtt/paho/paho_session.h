@@ -71,6 +71,7 @@ class PahoSession {
   friend struct SessionCallbacks;
 
   [[nodiscard]] bool Connected() const;
+  [[nodiscard]] bool HasReadAhead() const;
   void Acknowledge(int token, int reason);
   [[nodiscard]] bool Keep(char* topic, int topic_length, void* message);
   tl::unexpected<Error> Lose(const PahoCall& call, int code, std::string_view cause);

@@ -25,7 +25,7 @@
 //                  once: that is the 100 ms. Every wait is cut at the deadline; then the connection is shut down,
 //                  Paho reads the end and gives up. The first byte of the first answer is looked at
 //                  before Paho sees it: an SSH server's greeting is to Paho the start of a packet
-//                  whose rest never comes.
+//                  whose rest never comes. What paho_input.cc has read ahead is readable, too.
 //   writev()       Waits for room instead of writing short, which would cost Paho another 100 ms.
 //                  (TLS writes through write(), which is left alone: the transport waits for room before it publishes.)
 //   getaddrinfo()  The name has been looked up already. Paho needs an answer only to choose the
@@ -148,6 +148,14 @@ struct Interposed {
     pollfd* const ours = current_call == nullptr ? nullptr : FindReading(descriptors, count);
     if (ours == nullptr) return RawPoll(descriptors, count, timeout);
     PahoCall& call = *current_call;
+    if (PahoInput::HasReadAhead(ours->fd)) {
+      ours->revents = 0;
+      int ready = count > 1 ? RawPoll(descriptors, count, 0) : 0;
+      if (ready < 0) return ready;
+      if (ours->revents == 0) ++ready;
+      ours->revents = static_cast<short>(ours->revents | POLLIN);
+      return Readable(call, ready);
+    }
     if (std::exchange(call.just_connected_, false)) timeout = 0;
     if (timeout != 0) {
       const int left = MillisecondsUntil(call.deadline_);
@@ -165,17 +173,21 @@ struct Interposed {
       ready = RawPoll(descriptors, count, timeout);
     }
     if (ready < 0) return ready;
-    if (ours->revents != 0) {
-      call.readable_ = true;
-      if (call.patience_.count() > 0) {
-        const auto renewed = std::chrono::steady_clock::now() + call.patience_;
-        call.deadline_ = std::max(call.deadline_, std::min(renewed, call.latest_));
-      }
-      CheckFirst(call);
-    } else if (std::exchange(call.probe_, false)) {
+    if (ours->revents != 0) return Readable(call, ready);
+    if (std::exchange(call.probe_, false)) {
       ours->revents = POLLIN;
       ++ready;
     }
+    return ready;
+  }
+
+  static int Readable(PahoCall& call, int ready) {
+    call.readable_ = true;
+    if (call.patience_.count() > 0) {
+      const auto renewed = std::chrono::steady_clock::now() + call.patience_;
+      call.deadline_ = std::max(call.deadline_, std::min(renewed, call.latest_));
+    }
+    CheckFirst(call);
     return ready;
   }
 
