@@ -149,12 +149,11 @@ struct Interposed {
     if (ours == nullptr) return RawPoll(descriptors, count, timeout);
     PahoCall& call = *current_call;
     if (PahoInput::HasReadAhead(ours->fd)) {
-      ours->revents = 0;
-      int ready = count > 1 ? RawPoll(descriptors, count, 0) : 0;
+      const int ready = count > 1 ? RawPoll(descriptors, count, 0) : 0;
       if (ready < 0) return ready;
-      if (ours->revents == 0) ++ready;
-      ours->revents = static_cast<short>(ours->revents | POLLIN);
-      return Readable(call, ready);
+      const bool is_counted = count > 1 && ours->revents != 0;
+      ours->revents = POLLIN;
+      return Readable(call, is_counted ? ready : ready + 1);
     }
     if (std::exchange(call.just_connected_, false)) timeout = 0;
     if (timeout != 0) {
