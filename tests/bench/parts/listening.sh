@@ -51,6 +51,6 @@ sleep 0.3
 for _ in {1..20}; do head -n 1 "$home/heard/2k.txt"; sleep 0.03; done |
   mosquitto_pub -h 127.0.0.1 -p "$broker_port" -t vda5050/v3/KIT/0001/state -l
 wait $!
-$fleetpub replay "$home/heard/second.jsonl" -o json | jq -r '"replay           \(.messages) messages, the latest \(.latestMs) ms behind its time"' |
+$fleetpub replay "$home/heard/second.jsonl" --force -o json | jq -r '"replay           \(.messages) messages, the latest \(.latestMs) ms behind its time"' |
   tee -a "$folder/listening.txt"
 rm -r "$home/heard"
