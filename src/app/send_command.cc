@@ -398,7 +398,7 @@ class CommandSender final : private delivery::CommandSource {
   Warnings warnings_;
   std::optional<Link> link_;
   std::optional<Result<std::unique_ptr<ledger::Ledger>>> ledger_;  // opened once
-  std::vector<const ListedRobot*> robots_;   // of the directory
+  std::vector<const ListedRobot*> robots_;                         // of the directory
   std::vector<const ListedRobot*> unheard_;  // whether --where is true is not known
   std::size_t left_out_ = 0;                 // as they are offline
   std::size_t next_ = 0;

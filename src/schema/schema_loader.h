@@ -58,7 +58,8 @@ struct SchemaNode {
   const Value* min_properties = nullptr;
   const Value* max_properties = nullptr;
   const Value* required = nullptr;
-  std::vector<std::pair<std::string_view, const SchemaNode*>> properties;  ///< sorted, shorter names first
+  std::vector<std::pair<std::string_view, const SchemaNode*>>
+      properties;  ///< sorted, shorter names first
   std::vector<std::pair<Pattern, const SchemaNode*>> pattern_properties;
   const SchemaNode* additional_properties = nullptr;
   const SchemaNode* property_names = nullptr;

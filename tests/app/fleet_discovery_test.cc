@@ -14,7 +14,7 @@ using ::testing::HasSubstr;
 class DiscoveringFleets : public ::testing::Test {
  protected:
   DiscoveringFleets() {
-    request_.discover.quiet = std::chrono::milliseconds(1);
+    request_.discover.quiet = std::chrono::milliseconds(50);
     world_.on_connect = [](testing::FakeTransport& broker) {
       broker.retained["vda5050/v3/KIT/0001/connection"] =
           R"({"headerId":1,"timestamp":"2026-01-02T03:04:05.678Z","version":"3.0.0",)"
@@ -74,7 +74,7 @@ TEST_F(DiscoveringFleets, ShowsWhomTheOptionsMean) {
   };
   const auto discover = [&](const auto& change) {
     FleetRequest request;
-    request.discover.quiet = std::chrono::milliseconds(1);
+    request.discover.quiet = std::chrono::milliseconds(50);
     change(request);
     std::string names;
     const auto fleet = DiscoverFleet(std::move(request), world_.Get(), {}, log_);

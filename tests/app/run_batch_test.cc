@@ -154,7 +154,7 @@ class LookingUpTheRobotsOfABatch : public RunningBatches {
       return resolver.Resolve(vda5050::ParseRobotAddress(word).value());
     };
     request_.defaults.check = true;
-    request_.discover.quiet = std::chrono::milliseconds(1);
+    request_.discover.quiet = std::chrono::milliseconds(50);
     world_.on_connect = [](testing::FakeTransport& broker) {
       broker.retained["uagv/v2/KIT/1/connection"] =
           R"({"headerId":1,"timestamp":"2026-01-02T03:04:05.678Z","version":"2.1.0",)"

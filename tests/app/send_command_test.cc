@@ -59,7 +59,7 @@ class Action final : public RobotMessage {
 class SendingCommands : public ::testing::Test {
  protected:
   SendingCommands() {
-    waiting_.discover.quiet = std::chrono::milliseconds(1);
+    waiting_.discover.quiet = std::chrono::milliseconds(50);
     world_.on_connect = [this](testing::FakeTransport& broker) { broker.retained = retained_; };
   }
 

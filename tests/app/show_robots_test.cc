@@ -52,7 +52,7 @@ class ShowingRobots : public ::testing::Test {
     return ShowRobots({.targets = *std::move(targets),
                        .resolver = *DialectResolver::Make({}, world_.config),
                        .ask = ask,
-                       .discover = {.quiet = std::chrono::milliseconds(1)}},
+                       .discover = {.quiet = std::chrono::milliseconds(50)}},
                       environment, log_);
   }
 
