@@ -169,7 +169,9 @@ class CommandSender final : private delivery::CommandSource {
     factory_.SetLook(check, link_->transport->server(), environment_.config.profile);
     const auto message = request_.make_message();
     auto discover = DiscoverOptions();
-    if (!settings_.dry_run) discover.meanwhile = [this] { OpenLedger(); };
+    // A ledger is not made for a set of robots to which nobody has agreed yet.
+    const bool opens_ledger = !request_.targets.IsSet() && !settings_.dry_run;
+    if (opens_ledger) discover.meanwhile = [this] { OpenLedger(); };
     DiscoveryOptions options{
         .all = check || message->IsMadeForRobot(),
         .factsheets = check && message->NeedsFactsheet(),

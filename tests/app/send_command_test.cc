@@ -357,6 +357,22 @@ TEST_F(SendingToFoundRobots, SendsNothingWithoutConsent) {
   EXPECT_EQ(observer_.total, 0U);
 }
 
+TEST_F(SendingToNamedRobots, MakesNoLedgerForThoseOfASetBeforeSomebodyAgrees) {
+  IsThere("0001");
+  IsThere("0002");
+  world_.config.groups["hall"] = {};
+  world_.config.group_robots["hall"] = {vda5050::RobotAddress{"KIT", "0001"},
+                                        vda5050::RobotAddress{"KIT", "0002"}};
+  observer_.consent = Fail(ErrorKind::kUsage, "not confirmed");
+  ASSERT_FALSE(Send({"@hall"}));
+  EXPECT_EQ(world_.ledgers, 0);
+  observer_.consent = {};
+  ASSERT_TRUE(Send({"@hall"}));
+  EXPECT_EQ(world_.ledgers, 1);
+  ASSERT_TRUE(Send({"KIT/0001"}));
+  EXPECT_EQ(world_.ledgers, 2);
+}
+
 TEST_F(SendingToFoundRobots, AsksForNoConsentWhereNoneIsNeeded) {
   IsThere("0001");
   IsThere("0002");

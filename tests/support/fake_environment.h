@@ -18,6 +18,7 @@ class FakeEnvironment {
   std::function<void(FakeTransport&)> on_connect = [](FakeTransport&) {};
   std::optional<Error> connect_error;
   int connections = 0;
+  int ledgers = 0;  ///< opened to record something
   bool names_broker = false;
 
   app::Environment Get() {
@@ -28,7 +29,8 @@ class FakeEnvironment {
             .connection = [this]() -> Result<app::Connection> {
               return app::Connection{.open = [this](mqtt::Deadline) { return Open(); }};
             },
-            .ledger = [this](ledger::OpenMode) -> Result<std::unique_ptr<ledger::Ledger>> {
+            .ledger = [this](ledger::OpenMode mode) -> Result<std::unique_ptr<ledger::Ledger>> {
+              if (mode == ledger::OpenMode::kCreate) ++ledgers;
               return std::make_unique<FakeLedger>(journal);
             }};
   }
