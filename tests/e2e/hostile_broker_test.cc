@@ -7,6 +7,7 @@
 #include "mqtt/certificates.h"
 #include "support/front.h"
 #include "support/operator.h"
+#include "support/publish_packet.h"
 #include "support/scripted_broker.h"
 
 namespace fleetpub::testing {
@@ -134,12 +135,8 @@ TEST_P(HostileBroker, IsLostByWhoOnlyListens) {
 
 constexpr std::size_t kMostMib = 64;
 
-std::string PublishPacket(std::string_view topic, std::size_t payload) {
-  std::string packet = "\x30";
-  std::size_t length = 2 + topic.size() + payload;
-  for (; length >= 0x80; length >>= 7) packet += static_cast<char>(0x80 | (length & 0x7F));
-  packet += {static_cast<char>(length), '\0', static_cast<char>(topic.size())};
-  return packet.append(topic).append(payload, 'x');
+std::string Filled(std::string_view topic, std::size_t payload) {
+  return PublishPacket(topic, std::string(payload, 'x'));
 }
 
 std::string Times(int times, const std::string& text) {
@@ -171,8 +168,8 @@ INSTANTIATE_TEST_SUITE_P(Over, GreedyBroker, ::testing::Values("mqtt", "ws"),
 TEST_P(GreedyBroker, FloodsUsWithNothingBeforeItsSuback) {
   const std::pair<std::string, std::string> floods[] = {
       {Times(10'000, std::string("\x90\3\0\1\0", 5)), "SUBACK"},
-      {Times(100, PublishPacket("vda5050/v3/KIT/0001/state", 5'000)), "wait to be read"},
-      {Times(10'000, PublishPacket("t", 0)), "wait to be read"}};
+      {Times(100, Filled("vda5050/v3/KIT/0001/state", 5'000)), "wait to be read"},
+      {Times(10'000, Filled("t", 0)), "wait to be read"}};
   for (const auto& [flood, words] : floods) {
     const ScriptedBroker broker({.on_subscribe = flood, .times = 1'000});
     const Finished run = Call(broker, WithoutLook({"pause", "KIT/0001", "--wait"}));
@@ -185,7 +182,7 @@ TEST_P(GreedyBroker, FloodsUsWithNothingBeforeItsSuback) {
 
 TEST_P(GreedyBroker, FloodsUsWithNothingInsteadOfAnAcknowledgement) {
   const std::string floods[] = {
-      Times(100, PublishPacket("vda5050/v3/KIT/0001/state", 5'000)),
+      Times(100, Filled("vda5050/v3/KIT/0001/state", 5'000)),
       Times(10'000, std::string("\x40\2\x7F\1", 4)),  // PUBACK of what was never sent
       Times(10'000, std::string("\x50\2\x7F\1", 4)),
       Times(10'000, std::string("\xD0\0", 2)),
@@ -210,7 +207,7 @@ TEST_P(GreedyBroker, CannotSendOneHugePacket) {
 
 TEST_P(GreedyBroker, SendsTheLargestPacketThatWeTake) {
   constexpr std::string_view kTopic = "vda5050/v3/KIT/0001/state";
-  const ScriptedBroker broker({.after_suback = PublishPacket(kTopic, 17'800'000)});
+  const ScriptedBroker broker({.after_suback = Filled(kTopic, 17'800'000)});
   const Finished run = Call(broker, {"await", "KIT/0001", "state", "a=1", "-W", "2s"});
   EXPECT_EQ(run.exit_code, 6) << run.output << run.errors;
   EXPECT_LT(run.peak_mib, kMostMib + 16) << "five times itself: Paho's two copies and ours";

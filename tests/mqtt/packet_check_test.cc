@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "support/publish_packet.h"
+
 namespace fleetpub::mqtt {
 namespace {
 
@@ -35,11 +37,7 @@ PacketCheck Connected(ProtocolVersion version) {
 }
 
 std::string Publish(std::size_t payload, std::string_view properties = "") {
-  std::string body = Bytes("00 01 61") + std::string(properties) + std::string(payload, 'x');
-  std::string packet = "\x30";
-  std::size_t length = body.size();
-  for (; length >= 0x80; length >>= 7) packet += static_cast<char>(0x80 | (length & 0x7F));
-  return packet + static_cast<char>(length) + body;
+  return testing::PublishPacket("a", std::string(payload, 'x'), properties);
 }
 
 struct Case {

@@ -10,12 +10,14 @@
 #include "support/front.h"
 #include "support/mosquitto.h"
 #include "support/process.h"
+#include "support/publish_packet.h"
 
 namespace fleetpub::mqtt {
 namespace {
 
 using fleetpub::testing::BrokenBroker;
 using fleetpub::testing::Mosquitto;
+using fleetpub::testing::PublishPacket;
 using fleetpub::testing::ReadSome;
 using fleetpub::testing::WebSocketAnswer;
 using fleetpub::testing::WebSocketFrame;
@@ -149,15 +151,6 @@ TEST(Tls, SpeaksNothingOlderThan12) {
        .input = std::nullopt});
   ASSERT_TRUE(server.AwaitOutput("ACCEPT")) << server.Errors();
   EXPECT_THAT(Refusal(Trusting("mqtts://localhost:" + port)).message, HasSubstr("TLS"));
-}
-
-// A PUBLISH of MQTT 3.1.1 at QoS 0.
-std::string PublishPacket(const std::string& topic, const std::string& payload) {
-  std::string packet = "0";
-  packet += static_cast<char>(2 + topic.size() + payload.size());
-  packet += '\0';
-  packet += static_cast<char>(topic.size());
-  return packet + topic + payload;
 }
 
 // What one record of TLS brings is with OpenSSL, where poll() sees nothing of it.

@@ -13,7 +13,7 @@
 //
 // Paho reads a packet in four or five pieces, the first of them single bytes, and asks poll() before
 // each packet. Over TCP more is read at once than it asks for, and it is served out of that; poll()
-// tells it so (paho_sockets.cc). A message costs its listener a third less.
+// tells it so (paho_sockets.cc). A message costs its listener a sixth less.
 //
 // Linking. recv() is defined in place of the C library's, which is weak in libc.a. SSL_read() of a
 // static libssl cannot be defined twice: there the linker's --wrap leads Paho's calls here
@@ -70,17 +70,6 @@ struct Input {
     }
     return nullptr;
   }
-
-  static ssize_t Receive(PahoInput& input, void* buffer, std::size_t size,
-                         const InputGate::Source& system) {
-    return input.gate_.Read(buffer, size, [&](void* into, std::size_t count) {
-      return input.Read(into, count, system);
-    });
-  }
-  static ssize_t Decrypt(PahoInput& input, void* buffer, std::size_t size,
-                         const InputGate::Source& library) {
-    return input.gate_.Read(buffer, size, library);
-  }
 };
 
 bool PahoInput::HasReadAhead(int descriptor) {
@@ -88,18 +77,28 @@ bool PahoInput::HasReadAhead(int descriptor) {
   return input != nullptr && input->HasReadAhead();
 }
 
+ssize_t PahoInput::Receive(void* buffer, std::size_t size, const InputGate::Source& system) {
+  return gate_.Read(buffer, size, [&](void* into, std::size_t count) {
+    return ReceiveAhead(into, count, system);
+  });
+}
+
+ssize_t PahoInput::Decrypt(void* buffer, std::size_t size, const InputGate::Source& library) {
+  return gate_.Read(buffer, size, library);
+}
+
 // As recv() would: what is there, at most so much.
-ssize_t PahoInput::Read(void* buffer, std::size_t size, const InputGate::Source& system) {
+ssize_t PahoInput::ReceiveAhead(void* buffer, std::size_t size, const InputGate::Source& system) {
   if (!HasReadAhead()) {
-    if (size == 0 || size >= ahead_.size() || !PahoCall::Supported()) return system(buffer, size);
-    const ssize_t got = system(ahead_.data(), ahead_.size());
+    if (size == 0 || size >= kMostAhead || !PahoCall::Supported()) return system(buffer, size);
+    const ssize_t got = system(ahead_.get(), kMostAhead);
     if (got <= 0) return got;
     ahead_at_ = 0;
     ahead_end_ = static_cast<std::size_t>(got);
   }
   auto* const bytes = static_cast<char*>(buffer);
   const std::size_t some = std::min(size, ahead_end_ - ahead_at_);
-  std::copy_n(ahead_.data() + ahead_at_, some, bytes);
+  std::copy_n(ahead_.get() + ahead_at_, some, bytes);
   ahead_at_ += some;
   if (some == size) return static_cast<ssize_t>(some);
   const ssize_t more = system(bytes + some, size - some);
@@ -118,7 +117,7 @@ FLEETPUB_INTERPOSE ssize_t recv(int descriptor, void* buffer, size_t size, int f
         syscall(SYS_recvfrom, descriptor, into, count, flags, nullptr, nullptr));
   };
   auto* const input = flags == 0 ? Input::Of(descriptor) : nullptr;
-  return input == nullptr ? system(buffer, size) : Input::Receive(*input, buffer, size, system);
+  return input == nullptr ? system(buffer, size) : input->Receive(buffer, size, system);
 }
 
 #ifdef FLEETPUB_WRAP_SSL_READ
@@ -141,5 +140,5 @@ FLEETPUB_INTERPOSE int FLEETPUB_SSL_READ(SSL* ssl, void* buffer, int size) {
   const auto library = [ssl](void* into, std::size_t count) {
     return static_cast<ssize_t>(real(ssl, into, static_cast<int>(count)));
   };
-  return static_cast<int>(Input::Decrypt(*input, buffer, static_cast<std::size_t>(size), library));
+  return static_cast<int>(input->Decrypt(buffer, static_cast<std::size_t>(size), library));
 }

@@ -1,8 +1,8 @@
 // What Paho reads, for as long as one of these lives. See paho_input.cc.
 #pragma once
 
-#include <array>
 #include <cstddef>
+#include <memory>
 
 #include "mqtt/input_gate.h"
 
@@ -23,17 +23,25 @@ class PahoInput {
   [[nodiscard]] bool HasReadAhead() const { return ahead_at_ < ahead_end_; }
   [[nodiscard]] static bool HasReadAhead(int descriptor);
 
+  /// What Paho gets for its recv() and its SSL_read(), out of what the system and the library bring.
+  [[nodiscard]] ssize_t Receive(void* buffer, std::size_t size, const InputGate::Source& system);
+  [[nodiscard]] ssize_t Decrypt(void* buffer, std::size_t size, const InputGate::Source& library);
+
   [[nodiscard]] PacketCheck& check() { return gate_.check(); }
   [[nodiscard]] const std::string& fault() const { return gate_.fault(); }
 
  private:
   friend struct Input;
 
-  [[nodiscard]] ssize_t Read(void* buffer, std::size_t size, const InputGate::Source& system);
+  static constexpr std::size_t kMostAhead = 16'384;
+
+  [[nodiscard]] ssize_t ReceiveAhead(void* buffer, std::size_t size,
+                                     const InputGate::Source& system);
 
   InputGate gate_;
   int descriptor_ = -1;
-  std::array<char, 16'384> ahead_{};
+  /// Not filled: of its pages only those are touched that are read into.
+  std::unique_ptr<char[]> ahead_ = std::make_unique_for_overwrite<char[]>(kMostAhead);
   std::size_t ahead_at_ = 0;
   std::size_t ahead_end_ = 0;
 };

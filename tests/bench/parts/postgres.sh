@@ -13,7 +13,7 @@ for count in 1 500 10000; do
     SQLite "<$(names $count)" $release pause - --vda 3.0 --no-check --quiet
 done
 echo
-echo 'The database, as it is waited for by one command to 1,000 robots, two brackets (strace)'
+echo 'The database, as it is waited for by one command to 1,000 robots, two batches (strace)'
 strace -yy -s 400 -e trace=sendto,recvfrom,writev -o "$home/strace" $release pause - --vda 3.0 --no-check --quiet --ledger "$database" <"$(names 1000)"
 python3 tests/bench/round_trips.py "$home/strace" "$postgres_port" "$folder/postgres-round-trips.csv"
 echo
@@ -22,7 +22,7 @@ helper build/release/tests/bench/delay "$postgres_port" 15
 await_helper test -s "$said"
 distant=$(cat "$said")
 distant=${database/:$postgres_port/:${distant##*:}}
-heading 'The same with a database 30 ms away: 20 brackets more' '10500 robots' '500 robots'
+heading 'The same with a database 30 ms away: 20 batches more' '10500 robots' '500 robots'
 compare 5 'PostgreSQL 30 ms away' \
   '10500 robots' "<$(names 10500)" $release pause - --vda 3.0 --no-check --quiet --ledger "$distant" -- \
   '500 robots' "<$(names 500)" $release pause - --vda 3.0 --no-check --quiet --ledger "$distant"

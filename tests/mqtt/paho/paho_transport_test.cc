@@ -8,12 +8,14 @@
 #include "mqtt/connecting.h"
 #include "support/broken_broker.h"
 #include "support/mosquitto.h"
+#include "support/publish_packet.h"
 
 namespace fleetpub::mqtt {
 namespace {
 
 using fleetpub::testing::BrokenBroker;
 using fleetpub::testing::Mosquitto;
+using fleetpub::testing::PublishPacket;
 using std::chrono::milliseconds;
 using std::chrono::steady_clock;
 using ::testing::HasSubstr;
@@ -443,11 +445,7 @@ void ReadMessageByMessage(bool closes) {
   for (std::size_t i = 0; i < kMessages; ++i) {
     const std::size_t size = 3 + i * 37 % 90 + (i % 50 == 7 ? 20'000 : 0);
     payloads.emplace_back(size, static_cast<char>('a' + i % 26));
-    answer += '\x30';
-    std::size_t length = size + 3;  // behind the topic "t"
-    for (; length > 0x7F; length >>= 7U) answer += static_cast<char>(0x80 | (length & 0x7FU));
-    answer += static_cast<char>(length);
-    answer += std::string("\0\1t", 3) + payloads.back();
+    answer += PublishPacket("t", payloads.back());
   }
   const std::vector<std::string> answers = {BrokenBroker::Connack(0), std::move(answer)};
   const BrokenBroker broker(closes ? BrokenBroker::AnswersAndCloses(answers)
