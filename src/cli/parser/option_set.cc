@@ -172,10 +172,16 @@ Result<OptionSet::Asked> OptionSet::Parse(const std::string& command,
     return Asked::kBriefHelp;
   } catch (const CLI::ArgumentMismatch& error) {
     const std::string_view what = error.what();
+    const std::string name(what.substr(0, what.find(':')));
     const bool too_many = what.find("At Most") != std::string_view::npos;
+    if (too_many) {
+      return Fail(ErrorKind::kUsage, fmt::format("{}: {} is given more than once", command, name));
+    }
+    const ValueKind& kind = Find(name).record_->kind;
+    const bool told = kind.takes || kind.choices;
     return Fail(ErrorKind::kUsage,
-                fmt::format("{}: {} {}", command, base::Printable(what.substr(0, what.find(':'))),
-                            too_many ? "is given more than once" : "needs a value"));
+                fmt::format("{}: {} needs a value: {}", command, name,
+                            told ? kind.Takes() : name + " " + Find(name).type()));
   } catch (const CLI::ParseError& error) {  // `--quiet=maybe`
     return Fail(ErrorKind::kUsage, fmt::format("{}: a flag takes no value: {}", command,
                                                base::Printable(error.what())));
