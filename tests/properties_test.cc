@@ -280,8 +280,9 @@ TEST(AnyName, IsFoundByItsPointerToken) {
 
 TEST(AnyMillisecond, ComesBackFromItsTimestamp) {
   EXPECT_TRUE(rc::check([] {
-    constexpr std::int64_t kReach = 9'000'000'000'000;  // the clock reaches from 1677 to 2262
-    const base::WallTime time{std::chrono::milliseconds(*rc::gen::inRange(-kReach, kReach))};
+    constexpr std::int64_t kFirst = -2'208'988'800'000;  // 1900
+    constexpr std::int64_t kLast = 6'942'758'400'000;    // 2190
+    const base::WallTime time{std::chrono::milliseconds(*rc::gen::inRange(kFirst, kLast))};
     const std::string text = base::FormatTimestamp(time);
     RC_ASSERT(text.size() == 24U);
     RC_ASSERT(base::ParseDateTime(text) == time);

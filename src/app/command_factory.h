@@ -65,7 +65,8 @@ class CommandFactory {
   /// This broker is asked of the robots; `check`: else only how each is spoken to is wanted. Without,
   /// nothing is known of any robot and nothing is checked.
   void SetLook(bool check, const mqtt::ServerInfo& server, const std::string& profile) {
-    look_ = {check, FormatSite(server.broker, profile), server.KeepsNothing()};
+    look_ = {check, server.broker.ToString(), FormatSite(server.broker, profile),
+             server.KeepsNothing()};
   }
 
   /// Looks for robots that are ONLINE and may be meant by those of whom nothing is known: `did you
@@ -101,6 +102,7 @@ class CommandFactory {
  private:
   struct Look {
     bool check = false;
+    std::string broker;
     std::string site;
     bool keeps_nothing = false;
   };

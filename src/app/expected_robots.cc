@@ -35,11 +35,10 @@ std::vector<ledger::Record> FindRecentRows(const Environment& environment,
                                            const mqtt::BrokerUrl& broker) {
   const auto ledger = environment.ledger(ledger::OpenMode::kReadOnly);
   if (!ledger) return {};
-  auto rows =
-      (*ledger)->History({.since = std::chrono::system_clock::now() - kWeek, .limit = kNewestRows});
+  auto rows = (*ledger)->History({.broker = broker.ToString(),
+                                  .since = std::chrono::system_clock::now() - kWeek,
+                                  .limit = kNewestRows});
   if (!rows) return {};
-  std::erase_if(
-      *rows, [here = broker.ToString()](const ledger::Record& row) { return row.broker != here; });
   return *std::move(rows);
 }
 

@@ -487,12 +487,15 @@ Result<Explanation> Explain(const ExplainRequest& given, const Environment& envi
   const auto dialect = ParseDialect(WithConfig(request.vda, environment.config, request.robot));
   if (!dialect) return Fail(dialect.error());
   const vda5050::TopicScheme& scheme = dialect->topics;
-  const auto rows = ReadLedger(request, environment, log);
+  auto rows = ReadLedger(request, environment, log);
   const bool is_live = request.file.empty();
   ListeningPost post(request.robot);
   if (is_live) {
     const auto heard = post.Listen(request.vda, request.listen, environment, log);
     if (!heard) return Fail(heard.error());
+    // At another broker the robot of that name is another one.
+    std::erase_if(rows,
+                  [&](const ledger::Record& row) { return row.broker != post.broker(); });
   }
   MessageSource source = is_live ? FromEntries(post.heard(), request.robot, scheme)
                                  : FromRecording(request.file, request.robot, scheme);

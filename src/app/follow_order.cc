@@ -3,18 +3,20 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <functional>
 #include <map>
 #include <utility>
 #include <vector>
 
 #include "app/deliver.h"
-#include "app/order_message.h"
 #include "app/order_update.h"
 #include "app/robot_listener.h"
 #include "base/text.h"
 #include "base/time.h"
 #include "schema/schema.h"
+#include "vda5050/catalogue/catalogue.h"
 #include "vda5050/messages/user_message.h"
+#include "vda5050/tracking/reception.h"
 
 namespace fleetpub::app {
 namespace {
@@ -50,8 +52,14 @@ std::vector<std::string> MergeLegs(const OrderHistory& history, std::uint32_t up
   return merged;
 }
 
+// Up to 2.1 one list has the order's actions and the instant ones.
+bool IsOnlyInstant(const vda5050::ActionState& action, vda5050::Version version) {
+  const vda5050::ActionSpec* spec = vda5050::FindAction(version, action.type);
+  return spec != nullptr && spec->scopes.instant && !spec->scopes.node && !spec->scopes.edge;
+}
+
 // As much of somebody else's order as its state shows.
-base::JsonDocument DescribeByState(const RobotState& state) {
+base::JsonDocument DescribeByState(const RobotState& state, vda5050::Version version) {
   std::vector<std::string> nodes;
   const auto add = [&](std::string_view id, std::uint32_t sequence_id, const std::string& actions) {
     nodes.push_back(fmt::format(R"({{"nodeId":{},"sequenceId":{},"released":true,"actions":[{}]}})",
@@ -59,6 +67,7 @@ base::JsonDocument DescribeByState(const RobotState& state) {
   };
   std::string actions;
   for (const vda5050::ActionState& action : state.action_states) {
+    if (IsOnlyInstant(action, version)) continue;
     actions += fmt::format(R"({}{{"actionId":{},"actionType":{}}})", actions.empty() ? "" : ",",
                            base::JsonString(action.id), base::JsonString(action.type));
   }
@@ -71,6 +80,36 @@ base::JsonDocument DescribeByState(const RobotState& state) {
   return vda5050::MakeOrder(state.order_id, state.order_update_id.value_or(0), "", nodes, {});
 }
 
+// The robot's state of now; nothing, if it is another message, or one that proves nothing.
+std::optional<RobotState> TakeLiveState(const message::Incoming& message,
+                                        const RobotListener& listener,
+                                        vda5050::Reception& reception) {
+  const bool is_state = message.topic == listener.state_topic();
+  if (!is_state) static_cast<void>(reception.TakeConnection(message));
+  auto state = is_state ? reception.TakeState(message) : std::nullopt;
+  return message.retained ? std::nullopt : std::move(state);
+}
+
+// Until one of its states is the one that is wanted. Whether that came.
+Result<bool> AwaitState(RobotListener& listener, const Observer& observer,
+                        const std::function<bool(const RobotState& state)>& is_wanted) {
+  vda5050::Reception reception(listener.address(), listener.dialect());
+  bool came = false;
+  auto read = listener.subscription().Read(
+      [&](const mqtt::Message& message) {
+        const auto state = TakeLiveState({.topic = message.topic,
+                                          .payload = message.payload,
+                                          .retained = message.retained},
+                                         listener, reception);
+        came = state && is_wanted(*state);
+        return came;
+      },
+      [&]() -> Result<bool> { return !observer.IsStopped(); });
+  if (!read) return Fail(std::move(read.error()));
+  listener.subscription().Disconnect();
+  return came;
+}
+
 class OrderFollower {
  public:
   OrderFollower(const FollowRequest& request, const Environment& environment, Observer& observer,
@@ -79,6 +118,7 @@ class OrderFollower {
         environment_(environment),
         observer_(observer),
         listener_(listener),
+        reception_(listener.address(), listener.dialect()),
         start_(steady_clock::now()) {}
 
   Result<message::Report> Run() {
@@ -94,7 +134,9 @@ class OrderFollower {
     if (!read) return Fail(std::move(read.error()));
     if (!fault_) return Fail(std::move(fault_.error()));
     listener_.subscription().Disconnect();
-    return MakeReport();
+    message::Report report = MakeReport();
+    if (request_.keep_released) RecordEnd(report);
+    return report;
   }
 
  private:
@@ -104,9 +146,10 @@ class OrderFollower {
 
   // Whether it was the last that is wanted. An update makes the order another one to follow.
   bool Take(const mqtt::Message& message) {
-    if (message.topic == listener_.state_topic() && !message.retained) {
-      auto state = vda5050::ReadState(message.payload);
-      if (state) state_ = *std::move(state);
+    const message::Incoming incoming{
+        .topic = message.topic, .payload = message.payload, .retained = message.retained};
+    if (auto state = TakeLiveState(incoming, listener_, reception_)) {
+      state_ = std::move(state);
       const bool is_update = state_ && state_->order_id == order_id_ &&
                              state_->order_update_id.value_or(0) != update_id_;
       if (is_update) tracker_.reset();
@@ -116,8 +159,7 @@ class OrderFollower {
       }
     }
     if (tracker_ == nullptr) return false;
-    tracker_->Receive(
-        {.topic = message.topic, .payload = message.payload, .retained = message.retained});
+    tracker_->Receive(incoming);
     for (std::string& line : tracker_->TakeNews()) {
       if (line != last_line_) observer_.Info(line);
       last_line_ = std::move(line);
@@ -147,11 +189,17 @@ class OrderFollower {
   }
 
   [[nodiscard]] base::JsonDocument FindOrder() {
+    row_ = 0;
+    const auto by_state = [this] {
+      return DescribeByState(*state_, listener_.dialect().version);
+    };
     const auto ledger = environment_.ledger(ledger::OpenMode::kReadOnly);
-    if (!ledger) return DescribeByState(*state_);
-    const auto history =
-        ReadOrderHistory(**ledger, listener_.address().ToString(), state_->order_id);
-    if (!history || history->Find(update_id_) == nullptr) return DescribeByState(*state_);
+    if (!ledger) return by_state();
+    const auto history = ReadOrderHistory(**ledger, listener_.server().broker.ToString(),
+                                          listener_.address().ToString(), state_->order_id);
+    const SentOrder* const sent = history ? history->Find(*state_) : nullptr;
+    if (sent == nullptr) return by_state();
+    row_ = sent->row;
     return vda5050::MakeOrder(order_id_, update_id_, "", MergeLegs(*history, update_id_, "nodes"),
                               MergeLegs(*history, update_id_, "edges"));
   }
@@ -186,7 +234,8 @@ class OrderFollower {
                                  {.address = listener_.address(),
                                   .dialect = listener_.dialect(),
                                   .factsheet = entry.factsheet.get(),
-                                  .state = &*state_},
+                                  .state = &*state_,
+                                  .broker = listener_.server().broker.ToString()},
                                  environment_.ledger);
     if (!composed) return Fail(std::move(composed.error()));
     auto command = BuildOrder(*composed, listener_.address(), listener_.dialect());
@@ -225,15 +274,27 @@ class OrderFollower {
     return report;
   }
 
+  // At the message of which the end is: it was known to be accepted so far.
+  void RecordEnd(const message::Report& report) {
+    if (row_ == 0) return;
+    const ledger::StatusUpdate end{
+        .row = row_, .status = std::string(GetName(report.status)), .detail = report.message};
+    const auto ledger = environment_.ledger(ledger::OpenMode::kCreate);
+    const Status recorded = ledger ? (*ledger)->RecordOutcomes({&end, 1}) : Fail(ledger.error());
+    if (!recorded) observer_.Warn(recorded.error().message);
+  }
+
   const FollowRequest& request_;
   const Environment& environment_;
   Observer& observer_;
   RobotListener& listener_;
+  vda5050::Reception reception_;
   steady_clock::time_point start_;
   std::unique_ptr<message::ResponseTracker> tracker_;
   std::optional<RobotState> state_;  // the last live one
   std::string order_id_;
   std::uint32_t update_id_ = 0;
+  std::int64_t row_ = 0;  // of the ledger: the message that the robot has; 0: not known
   std::string last_line_;
   std::optional<std::uint32_t> released_for_;
   steady_clock::time_point retry_;
@@ -249,22 +310,55 @@ Result<message::Report> FollowOrder(const FollowRequest& request, const Environm
   });
 }
 
+Status TryReplacing(const OrderTask& task, std::optional<std::uint32_t> header_id,
+                    const FollowRequest& request, const Environment& environment,
+                    Observer& observer) {
+  bool is_there = false;
+  auto tried = WithListener(request, environment, observer, {}, [&](RobotListener& listener) -> Status {
+    is_there = true;
+    std::optional<RobotState> state;
+    observer.Wait("waiting for the state of " + listener.name(), listener.end());
+    auto came = AwaitState(listener, observer, [&](const RobotState& live) {
+      state = live;
+      return true;
+    });
+    observer.Wait("");
+    if (!came) return Fail(std::move(came.error()));
+    const auto& entry = listener.robot().second;
+    const auto composed = ComposeOrder(task,
+                                       {.address = listener.address(),
+                                        .dialect = listener.dialect(),
+                                        .factsheet = task.check ? entry.factsheet.get() : nullptr,
+                                        .state = state ? &*state : nullptr,
+                                        .broker = listener.server().broker.ToString()},
+                                       environment.ledger);
+    if (!composed) return Fail(composed.error());
+    const auto command = BuildOrder(*composed, listener.address(), listener.dialect(), header_id);
+    if (!command) return Fail(command.error());
+    schema::Registry registry(environment.schema_directory);
+    if (auto valid = ValidateCommand(*command, registry); !valid) return Fail(valid.error());
+    if (!header_id) return {};
+    const auto ledger = environment.ledger(ledger::OpenMode::kReadOnly);
+    if (!ledger) return Fail(ledger.error());
+    const auto next = (*ledger)->PeekNext(command->topic);
+    if (!next) return Fail(next.error());
+    if (*header_id >= *next) return {};
+    return Fail(ErrorKind::kUsage, fmt::format("headerId {} is not above the topic's last one, {}",
+                                               *header_id, *next - 1));
+  });
+  // Who cancels says better of whom nothing is known, or who is not there.
+  if (!tried && !is_there && tried.error().kind == ErrorKind::kPreflight) return {};
+  return tried;
+}
+
 Status AwaitIdle(const FollowRequest& request, const Environment& environment, Observer& observer) {
   return WithListener(request, environment, observer, {}, [&](RobotListener& listener) -> Status {
-    bool is_idle = false;
     observer.Wait(fmt::format("waiting until {} is idle", listener.name()), listener.end());
-    auto read = listener.subscription().Read(
-        [&](const mqtt::Message& message) {
-          if (message.topic != listener.state_topic() || message.retained) return false;
-          const auto state = vda5050::ReadState(message.payload);
-          is_idle = state && !IsUnderWay(*state);
-          return is_idle;
-        },
-        [&]() -> Result<bool> { return !observer.IsStopped(); });
+    const auto is_idle = AwaitState(listener, observer,
+                                    [](const RobotState& state) { return !IsUnderWay(state); });
     observer.Wait("");
-    if (!read) return read;
-    listener.subscription().Disconnect();
-    if (is_idle) return {};
+    if (!is_idle) return Fail(is_idle.error());
+    if (*is_idle) return {};
     return Fail(ErrorKind::kUnconfirmed,
                 fmt::format("{} still shows an order under way; the new one was not sent",
                             listener.name()));

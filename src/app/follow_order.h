@@ -9,6 +9,7 @@
 #include "app/dialect_resolver.h"
 #include "app/environment.h"
 #include "app/observer.h"
+#include "app/order_message.h"
 #include "app/targets.h"
 #include "base/result.h"
 #include "delivery/retained.h"
@@ -35,6 +36,14 @@ struct FollowRequest {
 [[nodiscard]] Result<message::Report> FollowOrder(const FollowRequest& request,
                                                   const Environment& environment,
                                                   Observer& observer);
+
+/// Whether an order that replaces what the robot drives can be made, as far as that is known before
+/// the robot stops: its places, actions and ids. Sends nothing but a request for a state. A robot
+/// that is not there is none of its faults. Errors: ErrorKind::kBroker; as ComposeOrder and
+/// BuildOrder; kInvalid.
+[[nodiscard]] Status TryReplacing(const OrderTask& task, std::optional<std::uint32_t> header_id,
+                                  const FollowRequest& request, const Environment& environment,
+                                  Observer& observer);
 
 /// Waits until a live state shows that nothing of an order is left to do. Errors: as FollowOrder;
 /// kUnconfirmed: it is still under way after the time.

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <chrono>
 #include <utility>
 
 #include "app/order_update.h"
@@ -74,7 +75,8 @@ class OrderComposer {
   // --- A new order
 
   Status ComposeNew() {
-    if (robot_.state != nullptr && IsUnderWay(*robot_.state) && task_.check) return RefuseSecond();
+    const bool is_busy = robot_.state != nullptr && IsUnderWay(*robot_.state);
+    if (is_busy && task_.check && !task_.replaces) return RefuseSecond();
     if (robot_.state == nullptr && task_.check && task_.is_online) {
       Note("it sent no state: whether it drives another order is not known");
     }
@@ -85,7 +87,9 @@ class OrderComposer {
         .address = robot_.address,
         .factsheet = robot_.factsheet,
         .state = robot_.state,
-        .start = robot_.state == nullptr || !task_.check ? "" : robot_.state->last_node_id};
+        .start = robot_.state == nullptr || !task_.check ? "" : robot_.state->last_node_id,
+        .is_checked = task_.check,
+        .continues = task_.replaces};
     auto planned = PlanPath(task_.path, task_.site.get(), from);
     if (!planned) return Fail(std::move(planned.error()));
     const std::size_t count = planned->path.nodes.size();
@@ -104,7 +108,7 @@ class OrderComposer {
     const vda5050::RobotState& state = *robot_.state;
     std::string by = "not sent from this ledger";
     if (auto ok = OpenLedger(); ok) {
-      const auto history = ReadOrderHistory(*ledger_, robot_.address.ToString(), state.order_id);
+      const auto history = ReadHistoryOf(state.order_id);
       if (history && !history->sent.empty()) {
         const SentOrder& sent = history->sent.front();
         by = fmt::format("sent by {} {} ago", Printable(sent.by),
@@ -134,6 +138,10 @@ class OrderComposer {
                     Printable(id), Printable(history_.sent.back().by)));
   }
 
+  [[nodiscard]] Result<OrderHistory> ReadHistoryOf(const std::string& id) const {
+    return ReadOrderHistory(*ledger_, robot_.broker, robot_.address.ToString(), id);
+  }
+
   // The next header id first: what comes between is seen either here or when it is sent.
   Status ReadHistory(const std::string& id) {
     if (auto ok = OpenLedger(); !ok) return ok;
@@ -142,7 +150,7 @@ class OrderComposer {
     if (!topic) return Fail(topic.error());
     auto next = ledger_->PeekNext(*topic);
     if (!next) return Fail(std::move(next.error()));
-    auto history = ReadOrderHistory(*ledger_, robot_.address.ToString(), id);
+    auto history = ReadHistoryOf(id);
     if (!history) return Fail(std::move(history.error()));
     history_ = *std::move(history);
     composed_.expected_header_id = *next;
@@ -157,6 +165,7 @@ class OrderComposer {
           "it sent no state, so which order it has is not known: --state-wait 35s waits for one");
     }
     if (auto ok = ReadHistory(robot_.state->order_id); !ok) return ok;
+    if (auto ok = CheckAlone(*robot_.state); !ok) return ok;
     auto order = CurrentOrder::Find(history_, *robot_.state, Name());
     if (!order) return Fail(std::move(order.error()));
     const std::size_t horizon = order->horizon();
@@ -170,6 +179,22 @@ class OrderComposer {
     const auto names = order->horizon_nodes();
     Note(fmt::format("releases {}{}", Printable(base::Join(std::span(names).first(released), ", ")),
                      DescribeRest(horizon - released)));
+    return {};
+  }
+
+  // An update that is on its way to the robot begins where this one would.
+  Status CheckAlone(const vda5050::RobotState& state) const {
+    constexpr std::chrono::seconds kOnItsWay{3};
+    for (const SentOrder& sent : history_.sent) {
+      const auto ago = std::chrono::abs(base::WallTime::clock::now() - sent.at);
+      const bool is_known =
+          sent.was_rejected || sent.update_id <= state.order_update_id.value_or(0);
+      if (is_known || ago > kOnItsWay) continue;
+      return Refuse(
+          fmt::format("update {} was sent to it by {} {} ago, and its state does not show it yet: "
+                      "try again",
+                      sent.update_id, Printable(sent.by), base::FormatElapsed(ago)));
+    }
     return {};
   }
 
@@ -270,14 +295,15 @@ class OrderMessage final : public RobotMessage {
 
   [[nodiscard]] bool IsMadeForRobot() const override { return true; }
 
-  [[nodiscard]] Status Prepare(const vda5050::ListedRobot& robot,
+  [[nodiscard]] Status Prepare(const vda5050::ListedRobot& robot, const std::string& broker,
                                std::vector<std::string>& notes) override {
     const auto& [address, entry] = robot;
     auto composed = ComposeOrder(*task_,
                                  {.address = address,
                                   .dialect = *entry.Spoken(),
                                   .factsheet = task_->check ? entry.factsheet.get() : nullptr,
-                                  .state = entry.state.get()},
+                                  .state = entry.state.get(),
+                                  .broker = broker},
                                  ledger_);
     if (!composed) return Fail(std::move(composed.error()));
     constexpr std::size_t kHeader = 256;

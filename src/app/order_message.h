@@ -35,6 +35,8 @@ struct OrderTask {
   std::set<std::string> without;  ///< members that are left out: `maxSpeed`
   bool check = true;              ///< refuse what the robot's state, mode and factsheet are against
   bool is_online = true;          ///< the robot's state was asked for
+  /// kNew: what it drives is cancelled before. It may be under way yet, and elsewhere by then.
+  bool replaces = false;
 };
 
 /// The robot as it is known when the order is made. `state`: live; null: none came.
@@ -43,6 +45,7 @@ struct OrderRobot {
   const vda5050::Dialect& dialect;
   const vda5050::Factsheet* factsheet = nullptr;
   const vda5050::RobotState* state = nullptr;
+  std::string broker = {};  ///< at which it is, as BrokerUrl::ToString; "": not asked
 };
 
 struct ComposedOrder {

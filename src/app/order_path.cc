@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <set>
 #include <span>
@@ -206,7 +207,7 @@ class PathPlanner {
   }
 
   void TellMapChanges() {
-    const auto& nodes = path().nodes;
+    const auto& nodes = planned_.path.nodes;
     for (std::size_t i = 1; i < nodes.size(); ++i) {
       if (!nodes[i].position || !nodes[i - 1].position) continue;
       const std::string& before = nodes[i - 1].position->map_id;
@@ -259,7 +260,7 @@ class PathPlanner {
 
   // The layout's edge where it has one.
   Status JoinNodes() {
-    const auto& nodes = path().nodes;
+    const auto& nodes = planned_.path.nodes;
     for (std::size_t i = 1; i < nodes.size(); ++i) {
       const layout::Edge* edge = FindEdge(nodes[i - 1].id, nodes[i].id);
       if (edge != nullptr) {
@@ -393,8 +394,8 @@ class PathPlanner {
 
   // --- Where the robot is
 
-  // A robot refuses an order whose first node is elsewhere. Where it is a little off that node, the
-  // node is told to be wide enough (3.0 §6.1.3.1; 2.1 §6.6.4).
+  // A robot refuses an order whose first node is elsewhere. Where it is a little off that node, or on
+  // its way to the next, the node is told to be wide enough (3.0 §6.1.3.1; 2.1 §6.6.4).
   Status FitStart() {
     OrderNode& first = path().nodes.front();
     if (robot_.continues) return {};
@@ -412,6 +413,10 @@ class PathPlanner {
     const double off = Distance(*first.position, *now.x, *now.y);
     if (first.position->theta) first.position->deviation_theta = std::numbers::pi;
     if (off <= std::max(kOnIt, request_.deviation_xy.value_or(0))) return {};
+    if (off > MostOff()) {
+      if (!robot_.is_checked) return {};
+      return Fail(ErrorKind::kPreflight, DescribeLost(off));
+    }
     constexpr double kMillimetres = 1000;
     first.position->deviation_xy = std::ceil((off + kMargin) * kMillimetres) / kMillimetres;
     if (off >= 1) {
@@ -419,6 +424,31 @@ class PathPlanner {
                        Printable(first.id)));
     }
     return {};
+  }
+
+  // An order of the first node alone has nothing left to do on a robot that it is made wide for.
+  [[nodiscard]] double MostOff() const {
+    constexpr double kALittle = 0.3;
+    constexpr double kBesideTheWay = 1;
+    const auto& [nodes, edges] = planned_.path;
+    if (edges.empty()) return kALittle;
+    const auto& next = nodes[1].position;
+    if (!next) return std::numeric_limits<double>::infinity();
+    return kBesideTheWay + std::max(Distance(*nodes[0].position, next->x, next->y),
+                                    edges.front().length.value_or(0));
+  }
+
+  [[nodiscard]] std::string DescribeLost(double off) const {
+    const auto& nodes = planned_.path.nodes;
+    const std::string first = Printable(nodes.front().id);
+    if (nodes.size() == 1) {
+      return fmt::format("{0} is {1:.1f} m from {2}, which an order of {2} alone would take for "
+                         "there: it would be done before it moved. try: fleetpub show {0}",
+                         Name(), off, first);
+    }
+    return fmt::format("{0} is {1:.1f} m from {2}, where the order begins, and not on the way from "
+                       "there to {3}. try: fleetpub show {0}",
+                       Name(), off, first, Printable(nodes[1].id));
   }
 
   [[nodiscard]] std::optional<double> MeasureLength() const {

@@ -54,7 +54,8 @@ struct PathRobot {
   const vda5050::RobotState* state = nullptr;     ///< a live one; may be null
   /// Where the way begins: the robot's last node, or the end of what it drives already; "": not known.
   std::string start;
-  bool continues = false;  ///< it begins at the end of an order, not where the robot is
+  bool is_checked = true;  ///< refuse where its position is against it
+  bool continues = false;  ///< it begins where an order ends, not where the robot is
 };
 
 struct PlannedPath {

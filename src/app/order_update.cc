@@ -3,9 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <map>
 #include <utility>
 
 #include "base/text.h"
+#include "message/command_status.h"
 
 namespace fleetpub::app {
 namespace {
@@ -23,6 +25,22 @@ std::string WithReleased(const std::string& json, bool released) {
   return base::ToJson(leg);
 }
 
+// Whether its nodes are those that the robot shows; what lies before the first was sent earlier.
+bool HasNodesOf(const vda5050::RobotState& state, const SentOrder& order) {
+  const Value* nodes = FindArray(order.message, "nodes");
+  if (nodes == nullptr || nodes->Empty()) return false;
+  std::map<std::uint32_t, std::string_view> ids;
+  for (const Value& node : nodes->GetArray()) {
+    ids.emplace(base::UintMember(node, "sequenceId").value_or(0), StringMember(node, "nodeId"));
+  }
+  return std::all_of(
+      state.nodes.begin(), state.nodes.end(), [&](const vda5050::NodeState& node) {
+        if (node.sequence_id < ids.begin()->first) return true;
+        const auto sent = ids.find(node.sequence_id);
+        return sent != ids.end() && sent->second == node.id;
+      });
+}
+
 bool IsOrderActionOpen(const vda5050::ActionState& action) {
   return !vda5050::IsTerminal(action.status);
 }
@@ -35,26 +53,31 @@ std::uint32_t OrderHistory::highest_update_id() const {
   return highest;
 }
 
-const SentOrder* OrderHistory::Find(std::uint32_t update_id) const {
+const SentOrder* OrderHistory::Find(const vda5050::RobotState& state) const {
+  const std::uint32_t update_id = state.order_update_id.value_or(0);
   const auto found = std::find_if(sent.rbegin(), sent.rend(), [&](const SentOrder& order) {
-    return order.update_id == update_id;
+    return order.update_id == update_id && HasNodesOf(state, order);
   });
   return found == sent.rend() ? nullptr : &*found;
 }
 
-Result<OrderHistory> ReadOrderHistory(ledger::Ledger& ledger, const std::string& target,
-                                      std::string_view order_id) {
-  auto records = ledger.History({.target = target, .action = "order", .limit = kOrdersRead});
+Result<OrderHistory> ReadOrderHistory(ledger::Ledger& ledger, const std::string& broker,
+                                      const std::string& target, std::string_view order_id) {
+  auto records = ledger.History(
+      {.target = target, .action = "order", .broker = broker, .limit = kOrdersRead});
   if (!records) return Fail(std::move(records.error()));
-  OrderHistory history{.order_id = std::string(order_id), .sent = {}};
+  OrderHistory history{.order_id = std::string(order_id), .broker = broker, .sent = {}};
   for (const ledger::Record& record : *records) {
     if (record.actions.empty() || record.actions.front().id != order_id) continue;
     auto message = base::ParseJson(record.payload, {.exact = true});
     if (!message) continue;
     const std::uint32_t update_id = base::UintMember(*message, "orderUpdateId").value_or(0);
-    history.sent.push_back({.update_id = update_id,
+    history.sent.push_back({.row = record.id,
+                            .update_id = update_id,
                             .by = record.user + "@" + record.host,
                             .at = record.recorded_at,
+                            .was_rejected = record.status ==
+                                            message::GetName(message::CommandStatus::kRejected),
                             .message = *std::move(message)});
   }
   return history;
@@ -77,13 +100,15 @@ Result<CurrentOrder> CurrentOrder::Find(const OrderHistory& history,
                 fmt::format("{} has no order. try: fleetpub order {} NODE...", name, name));
   }
   const std::uint32_t update_id = state.order_update_id.value_or(0);
-  const SentOrder* sent = history.Find(update_id);
+  const SentOrder* sent = history.Find(state);
   if (sent == nullptr) {
+    const std::string over = history.broker.empty() ? "" : " over " + history.broker;
     return Fail(
         ErrorKind::kPreflight,
-        fmt::format("{} has order {} with orderUpdateId {}, which this ledger did not send: "
-                    "only who sent it can add to it. try: fleetpub order replace {} NODE...",
-                    name, id, update_id, name));
+        fmt::format("{} has order {} with orderUpdateId {}, which this ledger did not send{}, or "
+                    "with other nodes: only who sent it can add to it. "
+                    "try: fleetpub order replace {} NODE...",
+                    name, id, update_id, over, name));
   }
   CurrentOrder order;
   order.id_ = state.order_id;

@@ -22,24 +22,30 @@ namespace fleetpub::app {
 
 /// One order message, as the ledger has it.
 struct SentOrder {
+  std::int64_t row = 0;  ///< of the ledger
   std::uint32_t update_id = 0;
   std::string by;  ///< `ops@host`
   base::WallTime at;
+  bool was_rejected = false;
   base::JsonDocument message;
 };
 
 /// All that the ledger has of one order, the newest message last.
 struct OrderHistory {
   std::string order_id;
+  std::string broker;  ///< over which it was sent; "": any
   std::vector<SentOrder> sent;
 
   [[nodiscard]] std::uint32_t highest_update_id() const;
-  /// The newest message of this update; null: none.
-  [[nodiscard]] const SentOrder* Find(std::uint32_t update_id) const;
+  /// The newest message of the update that the robot has, with the nodes that it shows: there may be
+  /// another of the same id that it did not take. Null: none.
+  [[nodiscard]] const SentOrder* Find(const vda5050::RobotState& state) const;
 };
 
 /// What was sent to this robot under this orderId, among its last orders. Errors: kLedger.
+/// `broker`: as BrokerUrl::ToString; "": any. Another broker's robot of that name is another robot.
 [[nodiscard]] Result<OrderHistory> ReadOrderHistory(ledger::Ledger& ledger,
+                                                    const std::string& broker,
                                                     const std::string& target,
                                                     std::string_view order_id);
 

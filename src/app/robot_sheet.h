@@ -39,7 +39,8 @@ struct RobotSheet {
   std::string state_json;
   std::string factsheet_json;
 
-  std::vector<ledger::Record> commands;  ///< the last ones, oldest first
+  std::string broker;  ///< where it is, as BrokerUrl::ToString; "": read from a recording
+  std::vector<ledger::Record> commands;  ///< the last ones, over whichever broker, oldest first
   std::string commands_fault;            ///< why they are not known; "": they are
 };
 

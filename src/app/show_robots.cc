@@ -292,6 +292,7 @@ class SheetReader {
         sheet.commands_fault = records.error().message;
         continue;
       }
+      sheet.broker = server_.broker.ToString();
       std::erase_if(*records, IsOnlyStateRequest);
       constexpr std::size_t kShown = 5;
       const std::size_t shown = std::min(records->size(), kShown);

@@ -51,7 +51,7 @@ struct SpokenDay {
   int period = 0;
 };
 
-// As in 1677..2262, which the clock can hold.
+// As ParseDateTime() keeps them.
 bool ScanDate(Scanner& scanner, SpokenDay& spoken) {
   int year = 0;
   int month = 0;
@@ -64,7 +64,7 @@ bool ScanDate(Scanner& scanner, SpokenDay& spoken) {
                                          std::chrono::month(static_cast<unsigned>(month)),
                                          std::chrono::day(static_cast<unsigned>(day))};
   spoken = {local_days(date), 0};
-  return date.ok() && year > 1900 && year < 2262;
+  return date.ok() && year >= 1900 && year < 2190;
 }
 
 bool ScanDayName(Scanner& scanner, local_days today, SpokenDay& spoken) {

@@ -39,10 +39,10 @@ bool BeginsMonth(std::chrono::sys_time<std::chrono::minutes> time) {
   return time == days && std::chrono::year_month_day(days).day() == std::chrono::day(1);
 }
 
-// Nanoseconds in 64 bits reach from 1677 to 2262; a time beyond becomes the end of that range.
+// Nanoseconds in 64 bits reach over 584 years, but what lies between two times over 292.
 WallTime ToWallTime(std::chrono::sys_time<microseconds> time) {
-  constexpr auto kFirst = std::chrono::ceil<microseconds>(WallTime::min());
-  constexpr auto kLast = std::chrono::floor<microseconds>(WallTime::max());
+  constexpr std::chrono::sys_time<microseconds> kFirst = sys_days(std::chrono::year(1900) / 1 / 1);
+  constexpr std::chrono::sys_time<microseconds> kLast = sys_days(std::chrono::year(2190) / 1 / 1);
   return WallTime(std::clamp(time, kFirst, kLast));
 }
 

@@ -20,8 +20,8 @@ using WallTime = std::chrono::system_clock::time_point;
 [[nodiscard]] std::string FormatLocal(WallTime time);
 
 /// RFC 3339 §5.6 date-time with a real calendar: no 29 February 2023, no hour 24; a leap second
-/// where one can be. Microseconds are kept, further digits dropped; a time outside 1677..2262
-/// becomes the nearest that the clock can hold. Nothing when it is none.
+/// where one can be. Microseconds are kept, further digits dropped; a time outside 1900..2189
+/// becomes the end of that range, so that any two can be subtracted. Nothing when it is none.
 [[nodiscard]] std::optional<WallTime> ParseDateTime(std::string_view text);
 
 /// `250ms`, `30s`, `5m`, `2h`, `90d`; a bare number counts in `unit`. At most ten years.

@@ -135,6 +135,31 @@ TEST_F(PlanningAPath, WidensTheFirstNodeForARobotThatIsALittleOff) {
   EXPECT_DOUBLE_EQ(*planned->path.nodes[1].position->deviation_xy, 0.1);
 }
 
+// It would be done before the robot moved.
+TEST_F(PlanningAPath, RefusesTheOneNodeThatTheRobotIsNotAt) {
+  site_ = Hall();
+  state_.last_node_id = "n1";
+  state_.position = vda5050::RobotPosition{.x = 0.3, .y = 0.4, .theta = 0, .map_id = "m"};
+  for (const char* from : {"", "n1"}) {
+    const auto planned = Plan({.stops = {"n1"}, .from = from});
+    ASSERT_FALSE(planned);
+    EXPECT_EQ(planned.error().kind, ErrorKind::kPreflight);
+    EXPECT_THAT(planned.error().message, HasSubstr("0.5 m from n1"));
+  }
+  EXPECT_TRUE(Plan({.nodes = {"n1"}, .deviation_xy = 0.6}));
+  state_.position->y = 0;
+  EXPECT_TRUE(Plan({.nodes = {"n1"}, .deviation_xy = 0.3})) << "it is on it";
+}
+
+TEST_F(PlanningAPath, RefusesAStartBesideWhoseWayTheRobotIs) {
+  site_ = Hall();
+  state_.last_node_id = "n1";
+  state_.position = vda5050::RobotPosition{.x = 70, .y = 0, .theta = 0, .map_id = "m"};
+  const auto planned = Plan({.nodes = {"n1", "n2"}});
+  ASSERT_FALSE(planned);
+  EXPECT_THAT(planned.error().message, HasSubstr("70.0 m from n1"));
+}
+
 TEST_F(PlanningAPath, DoesNotWidenItForARobotOnAnotherMap) {
   site_ = Hall();
   state_.position = vda5050::RobotPosition{.x = 3, .y = 4, .theta = 0, .map_id = "other"};

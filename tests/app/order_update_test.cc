@@ -119,6 +119,24 @@ TEST(OrderUpdate, NeverUsesAnIdTwice) {
   EXPECT_EQ(Legs(order->MakeUpdate(1)), "4+ 6+ 5+ ");  // of what the robot has: update 1
 }
 
+// The newest of that id may be one that the robot did not take, or that went to another robot.
+TEST(OrderUpdate, BuildsOnTheMessageWhoseNodesTheRobotShows) {
+  std::vector<SentOrder> sent;
+  sent.push_back(Sent(0, 0, 4, 2));
+  sent.push_back(Sent(0, 0, 2, 2));
+  const OrderHistory history = History(std::move(sent));
+  vda5050::RobotState state = Driving(0);
+  state.nodes = {{.id = "n2", .sequence_id = 4, .released = false},
+                 {.id = "n3", .sequence_id = 6, .released = false}};
+  auto order = CurrentOrder::Find(history, state, "KIT/0001");
+  ASSERT_TRUE(order) << order.error().message;
+  EXPECT_THAT(order->horizon_nodes(), ElementsAre("n2", "n3", "n4"));
+  state.nodes[1].id = "x9";
+  order = CurrentOrder::Find(history, state, "KIT/0001");
+  ASSERT_FALSE(order);
+  EXPECT_THAT(order.error().message, HasSubstr("other nodes"));
+}
+
 TEST(OrderUpdate, NeedsAnOrderThatThisLedgerSent) {
   vda5050::RobotState none;
   auto order = CurrentOrder::Find({}, none, "KIT/0001");

@@ -180,7 +180,7 @@ TEST_F(RobotsAsBuilt, ThatAreOfflineAreSoHoweverTheyAreNamed) {
 TEST_F(RobotsAsBuilt, OfTheOtherKeyAreAskedUnderItButNotMovedByIt) {
   const auto keys = [&](std::vector<std::string> arguments) {
     const Subscriber subscriber(broker_, kBase + "instantActions");
-    for (const char* more : {"RIG/7", "--wait", "-W", "600ms", "--resend", "1", "--id", "p-1"}) {
+    for (const char* more : {"RIG/7", "--wait", "-W", "1200ms", "--resend", "1", "--id", "p-1"}) {
       arguments.emplace_back(more);
     }
     const auto run = Start(std::move(arguments));

@@ -67,6 +67,16 @@ TEST_P(History, KeepsEverythingOfAMessage) {
   EXPECT_EQ(record.detail, "");
 }
 
+TEST_P(History, IsAskedForOneBroker) {
+  const std::int64_t here = Add();
+  Draft draft = DraftFor();
+  draft.broker = "mqtts://north:8883";
+  const std::int64_t there = Add(draft);
+  EXPECT_THAT(Rows({.broker = "mqtts://north:8883"}), ElementsAre(there));
+  EXPECT_THAT(Rows({.target = draft.target, .broker = DraftFor().broker}), ElementsAre(here));
+  EXPECT_THAT(Rows({.broker = "mqtts://north"}), IsEmpty());
+}
+
 TEST_P(History, LearnsTheOutcome) {
   const std::int64_t row = Add();
   const std::int64_t other = Add();

@@ -223,6 +223,15 @@ Result<OrderTask> MakeTask(OrderKind kind, const OrderOptions& o, const Context&
   OrderTask task{
       .kind = kind, .path = {}, .site = {}, .order_id = o.order_id, .release = o.release};
   task.check = !o.waiting.no_check;
+  if (o.auto_release && !o.release) {
+    return Fail(ErrorKind::kUsage,
+                "--auto-release needs to know how many nodes ahead: --release 3 --auto-release");
+  }
+  if (o.auto_release && context.options.no_history) {
+    return Fail(ErrorKind::kUsage,
+                "--auto-release makes its updates of what the history has: leave out --no-history "
+                "(no_history in the configuration)");
+  }
   if (kind == OrderKind::kRelease) {
     auto release = ParseReleaseWord(o.release_word);
     if (!release) return Fail(std::move(release.error()));
@@ -267,10 +276,6 @@ Result<ExitCode> SendOrder(OrderTask task, const OrderOptions& o, const Context&
   if (!settings) return Fail(settings.error());
   auto waiting = ParseWaitingOptions(o.waiting);
   if (!waiting) return Fail(std::move(waiting.error()));
-  if (o.auto_release && !o.release) {
-    return Fail(ErrorKind::kUsage,
-                "--auto-release needs to know how many nodes ahead: --release 3 --auto-release");
-  }
   // What drives takes its time.
   const auto timeout = o.waiting.timeout.value_or(std::chrono::hours(1));
   if (!o.waiting.timeout) waiting->wait.done = timeout;
@@ -307,7 +312,21 @@ Result<ExitCode> MakeAndSendOrder(OrderKind kind, const OrderOptions& o, const C
 Result<ExitCode> ReplaceOrder(const OrderOptions& o, const Context& context) {
   auto task = MakeTask(OrderKind::kNew, o, context);
   if (!task) return Fail(std::move(task.error()));
+  task->replaces = true;
   if (o.sending.dry_run) return SendOrder(*std::move(task), o, context);
+  auto request = MakeFollowRequest(o, kExample, context);
+  if (!request) return Fail(std::move(request.error()));
+  request->timeout = vda5050::kLongestSilence;
+  const app::Environment environment = MakeEnvironment(context);
+  // What is wrong with the new one is said before the old one is cancelled.
+  if (task->check) {
+    SendingObserver observer(context.output, SendingObserver::Show::kResults, FormatSite(context));
+    observer.ListenForStop();
+    const auto good = app::TryReplacing(*task, o.header_id, *request, environment, observer);
+    if (observer.IsStopped()) return observer.Conclude();
+    if (!good) return Fail(good.error());
+  }
+  task->replaces = false;
   InstantSendingOptions cancel;
   cancel.targets.words = {o.target};
   cancel.instant.vda = o.vda;
@@ -318,14 +337,15 @@ Result<ExitCode> ReplaceOrder(const OrderOptions& o, const Context& context) {
   cancel.if_any = true;
   auto cancelled = SendInstantAction(cancel, "cancelOrder", {}, context);
   if (!cancelled || *cancelled != ExitCode::kDone) return cancelled;
-  auto request = MakeFollowRequest(o, kExample, context);
-  if (!request) return Fail(std::move(request.error()));
-  request->timeout = vda5050::kLongestSilence;
   {
     SendingObserver observer(context.output, SendingObserver::Show::kResults, FormatSite(context));
     observer.ListenForStop();
-    auto idle = app::AwaitIdle(*request, MakeEnvironment(context), observer);
-    if (!idle) return Fail(std::move(idle.error()));
+    const auto idle = app::AwaitIdle(*request, environment, observer);
+    if (observer.IsStopped()) {
+      observer.Warn("stopped: its order is cancelled, and the new one was not sent");
+      return observer.Conclude();
+    }
+    if (!idle) return Fail(idle.error());
   }
   return SendOrder(*std::move(task), o, context);
 }

@@ -368,12 +368,14 @@ void AddCommands(const RobotSheet& robot, Sheet& sheet) {
     std::vector<std::string> types;
     for (const auto& action : record.actions) types.push_back(Name(action.type));
     const std::string_view topic = record.topic;
+    const bool is_elsewhere = record.broker != robot.broker;
     sheet.Add(kName,
               fmt::format(
-                  "{} {} {}{}, by {}@{}", base::FormatLocal(record.recorded_at),
+                  "{} {} {}{}, by {}@{}{}", base::FormatLocal(record.recorded_at),
                   types.empty() ? Name(topic.substr(topic.rfind('/') + 1)) : base::Join(types, ","),
                   record.status, record.detail.empty() ? "" : ": " + Shown(record.detail),
-                  Name(record.user), Name(record.host)));
+                  Name(record.user), Name(record.host),
+                  is_elsewhere ? " over " + base::Printable(record.broker) : ""));
   }
 }
 

@@ -188,6 +188,7 @@ void PutCommands(Json& json, const RobotSheet& robot) {
     Put(json, "time", base::FormatTimestamp(record.recorded_at));
     Put(json, "user", record.user);
     Put(json, "host", record.host);
+    Put(json, "broker", record.broker);
     Put(json, "topic", record.topic);
     PutArray(json, "actions", record.actions, [&](const message::ActionRef& action) {
       Put(json, "type", action.type);

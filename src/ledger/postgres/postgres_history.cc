@@ -77,13 +77,15 @@ Result<std::vector<Record>> ReadHistory(Session& session, const HistoryFilter& f
       "actions @> jsonb_build_array(jsonb_build_object('type', $4::text))) "
       "AND ($5::bigint IS NULL OR recorded_at >= timestamptz 'epoch' + $5 * interval '1 us') "
       "AND ($6::bigint IS NULL OR recorded_at < timestamptz 'epoch' + $6 * interval '1 us') "
-      "AND ($7::bigint IS NULL OR id < $7) ORDER BY id DESC LIMIT $8";
+      "AND ($7::bigint IS NULL OR id < $7) AND ($9::text IS NULL OR broker = $9) "
+      "ORDER BY id DESC LIMIT $8";
   const Query query = {
       sql,
       {Wanted(filter.target), Wanted(filter.status), Wanted(filter.user), Wanted(filter.action),
        FormatMicros(filter.since), FormatMicros(filter.until),
        filter.below ? std::optional(std::to_string(*filter.below)) : std::nullopt,
-       filter.limit > 0 ? std::optional(std::to_string(filter.limit)) : std::nullopt}};
+       filter.limit > 0 ? std::optional(std::to_string(filter.limit)) : std::nullopt,
+       Wanted(filter.broker)}};
   auto records = ReadAll(session.Run(query, deadline));
   if (records) std::reverse(records->begin(), records->end());
   return records;

@@ -90,13 +90,15 @@ Result<std::vector<Record>> ReadHistory(Database& database, const HistoryFilter&
           "WHERE (?1 = '' OR target = ?1) AND (?2 = '' OR status = ?2) AND (?3 = '' OR user = ?3) "
           "AND (?4 = '' OR EXISTS (SELECT 1 FROM json_each(actions) "
           "WHERE json_extract(value, '$.type') = ?4)) "
-          "AND recorded_at >= ?5 AND recorded_at < ?6 AND id < ?7 ORDER BY id DESC LIMIT ?8");
+          "AND recorded_at >= ?5 AND recorded_at < ?6 AND id < ?7 AND (?9 = '' OR broker = ?9) "
+          "ORDER BY id DESC LIMIT ?8");
   statement.Bind(1, filter.target).Bind(2, filter.status).Bind(3, filter.user);
   statement.Bind(4, filter.action);
   statement.Bind(5, filter.since ? ToMicros(*filter.since) : kWhole.min());
   statement.Bind(6, filter.until ? ToMicros(*filter.until) : kWhole.max());
   statement.Bind(7, filter.below.value_or(kWhole.max()));
   statement.Bind(8, std::int64_t{filter.limit > 0 ? filter.limit : -1});
+  statement.Bind(9, filter.broker);
   Result<std::vector<Record>> records = ReadAll(statement);
   if (records) std::reverse(records->begin(), records->end());
   return records;

@@ -99,10 +99,18 @@ void WarnOfVersion(const Value& message, const Dialect& dialect,
                      "; --vda states another");
 }
 
-// An array of actions under the name that other robots expect is not to go unseen.
+// An array of actions under the name that other robots expect is not to go unseen: some would carry
+// out what is neither checked nor waited for.
 Status CheckActionsKey(const Value& message, const RobotAddress& robot, std::string_view key) {
   const std::string_view other = key == "actions" ? "instantActions" : "actions";
-  if (FindMember(message, key) != nullptr || FindArray(message, other) == nullptr) return {};
+  if (FindArray(message, other) == nullptr) return {};
+  if (FindMember(message, key) != nullptr) {
+    return Fail(ErrorKind::kInvalid,
+                fmt::format("{}: the message has actions in \"{}\" and in \"{}\": leave only the "
+                            "one that the robot reads, which is \"{}\" unless --actions-key says "
+                            "otherwise",
+                            robot.ToString(), key, other, key));
+  }
   return Fail(ErrorKind::kInvalid,
               fmt::format("{}: the message has its actions in \"{}\", but they are expected in "
                           "\"{}\": rename it, or add --actions-key {} if the robot wants them so",

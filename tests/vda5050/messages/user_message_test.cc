@@ -97,6 +97,17 @@ TEST(UserMessage, NamesTheOptionWhenItsActionsBearTheOtherName) {
                     {.version = Version::k200, .actions_key = "instantActions"}));
 }
 
+// What is under the other name would be neither checked nor waited for, and some robots carry it out.
+TEST(UserMessage, HasItsActionsUnderOneNameOnly) {
+  for (const char* key : {"", "actions", "instantActions"}) {
+    const auto command = Build("instantActions", R"({"actions":[],"instantActions":[]})",
+                               {.version = Version::k200, .actions_key = key});
+    ASSERT_FALSE(command);
+    EXPECT_EQ(command.error().kind, ErrorKind::kInvalid);
+    EXPECT_THAT(command.error().message, HasSubstr(R"(in "actions" and)"));
+  }
+}
+
 TEST(UserMessage, MayCarryAHeaderThatTheDialectAsksFor) {
   EXPECT_TRUE(Build("order", R"({"serialNumber":"0002"})", {.header_serial = "0002"}));
 }
