@@ -35,10 +35,10 @@ message::Report BadLineReport(std::string reference, const LineOrigin& origin, c
   return report;
 }
 
-BatchInput::BatchInput(base::LineReader reader, LineDefaults defaults, AfterBadLine after_bad_line,
+BatchInput::BatchInput(base::LineReader reader, LineDefaults defaults, AfterDoubt after_doubt,
                        const std::string& schema_directory)
     : reader_(std::move(reader)),
-      after_bad_line_(after_bad_line),
+      after_doubt_(after_doubt),
       parser_(std::move(defaults), schema_directory) {}
 
 LineGroup BatchInput::Take(std::size_t most) {
@@ -62,7 +62,7 @@ LineGroup BatchInput::Read(std::size_t most) {
     if (group.is_last) break;
     ++read_;
     if (line) bytes += (*line)->size();
-    if (!ReadLine(line, group) && after_bad_line_ == AfterBadLine::kPause) break;
+    if (!ReadLine(line, group) && after_doubt_ == AfterDoubt::kPause) break;
   }
   group.last_line = read_;
   return group;
@@ -75,7 +75,7 @@ void BatchInput::Await() const {
 
 bool BatchInput::Ready() { return ahead_.valid() || reader_.Ready(kLongestLine); }
 
-// False: it was bad.
+// False: it is doubtful.
 bool BatchInput::ReadLine(const Result<std::optional<std::string_view>>& line, LineGroup& group) {
   LineOrigin origin;
   if (line && (*line)->find_first_not_of(" \t\r") == std::string_view::npos) return true;
@@ -88,13 +88,15 @@ bool BatchInput::ReadLine(const Result<std::optional<std::string_view>>& line, L
   for (const std::string& warning : parsed->warnings) {
     group.warnings.push_back(fmt::format("line {}: {}", read_, warning));
   }
+  bool is_certain = true;
   for (LineCommand& command : parsed->commands) {
+    is_certain = is_certain && command.command;
     if (command.command) command.command->reference = reference;
     command.reference = reference;
     command.line = read_;
     group.commands.push_back(std::move(command));
   }
-  return true;
+  return is_certain;
 }
 
 }  // namespace fleetpub::app

@@ -15,7 +15,8 @@
 
 namespace fleetpub::app {
 
-enum class AfterBadLine { kGoOn, kPause };
+/// What follows a line that is bad, or may yet be refused as its robot has to be looked up.
+enum class AfterDoubt { kGoOn, kPause };
 
 /// Lines that were there together.
 struct LineGroup {
@@ -29,8 +30,8 @@ struct LineGroup {
 /// Reads lines and makes commands of them; when told to, on a thread beside the caller's.
 class BatchInput {
  public:
-  /// After a bad line Take() returns at once with kPause.
-  BatchInput(base::LineReader reader, LineDefaults defaults, AfterBadLine after_bad_line,
+  /// With kPause Take() returns at once after a doubtful line.
+  BatchInput(base::LineReader reader, LineDefaults defaults, AfterDoubt after_doubt,
              const std::string& schema_directory);
 
   /// About so many commands at most, and none that would have to be waited for. What was read ahead
@@ -56,7 +57,7 @@ class BatchInput {
   bool ReadLine(const Result<std::optional<std::string_view>>& line, LineGroup& group);
 
   base::LineReader reader_;
-  AfterBadLine after_bad_line_;
+  AfterDoubt after_doubt_;
   LineParser parser_;
   std::size_t read_ = 0;  // lines
   std::size_t number_ = 0;

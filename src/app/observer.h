@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cstddef>
 #include <filesystem>
+#include <functional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -52,6 +53,8 @@ struct ConsentRequest {
   std::string_view set;     ///< the word that stands for them
   std::string_view title;   ///< what they are told: `stopPause`
   std::string_view site;    ///< where: `mqtts://north (profile north)`
+  /// Returns once the answer can be read there, and keeps the connection until then; may be empty.
+  std::function<void(int descriptor)> await = {};
 };
 
 /// Whoever sends commands.

@@ -39,7 +39,7 @@ class Batch {
         observer_(observer),
         log_(log),
         input_(std::move(lines), request_.defaults,
-               request_.stop_on_error ? AfterBadLine::kPause : AfterBadLine::kGoOn,
+               request_.stop_on_error ? AfterDoubt::kPause : AfterDoubt::kGoOn,
                environment.schema_directory),
         factory_(environment.schema_directory) {
     request_.discover.also = [this](const mqtt::Message& message) {
@@ -155,11 +155,7 @@ class Batch {
   // The lines that one batch takes now.
   LineGroup TakeLines() {
     const auto now = steady_clock::now();
-    // What the check refuses is an error, too: then nothing behind it may leave.
-    const bool looks = request_.defaults.check || request_.defaults.online;
-    const bool one_by_one = request_.stop_on_error && looks;
-    const std::size_t batch = one_by_one ? 1 : send_.batch;
-    const std::size_t most = std::min(request_.settings.rate.Available(now), batch);
+    const std::size_t most = std::min(request_.settings.rate.Available(now), send_.batch);
     LineGroup group = input_.Take(most);
     // While the ledger waits for the disk and the broker for us, the next lines are made ready.
     const bool reads_ahead = !request_.stop_on_error && !request_.settings.rate.IsLimited();

@@ -131,7 +131,20 @@ class CommandSender final : private delivery::CommandSource {
                               .offline = offline,
                               .set = set.empty() ? "--where" : set,
                               .title = request_.title,
-                              .site = Site()});
+                              .site = Site(),
+                              .await = [this](int answer) { KeepConnected(answer); }});
+  }
+
+  // A broker lets go of whom it does not hear of for one and a half times the keep-alive.
+  void KeepConnected(int answer) {
+    if (!link_ || link_->transport == nullptr) return;
+    mqtt::Transport& transport = *link_->transport;
+    transport.WakeOn({&answer, 1});
+    for (bool is_heard = true; is_heard;) {
+      const auto message = transport.Receive(mqtt::Deadline::max());
+      is_heard = message && *message;
+    }
+    transport.WakeOn({});
   }
 
   // The broker in use, and the profile that names it.

@@ -175,12 +175,18 @@ struct InputFile::Codec {
 
   // Appends some of what the file says to `text`. False: it has ended.
   [[nodiscard]] virtual Result<bool> Read(std::string& text) {
-    if (raw_.empty() && !Load()) return trouble_ ? Result<bool>(Fail(*trouble_)) : false;
-    text += std::exchange(raw_, {});
-    return true;
+    const auto has_input = HasInput();
+    if (has_input) text += std::exchange(raw_, {});
+    return has_input;
   }
   // Compressed data has an end of its own.
   [[nodiscard]] virtual bool IsWhole() const { return true; }
+
+  // Whether there are bytes of the file still to be read.
+  [[nodiscard]] Result<bool> HasInput() {
+    if (!raw_.empty() || Load()) return true;
+    return trouble_ ? Result<bool>(Fail(*trouble_)) : false;
+  }
 
   // More bytes of the file, behind those that are there already.
   bool Load() {
@@ -210,7 +216,8 @@ struct InputFile::Codec {
 
 namespace {
 
-// Damaged data ends the file where the damage begins.
+// Damaged data ends the file where the damage begins. At the end of data that was cut off
+// the decoder may hold text for which there was no room: it comes without further input.
 template <class Codec>
 class GzipInput final : public Codec {
  public:
@@ -222,9 +229,8 @@ class GzipInput final : public Codec {
 
   Result<bool> Read(std::string& text) override {
     if (is_damaged_) return false;
-    if (this->raw_.empty() && !this->Load()) {
-      return this->trouble_ ? Result<bool>(Fail(*this->trouble_)) : false;
-    }
+    const auto has_input = this->HasInput();
+    if (!has_input || (!*has_input && is_whole_)) return has_input;
     if (is_whole_ && stream_.total_in > 0) inflateReset(&stream_);  // another member follows
     is_whole_ = false;
     std::string out(kChunk, '\0');
@@ -236,8 +242,9 @@ class GzipInput final : public Codec {
     is_whole_ = result == Z_STREAM_END;
     is_damaged_ = result != Z_OK && result != Z_STREAM_END && result != Z_BUF_ERROR;
     this->raw_.erase(0, this->raw_.size() - stream_.avail_in);
-    text.append(out, 0, out.size() - stream_.avail_out);
-    return true;
+    const std::size_t made = out.size() - stream_.avail_out;
+    text.append(out, 0, made);
+    return *has_input || made > 0;
   }
   [[nodiscard]] bool IsWhole() const override { return is_whole_; }
 
@@ -255,9 +262,8 @@ class ZstdInput final : public Codec {
 
   Result<bool> Read(std::string& text) override {
     if (is_damaged_) return false;
-    if (this->raw_.empty() && !this->Load()) {
-      return this->trouble_ ? Result<bool>(Fail(*this->trouble_)) : false;
-    }
+    const auto has_input = this->HasInput();
+    if (!has_input || (!*has_input && is_whole_)) return has_input;
     std::string out(kChunk, '\0');
     ZSTD_inBuffer in{this->raw_.data(), this->raw_.size(), 0};
     ZSTD_outBuffer made{out.data(), out.size(), 0};
@@ -266,7 +272,7 @@ class ZstdInput final : public Codec {
     is_whole_ = left == 0;
     this->raw_.erase(0, in.pos);
     text.append(out, 0, made.pos);
-    return true;
+    return *has_input || made.pos > 0;
   }
   [[nodiscard]] bool IsWhole() const override { return is_whole_; }
 

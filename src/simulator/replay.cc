@@ -121,9 +121,9 @@ class Player {
     schedule_.Connected(steady_clock::now());
     auto played = Play();
     const Status finished = Finish();
+    if (transport_ != nullptr) transport_->Disconnect();
     if (!played) return Fail(std::move(played.error()));
     if (!finished) return Fail(finished.error());
-    if (transport_ != nullptr) transport_->Disconnect();
     return replayed_;
   }
 
@@ -133,6 +133,12 @@ class Player {
     int token;
     mqtt::Message message;
     bool is_kept;
+  };
+  // What it would not take.
+  struct Untaken {
+    std::uint64_t refused = 0;
+    std::uint64_t unacknowledged = 0;
+    std::string first;  // that was refused, and why
   };
 
   // What is retained where messages will be left, and whether the robots' places are free.
@@ -205,7 +211,8 @@ class Player {
       }
       const auto heard = transport_->Receive(std::min(start_ + after, next_look_));
       if (!heard && !ConnectAgain(heard.error())) return false;
-      NoteAcknowledgements();
+      // That it is lost, the next call of any other kind tells, too.
+      static_cast<void>(NoteAcknowledgements(steady_clock::now()));
     } while (steady_clock::now() < start_ + after);
     return true;
   }
@@ -238,18 +245,40 @@ class Player {
     }
   }
 
-  void NoteAcknowledgements() {
-    if (sent_.empty()) return;
-    const auto taken = transport_->AwaitAcknowledgements(steady_clock::now(), SIZE_MAX);
-    if (!taken) return;  // the next call of any other kind tells it, too
-    for (const mqtt::Acknowledgement& one : *taken) {
-      std::erase_if(sent_, [&](const Sent& sent) { return sent.token == one.token; });
+  // Until all of them are there, or the deadline. Errors: the connection is lost.
+  Status NoteAcknowledgements(mqtt::Deadline deadline) {
+    if (sent_.empty()) return {};
+    const auto acknowledged = transport_->AwaitAcknowledgements(deadline, 0);
+    if (!acknowledged) return Fail(acknowledged.error());
+    for (const mqtt::Acknowledgement& one : *acknowledged) {
+      const auto sent = std::find_if(sent_.begin(), sent_.end(), [&](const Sent& candidate) {
+        return candidate.token == one.token;
+      });
+      if (sent == sent_.end()) continue;
+      if (one.Refused() && untaken_.refused++ == 0) {
+        untaken_.first = fmt::format("{}: {}", base::Printable(sent->message.topic), one.reason);
+      }
+      sent_.erase(sent);
     }
+    return {};
+  }
+
+  // For as long as some come in time. Errors: the connection is lost, and somebody has stopped it.
+  Status AwaitAll() {
+    for (std::size_t before = 0; !sent_.empty() && sent_.size() != before;) {
+      before = sent_.size();
+      const auto noted = NoteAcknowledgements(steady_clock::now() + kPatience);
+      if (noted) continue;
+      if (replayed_.was_stopped || !ConnectAgain(noted.error())) return noted;
+      before = 0;
+    }
+    untaken_.unacknowledged += std::exchange(sent_, {}).size();
+    return {};
   }
 
   // The recording stands still until there is a connection. False: somebody has stopped it.
   bool ConnectAgain(const Error& error) {
-    NoteAcknowledgements();
+    static_cast<void>(NoteAcknowledgements(steady_clock::now()));
     const auto lost_at = steady_clock::now();
     hooks_.lost(error);
     schedule_.Lost(lost_at);
@@ -308,29 +337,48 @@ class Player {
 
   // All of it is with the broker, and nothing is left there that was not before.
   Status Finish() {
+    std::map<std::string, std::string> left;
+    if (!options_.keep) left = std::exchange(left_, {});
     if (transport_ == nullptr) {
-      if (options_.keep ? sent_.empty() : left_.empty()) return {};
+      if (options_.keep ? sent_.empty() : left.empty()) return {};
       auto opened = hooks_.open();
       if (!opened) return Fail(std::move(opened.error()));
       transport_ = *std::move(opened);
+      // What was there before takes their place.
+      if (!options_.keep) std::erase_if(sent_, [](const Sent& sent) { return sent.is_kept; });
+      if (auto said = SayAgain(); !said) return said;
     }
-    if (!options_.keep) {
-      // The last one by topic, whatever the broker has of those before.
-      std::erase_if(sent_, [](const Sent& sent) { return sent.is_kept; });
-      for (const auto& [topic, payload] : std::exchange(left_, {})) {
-        const auto before = before_.find(topic);
-        auto sent = Publish({.topic = topic,
-                             .payload = before == before_.end() ? "" : before->second,
-                             .qos = kKept},
-                            true);
-        if (!sent) return sent;
-      }
+    if (auto ended = AwaitAll(); !ended) return ended;
+    const Untaken said = std::exchange(untaken_, {});
+    for (const auto& [topic, payload] : left) {
+      const auto before = before_.find(topic);
+      auto sent = Publish(
+          {.topic = topic, .payload = before == before_.end() ? "" : before->second, .qos = kKept},
+          true);
+      if (!sent) return sent;
     }
-    while (true) {
-      const auto taken = transport_->AwaitAcknowledgements(steady_clock::now() + kPatience, 0);
-      if (taken) return {};
-      if (replayed_.was_stopped || !ConnectAgain(taken.error())) return Fail(taken.error());
+    if (auto ended = AwaitAll(); !ended) return ended;
+    return Judge(said, untaken_);
+  }
+
+  // Of what was said, and of what was put back. Errors: the broker did not take all of it.
+  [[nodiscard]] Status Judge(const Untaken& said, const Untaken& back) const {
+    std::vector<std::string> faults;
+    const std::string all = base::Counted(replayed_.messages + replayed_.again, "message");
+    if (said.refused > 0) {
+      faults.push_back(fmt::format("refused {} of {} ({})", said.refused, all, said.first));
     }
+    if (said.unacknowledged > 0) {
+      faults.push_back(fmt::format("did not acknowledge {} of {}", said.unacknowledged, all));
+    }
+    if (const auto count = back.refused + back.unacknowledged; count > 0) {
+      faults.push_back(fmt::format("did not take back what it had retained before at {}",
+                                   base::Counted(count, "topic")));
+    }
+    if (faults.empty()) return {};
+    return Fail(ErrorKind::kBroker,
+                fmt::format("{} {}: look at its access list",
+                            transport_->server().broker.ToString(), base::Join(faults, ", and ")));
   }
 
   const ReplayOptions& options_;
@@ -339,6 +387,7 @@ class Player {
   const ReplayHooks& hooks_;
   delivery::ReconnectSchedule schedule_;
   std::vector<Sent> sent_;                           // and not acknowledged
+  Untaken untaken_;                                  // of what was waited for
   std::map<std::string, std::string> before_;        // by topic: what was retained
   std::map<std::string, std::string> left_;          // likewise: what we left
   std::map<std::string, std::uint32_t> header_ids_;  // by topic, the next one

@@ -75,8 +75,8 @@ struct ReplayHooks {
 
 /// Sends it over an open connection. One that is lost is opened again for as long as nobody stops it;
 /// then what the broker has not acknowledged is sent once more, and what it has retained no more. What
-/// was retained at these topics before is put back at the end. Errors: as PlanReplay; kBroker;
-/// kPreflight: a robot of such a name is ONLINE.
+/// was retained at these topics before is put back at the end. Errors: as PlanReplay; kBroker, also
+/// for what it refused or did not acknowledge; kPreflight: a robot of such a name is ONLINE.
 [[nodiscard]] Result<Replayed> Replay(const ReplayOptions& options, const ReplayPlan& plan,
                                       std::unique_ptr<mqtt::RobotTransport> transport,
                                       const ReplayHooks& hooks);

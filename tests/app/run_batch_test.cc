@@ -193,6 +193,25 @@ TEST_F(LookingUpTheRobotsOfABatch, SendsNothingBehindALineThatIsRefused) {
   EXPECT_EQ(Published(), 0);
 }
 
+// Without a check, too: a robot whose version nobody states has to be asked for it.
+TEST_F(LookingUpTheRobotsOfABatch, SendsNothingBehindALineThatItsRobotCannotBeTold) {
+  request_.stop_on_error = true;
+  request_.defaults.check = false;
+  const std::string only_in_30 = R"({"target":"KIT/1","action":"clearInstantActions"})"
+                                 "\n";
+  for (const bool dry_run : {false, true}) {
+    request_.settings.dry_run = dry_run;
+    world_.names_broker = true;
+    const auto end = Batch(Pause("1") + only_in_30 + Pause("1"));
+    ASSERT_TRUE(end);
+    EXPECT_THAT(reader_.reports,
+                ElementsAre(Is(dry_run ? CommandStatus::kDryRun : CommandStatus::kSent),
+                            Is(CommandStatus::kInvalid)));
+    EXPECT_EQ(Published(), 1);
+    reader_.reports.clear();
+  }
+}
+
 TEST_F(LookingUpTheRobotsOfABatch, HoldsBackNoPauseForARefusedLook) {
   world_.on_connect = [](testing::FakeTransport& broker) {
     broker.forbidden = "+/+/KIT/1/connection";

@@ -271,6 +271,18 @@ TEST_F(Doctor, TellsAWrongPasswordAndAFileThatOthersRead) {
   EXPECT_EQ(none.exit_code, 8);
 }
 
+TEST_F(Doctor, TellsOfAPasswordThatOthersCanReadOnce) {
+  const auto guarded = Guarded("secret");
+  operator_.UseBroker(guarded->Url());
+  const auto file = operator_.home().Write("password", "secret\n");
+  chmod(file.c_str(), 0644);
+  const Examined examined =
+      Examine({"--for", "100ms", "--username", "ann", "--password-file", file.string()});
+  EXPECT_EQ(examined.Health("credentials"), "warning");
+  EXPECT_THAT(examined.Find("credentials", "try"), HasSubstr("chmod 600"));
+  EXPECT_THAT(examined.errors, Not(HasSubstr("can be read by others")));
+}
+
 TEST_F(Doctor, TellsWhatTheLoginMayNotSubscribeTo) {
   const std::string rights =
       R"({"defaultACLAccess":{"publishClientSend":true,"publishClientReceive":true,)"

@@ -31,6 +31,9 @@ class Replay : public EndToEnd {
         R"({{"headerId":{},"timestamp":"2026-03-04T05:06:07.000Z","version":"2.1.0","manufacturer":"KIT","serialNumber":"0001","x":1.50}})",
         id);
   }
+  static std::string AtQos1(std::string line) {
+    return line.replace(line.find(R"("qos":0)"), 7, R"("qos":1)");
+  }
   void Write(const std::string& text) { operator_.home().Write("shift.jsonl", text); }
   [[nodiscard]] Finished Play(std::vector<std::string> arguments) const {
     arguments.insert(arguments.begin(), {"replay", (operator_.home() / "shift.jsonl").string()});
@@ -161,12 +164,9 @@ TEST_F(Replay, EndsAtOnceAndTidiesUp) {
 // At QoS 1: the robot's ONLINE, then a state every 100 ms.
 TEST_F(Replay, GoesOnWhenTheBrokerComesBack) {
   constexpr int kStates = 20;
-  const auto at_qos_1 = [](std::string line) {
-    return line.replace(line.find(R"("qos":0)"), 7, R"("qos":1)");
-  };
   std::string text = Line(0, "0001/connection", R"({"headerId":1,"connectionState":"ONLINE"})");
   for (int id = 0; id < kStates; ++id) {
-    text += at_qos_1(Line(0.1 * (id + 1), "0001/state", Said(id)));
+    text += AtQos1(Line(0.1 * (id + 1), "0001/state", Said(id)));
   }
   Write(text);
   auto listener = std::make_unique<Subscriber>(broker_, "#", 1);
@@ -198,6 +198,19 @@ TEST_F(Replay, GoesOnWhenTheBrokerComesBack) {
   const Subscriber later(broker_);
   ASSERT_THAT(later.Await(1), SizeIs(1));
   EXPECT_EQ(later.Await(1)[0].topic, "uagv/v2/KIT/0001/connection") << "the broker had lost it";
+}
+
+TEST_F(Replay, SaysWhenTheBrokerRefusesWhatItSays) {
+  const Mosquitto broker({"allow_anonymous true", "acl_file {}/acl"}, {{"acl", "topic read #\n"}});
+  operator_.UseBroker(broker.Url());
+  Write(AtQos1(Line(0, "0001/connection", "{}")) + AtQos1(Line(0, "0001/state", Said(1))));
+  for (const std::vector<std::string>& arguments :
+       {std::vector<std::string>{"-V", "5"}, {"-V", "5", "--keep"}}) {
+    const Finished run = Play(arguments);
+    EXPECT_EQ(run.exit_code, 4) << run.errors;
+    EXPECT_THAT(run.errors, AllOf(HasSubstr("refused 2 of 2 messages"), HasSubstr("0x87")));
+    EXPECT_EQ(run.output, "");
+  }
 }
 
 TEST_F(Replay, CanBeEndedWhileThereIsNoBroker) {

@@ -436,6 +436,18 @@ TEST_F(OnATerminal, AsksBeforeManyAreCommanded) {
   }
 }
 
+TEST_F(OnATerminal, KeepsTheConnectionWhileSomebodyThinks) {
+  const auto robots = Robot({"KIT/0001", "--count", "3"});
+  Terminal terminal(
+      AndTellTheEnd(Line({"resume", "KIT/*", "--keep-alive", "1", "--client-id", "thinker"})), 80,
+      12);
+  ASSERT_TRUE(terminal.Await("? [y/N]"));
+  ASSERT_TRUE(broker_.AwaitLog("PINGREQ from thinker"));
+  terminal.Press("y");
+  terminal.Press("Enter");
+  ASSERT_TRUE(terminal.Await("exit code 0")) << terminal.Shown();
+}
+
 // Standard output is a file, and so is standard error: nobody could answer.
 TEST_F(OnATerminal, AsksNobodyWhoCannotSeeTheQuestion) {
   const auto robots = Robot({"KIT/0001", "--count", "3"});

@@ -8,6 +8,7 @@
 #include <thread>
 
 #include "base/file.h"
+#include "recording/file.h"
 #include "recording/writer.h"
 #include "support/temporary_folder.h"
 
@@ -111,6 +112,23 @@ TEST_P(RecordingFile, CanBeReadToWhereItWasCutOff) {
     EXPECT_EQ(contents.faults.unreadable, 0U) << contents.faults.first;
     EXPECT_FALSE(contents.error);
   }
+}
+
+// Its writer has ended without a word, or goes on.
+TEST_P(RecordingFile, CanBeReadToTheLastByteThatWasFlushed) {
+  auto file = OutputFile::Create(path_);
+  ASSERT_TRUE(file) << file.error().message;
+  const std::string line = std::string(100, 'x') + "\n";
+  std::size_t written = 0;
+  for (int part = 0; part < 3; ++part) {
+    for (int i = 0; i < 1'000; ++i, ++written) ASSERT_TRUE(file->Write(line));
+    ASSERT_TRUE(file->Flush());
+  }
+  auto input = InputFile::Open(path_);
+  ASSERT_TRUE(input);
+  std::size_t read = 0;
+  while (*input->Next()) ++read;
+  EXPECT_EQ(read, written);
 }
 
 TEST_P(RecordingFile, BeginsANewPartAndIsReadInTheirOrder) {

@@ -18,7 +18,7 @@
 namespace fleetpub::testing {
 
 /// Notes `publish TOPIC` and `await` in the journal. Acknowledges everything unless told otherwise.
-class FakeTransport : public mqtt::Transport {
+class FakeTransport : public mqtt::RobotTransport {
  public:
   explicit FakeTransport(Journal& journal) : journal_(journal) { server_.broker.host = "broker"; }
 
@@ -94,6 +94,12 @@ class FakeTransport : public mqtt::Transport {
     if (message.qos == mqtt::Qos::kAtMostOnce) return 0;
     in_flight_.push_back(static_cast<int>(published_.size()));
     return in_flight_.back();
+  }
+
+  Result<int> PublishRetained(const mqtt::Message& message, mqtt::Deadline deadline) override {
+    auto token = Publish(message, deadline);
+    if (token) published_.back().retained = true;
+    return token;
   }
 
   Result<std::vector<mqtt::Acknowledgement>> AwaitAcknowledgements(mqtt::Deadline deadline,

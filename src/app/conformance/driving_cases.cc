@@ -66,7 +66,7 @@ CaseFinding CheckDriving(Run& run) {
     return Fault("driving was never true", {trip.end.found->Evidence()});
   }
   if (trip.end.found->state->driving.value_or(false)) {
-    const auto rest = run.Await([](const RobotState& state) { return !*state.driving; });
+    const auto rest = run.Await([](const RobotState& state) { return state.driving == false; });
     if (rest.found == nullptr) return Run::Missing(rest, "driving stays true at rest");
   }
   return Pass("true under way, false at rest", {(*driven)->Evidence()});

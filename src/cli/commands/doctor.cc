@@ -182,11 +182,20 @@ bool IsHere(const mqtt::BrokerUrl& broker) {
   return broker.host == "localhost" || broker.host == "::1" || broker.host.starts_with("127.");
 }
 
+// What is careless about credentials is a finding, with its remedy.
+class Unheard final : public app::Log {
+ public:
+  void Warn(std::string_view /*text*/) override {}
+  void Info(std::string_view /*text*/) override {}
+  void Debug(std::string_view /*text*/) override {}
+};
+
 /// Nothing: with them nothing can be said to a broker.
 std::optional<mqtt::ConnectOptions> CheckCredentials(const Context& context, Findings& findings) {
   const GlobalOptions& o = context.options;
   Diagnosis found{.check = "credentials", .subject = FormatSite(context)};
-  auto connect = MakeConnectOptions(context);
+  Unheard unheard;
+  auto connect = MakeConnectOptions(context, unheard);
   if (!connect) {
     findings.TellError(found.check, found.subject, connect.error(), {"fleetpub", "config", "show"});
     return std::nullopt;

@@ -309,7 +309,7 @@ Status CheckEncryption(const Context& context, std::span<const mqtt::BrokerUrl> 
   return {};
 }
 
-Result<mqtt::TlsOptions> MakeTlsOptions(const Context& context) {
+Result<mqtt::TlsOptions> MakeTlsOptions(const Context& context, app::Log& log) {
   const GlobalOptions& o = context.options;
   mqtt::TlsOptions tls{.ca_file = o.ca_file,
                        .ca_path = o.ca_path,
@@ -321,12 +321,12 @@ Result<mqtt::TlsOptions> MakeTlsOptions(const Context& context) {
                        .server_name = o.tls_server_name,
                        .verify = !o.insecure};
   if (!o.key_password_file.empty()) {
-    auto password = ReadPasswordFile(o.key_password_file, context.output);
+    auto password = ReadPasswordFile(o.key_password_file, log);
     if (!password) return Fail(std::move(password.error()));
     tls.key_password = std::move(*password);
   }
   if (o.insecure) {
-    context.output.Warn(
+    log.Warn(
         "--insecure: the broker's certificate is not verified: anyone could be "
         "the broker, read the login and command the robots");
   }
@@ -352,14 +352,15 @@ Result<mqtt::PublishProperties> ParseProperties(const GlobalOptions& o) {
 }
 
 // The data as a tool writes it into a file: without the end of its last line.
-Result<std::optional<mqtt::Authentication>> ReadAuthentication(const Context& context) {
+Result<std::optional<mqtt::Authentication>> ReadAuthentication(const Context& context,
+                                                               app::Log& log) {
   const GlobalOptions& o = context.options;
   if (o.auth_method.empty() && o.auth_data_file.empty()) {
     return std::optional<mqtt::Authentication>();
   }
   mqtt::Authentication authentication{.method = o.auth_method, .data = std::nullopt};
   if (!o.auth_data_file.empty()) {
-    auto data = ReadSecretFile(o.auth_data_file, context.output);
+    auto data = ReadSecretFile(o.auth_data_file, log);
     if (!data) return Fail(std::move(data.error()));
     if (data->ends_with('\n')) data->pop_back();
     if (data->ends_with('\r')) data->pop_back();
@@ -455,6 +456,10 @@ Result<std::vector<mqtt::BrokerUrl>> ParseBrokers(const GlobalOptions& o) {
 }
 
 Result<mqtt::ConnectOptions> MakeConnectOptions(const Context& context) {
+  return MakeConnectOptions(context, context.output);
+}
+
+Result<mqtt::ConnectOptions> MakeConnectOptions(const Context& context, app::Log& log) {
   const GlobalOptions& o = context.options;
   auto brokers = ParseBrokers(o);
   if (!brokers) return Fail(std::move(brokers.error()));
@@ -463,11 +468,11 @@ Result<mqtt::ConnectOptions> MakeConnectOptions(const Context& context) {
   if (auto ok = CheckEncryption(context, *brokers); !ok) return Fail(std::move(ok.error()));
   auto properties = ParseProperties(o);
   if (!properties) return Fail(std::move(properties.error()));
-  auto tls = MakeTlsOptions(context);
+  auto tls = MakeTlsOptions(context, log);
   if (!tls) return Fail(std::move(tls.error()));
-  auto authentication = ReadAuthentication(context);
+  auto authentication = ReadAuthentication(context, log);
   if (!authentication) return Fail(std::move(authentication.error()));
-  auto password = FindPassword(context);
+  auto password = FindPassword(context, log);
   if (!password) return Fail(std::move(password.error()));
 
   mqtt::ConnectOptions connect;

@@ -97,6 +97,9 @@ struct Context {
 /// password. Errors: ErrorKind::kUsage (also a profile whose broker somebody contradicts, and a
 /// login that is another broker's), kLedger (a password file that cannot be read).
 [[nodiscard]] Result<mqtt::ConnectOptions> MakeConnectOptions(const Context& context);
+/// The same; `log` is told what is careless about them.
+[[nodiscard]] Result<mqtt::ConnectOptions> MakeConnectOptions(const Context& context,
+                                                              app::Log& log);
 
 /// The file or the database that the options name. Errors: ErrorKind::kUsage (a URL that is none of
 /// PostgreSQL's, or holds a password), kLedger.

@@ -111,17 +111,17 @@ bool CanOthersRead(const std::string& path) {
          (status.st_mode & (S_IRGRP | S_IROTH)) != 0;
 }
 
-Result<std::string> ReadSecretFile(const std::string& path, Output& output) {
+Result<std::string> ReadSecretFile(const std::string& path, app::Log& log) {
   auto content = base::ReadFile(path, kLongestPassword + 2);
   if (!content) return content;
   if (CanOthersRead(path)) {
-    output.Warn(fmt::format("{} can be read by others: chmod 600 {}", path, path));
+    log.Warn(fmt::format("{} can be read by others: chmod 600 {}", path, path));
   }
   return content;
 }
 
-Result<std::string> ReadPasswordFile(const std::string& path, Output& output) {
-  auto content = ReadSecretFile(path, output);
+Result<std::string> ReadPasswordFile(const std::string& path, app::Log& log) {
+  auto content = ReadSecretFile(path, log);
   if (!content) return content;
   return FirstLine(std::move(*content));
 }
@@ -144,15 +144,15 @@ Result<FoundPassword> PrintedPassword(const Context& context) {
 
 }  // namespace
 
-Result<std::optional<std::string>> FindLedgerPassword(Output& output) {
+Result<std::optional<std::string>> FindLedgerPassword(app::Log& log) {
   const auto file = SystemdCredential(kLedgerCredential);
   if (!file || std::getenv("PGPASSWORD") != nullptr) return std::optional<std::string>();
-  auto password = ReadPasswordFile(*file, output);
+  auto password = ReadPasswordFile(*file, log);
   if (!password) return Fail(std::move(password.error()));
   return std::move(*password);
 }
 
-Result<FoundPassword> FindPassword(const Context& context) {
+Result<FoundPassword> FindPassword(const Context& context, app::Log& log) {
   const GlobalOptions& options = context.options;
   std::optional<std::string> from_environment = FromEnvironment();
   const auto ask = []() -> Result<FoundPassword> {
@@ -174,7 +174,7 @@ Result<FoundPassword> FindPassword(const Context& context) {
     if (options.is_login_open && is_somebody_there) return ask();
     return FoundPassword{std::nullopt, "no password"};
   }
-  auto password = ReadPasswordFile(file, context.output);
+  auto password = ReadPasswordFile(file, log);
   if (!password) return Fail(std::move(password.error()));
   return FoundPassword{std::move(*password), fmt::format("the password of file {}", file)};
 }

@@ -25,7 +25,7 @@ struct FoundPassword {
 /// environment once read), the systemd credential `fleetpub.password`, the configuration's
 /// password_command, which is run; without any, the prompt when is_login_open and there is a
 /// terminal.
-[[nodiscard]] Result<FoundPassword> FindPassword(const Context& context);
+[[nodiscard]] Result<FoundPassword> FindPassword(const Context& context, app::Log& log);
 
 /// Takes a variable out of the environment and out of memory, where /proc shows it to the same
 /// user.
@@ -38,15 +38,15 @@ void ForgetVariable(const char* name);
 
 /// The systemd credential `fleetpub.ledger_password`, unless PGPASSWORD says otherwise; nothing:
 /// libpq finds it. Errors: ErrorKind::kLedger.
-[[nodiscard]] Result<std::optional<std::string>> FindLedgerPassword(Output& output);
+[[nodiscard]] Result<std::optional<std::string>> FindLedgerPassword(app::Log& log);
 
 /// Whether the group or everybody may read this regular file; false when it is not there.
 [[nodiscard]] bool CanOthersRead(const std::string& path);
 
 /// The file's bytes, 64 KiB at most. Warns when others may read the file. Errors:
 /// ErrorKind::kLedger.
-[[nodiscard]] Result<std::string> ReadSecretFile(const std::string& path, Output& output);
+[[nodiscard]] Result<std::string> ReadSecretFile(const std::string& path, app::Log& log);
 /// Of such a file the first line.
-[[nodiscard]] Result<std::string> ReadPasswordFile(const std::string& path, Output& output);
+[[nodiscard]] Result<std::string> ReadPasswordFile(const std::string& path, app::Log& log);
 
 }  // namespace fleetpub::cli

@@ -28,9 +28,10 @@ std::string FormatQuestion(const app::ConsentRequest& request) {
   return fmt::format("{} {} robots{} at {}", what, many, offline, request.site);
 }
 
-bool Agrees(const std::string& question) {
+bool Agrees(const std::string& question, const std::function<void(int)>& await) {
   Print(stderr, question + "? [y/N] ");
   std::fflush(stderr);
+  if (await) await(STDIN_FILENO);
   std::string answer;
   char c = 0;
   while (answer.size() < 16 && read(STDIN_FILENO, &c, 1) == 1 && c != '\n') answer += c;
@@ -39,11 +40,12 @@ bool Agrees(const std::string& question) {
 
 }  // namespace
 
-Status AskOnTerminal(const std::string& question, const std::string& refusal) {
+Status AskOnTerminal(const std::string& question, const std::string& refusal,
+                     const std::function<void(int)>& await) {
   if (isatty(STDIN_FILENO) == 0 || isatty(STDERR_FILENO) == 0) {
     return Fail(ErrorKind::kUsage, refusal);
   }
-  if (Agrees(question)) return {};
+  if (Agrees(question, await)) return {};
   return Fail(ErrorKind::kUsage, "nothing was sent: not confirmed");
 }
 
@@ -53,7 +55,8 @@ Status AskForConsent(const app::ConsentRequest& request) {
       fmt::format("nothing was sent: {} means {} robots at {} ({}): --yes sends to all of "
                   "them",
                   base::Printable(request.set), request.robots.size(), request.site,
-                  app::FormatRobotList(request.robots)));
+                  app::FormatRobotList(request.robots)),
+      request.await);
 }
 
 }  // namespace fleetpub::cli

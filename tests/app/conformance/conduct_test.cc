@@ -30,16 +30,21 @@ simulator::Settings MakeSettings(Version version) {
 
 const vda5050::RobotAddress kRobot{"KIT", "0001"};
 
-Outcome Conform(const simulator::Settings& settings, Selection selection = {.level = Level::kDrive},
-                double lose = 0, unsigned seed = 0) {
+Outcome Conform(const simulator::Settings& settings, const Selection& selection,
+                const std::function<void(VirtualWire&)>& prepare) {
   schema::Registry registry;
   VirtualWire wire(settings, kRobot, registry);
-  wire.Lose(lose, seed);
+  prepare(wire);
   Subject subject{.address = kRobot, .dialect = {}, .factsheet = {}, .way = {.distance = 4}};
   subject.dialect.version = settings.version;
   subject.dialect.topics = settings.topics;
   Run run(std::move(subject), wire, registry);
   return Conduct(run, selection);
+}
+
+Outcome Conform(const simulator::Settings& settings, Selection selection = {.level = Level::kDrive},
+                double lose = 0, unsigned seed = 0) {
+  return Conform(settings, selection, [&](VirtualWire& wire) { wire.Lose(lose, seed); });
 }
 
 Ids With(const Outcome& outcome, Verdict verdict) {
@@ -248,6 +253,24 @@ TEST(Conduct, ASilentRobotIsInconclusive) {
       Conform(settings, {.level = Level::kDrive, .only = {"I", "O", "D", "X", "S01"}});
   EXPECT_EQ(Describe(outcome, Verdict::kFail), "");
   EXPECT_TRUE(With(outcome, Verdict::kPass).empty());
+}
+
+// At the end of its way it says that it drives, and then nothing of it any more.
+TEST(Conduct, AStateWithoutDrivingShowsNoRest) {
+  int ends = 0;
+  bool drove = false;
+  const auto alter = [&](std::string state) {
+    constexpr std::string_view kRest = R"("driving":false,)";
+    drove = drove || state.find(R"("driving":true)") != std::string::npos;
+    const auto at = state.find(kRest);
+    if (!drove || at == std::string::npos) return state;
+    return state.replace(at, kRest.size(), ends++ == 0 ? R"("driving":true,)" : "");
+  };
+  const auto outcome =
+      Conform(MakeSettings(Version::k210), {.level = Level::kDrive, .only = {"D01"}},
+              [&](VirtualWire& wire) { wire.Alter(alter); });
+  EXPECT_GT(ends, 1);
+  EXPECT_EQ(Describe(outcome, Verdict::kFail), "D01: driving stays true at rest\n");
 }
 
 TEST(Conduct, IdsAreUniqueAndEachCaseSaysWhatToDo) {

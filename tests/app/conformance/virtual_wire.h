@@ -2,6 +2,7 @@
 #pragma once
 
 #include <deque>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <random>
@@ -36,6 +37,8 @@ class VirtualWire : public app::conformance::Wire {
     lose_ = share;
     random_.seed(seed);
   }
+  /// What becomes of each state on the way.
+  void Alter(std::function<std::string(std::string state)> alter) { alter_ = std::move(alter); }
 
   Status Send(const message::Command& command) override {
     std::vector<simulator::Outgoing> out;
@@ -76,6 +79,7 @@ class VirtualWire : public app::conformance::Wire {
       if (is_state && std::uniform_real_distribution<>(0, 1)(random_) < lose_) continue;
       mqtt::Message message = one.message;
       message.retained = false;
+      if (is_state && alter_) message.payload = alter_(std::move(message.payload));
       Arrive(std::move(message));
     }
   }
@@ -88,6 +92,7 @@ class VirtualWire : public app::conformance::Wire {
   std::deque<mqtt::Message> arrived_;
   std::uint32_t header_id_ = 0;
   double lose_ = 0;
+  std::function<std::string(std::string)> alter_;
   std::mt19937 random_;
 };
 
