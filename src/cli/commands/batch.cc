@@ -204,7 +204,8 @@ Result<ExitCode> RunBatch(const BatchOptions& options, const Context& context) {
   }
   report.results = printer.TakeCases();
   if (auto written = WriteReports(*reports, std::move(report)); !written) {
-    return Fail(std::move(written.error()));
+    if (!context.output.something_was_sent()) return Fail(std::move(written.error()));
+    context.output.Warn(written.error().message);
   }
   ExitCode code = Worse(printer.worst(), CodeOfEnd(*end));
   if (const auto signal = StopSignal::Received()) code = Worse(code, *signal);
