@@ -94,6 +94,16 @@ template <class V>
 [[nodiscard]] ValueKind Only(ValueKind kind, bool (*holds)(const std::string& text),
                              std::string takes);
 
+/// A text, or several, none of which is empty, as that of an unset variable of a shell is.
+template <class V>
+[[nodiscard]] ValueKind Name(V& value) {
+  return Only(
+      Text(value), [](const std::string& text) { return !text.empty(); },
+      "a word that is not empty");
+}
+/// A file to be written that cannot be standard output.
+[[nodiscard]] ValueKind NewFile(std::string& value);
+
 /// A duration that is not 0.
 [[nodiscard]] ValueKind Interval(std::chrono::milliseconds& value);
 
