@@ -84,10 +84,13 @@ struct Stored<std::optional<T>> : std::type_identity<T> {};
 template <class V>
 [[nodiscard]] ValueKind Duration(V& value,
                                  std::chrono::milliseconds unit = std::chrono::seconds(1)) {
-  return {"TIME",
-          internal::StoreOne(value,
-                             [unit](const std::string& t) { return base::ParseDuration(t, unit); }),
-          [] { return std::string("a duration such as 250ms, 30s, 5m, 2h or 90d"); }};
+  return {
+      "TIME",
+      internal::StoreOne(value,
+                         [unit](const std::string& t) { return base::ParseDuration(t, unit); }),
+      [] {
+        return std::string("a duration such as 250ms, 30s, 5m, 2h or 90d, of at most ten years");
+      }};
 }
 
 /// The same kind, but only texts for which `holds` is true; it takes `takes` then.
