@@ -131,6 +131,11 @@ Result<PlacedAction> ParsePlacedAction(std::string_view word,
   for (const std::string& text : parameters) {
     auto parameter = ParseTyped(action.type, text);
     if (!parameter) return Fail(std::move(parameter.error()));
+    for (const vda5050::Parameter& other : action.parameters) {
+      if (other.key != parameter->key) continue;
+      return Fail(ErrorKind::kUsage,
+                  fmt::format("parameter '{}' is given twice", Printable(other.key)));
+    }
     action.parameters.push_back(*std::move(parameter));
   }
   return action;

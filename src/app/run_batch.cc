@@ -79,8 +79,8 @@ class Batch {
         ReportNotSent(line, {ErrorKind::kBroker, "the batch has ended"});
       }
     }
-    end_.all_read = input_.ended();
     end_.last_line = input_.number();
+    end_.all_read = IsAllRead();
     return end_;
   }
 
@@ -137,6 +137,14 @@ class Batch {
                 },
             .reconnect = MakeReconnectHooks(connection, log_),
             .news = [this](std::string_view line) { log_.Info(line); }};
+  }
+
+  // Once no further line is taken: perhaps nothing is left but the end.
+  [[nodiscard]] bool IsAllRead() {
+    if (input_.ended()) return true;
+    if (!input_.Ready()) return false;
+    const LineGroup rest = input_.Take(1);
+    return rest.is_last && rest.commands.empty() && rest.bad.empty();
   }
 
   [[nodiscard]] bool IsStopped() const { return end_.reason != BatchStop::kEndOfInput; }

@@ -107,7 +107,8 @@ Result<milliseconds> ParseDuration(std::string_view text, milliseconds unit) {
   const auto bad = [&] {
     return Fail(
         ErrorKind::kUsage,
-        fmt::format("'{}' is not a duration: use 250ms, 30s, 5m, 2h or 90d", Printable(text)));
+        fmt::format("'{}' is not a duration of at most ten years: use 250ms, 30s, 5m, 2h or 90d",
+                    Printable(text)));
   };
   double value = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);

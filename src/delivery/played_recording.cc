@@ -43,7 +43,7 @@ class RecordingTransport final : public mqtt::Transport {
     filters_.assign(filters.begin(), filters.end());
     matches_.clear();
     if (recording_.play_ == Play::kLast) return HandOutLast();
-    return Begin();
+    return std::exchange(is_fresh_, false) ? Status() : Begin();
   }
 
   [[nodiscard]] Status Unsubscribe(std::span<const std::string> /*filters*/,
@@ -87,11 +87,24 @@ class RecordingTransport final : public mqtt::Transport {
   void WakeOn(std::span<const int> /*descriptors*/) override {}
   void Disconnect() override {}
 
-  /// Reads all of it, once, for what was last.
+  /// For who subscribes first.
+  Status Prepare() {
+    is_fresh_ = true;
+    return Begin();
+  }
+
+ private:
+  // To the first message, so that what is no recording is told at once. Of what was last, all of it.
   Status Begin() {
+    if (recording_.path_ == "-" && std::exchange(recording_.is_read_, true)) {
+      return Fail(ErrorKind::kUsage,
+                  "this reads its recording twice, and standard input once only: name a file");
+    }
     auto reader = recording::Reader::Open(recording_.path_);
-    if (!reader) return Fail(std::move(reader.error()));
+    auto first = reader ? reader->NextMessage() : Fail(std::move(reader.error()));
+    if (!first) return Fail(std::move(first.error()));
     reader_ = *std::move(reader);
+    first_ = *std::move(first);
     if (recording_.play_ == Play::kAll) return {};
     while (reader_) {
       const auto message = Read();
@@ -102,10 +115,10 @@ class RecordingTransport final : public mqtt::Transport {
     return recording_.trouble_ ? Status(Fail(*recording_.trouble_)) : Status();
   }
 
- private:
   // What cannot be read further has ended.
   std::optional<recording::Message> Read() {
-    auto message = reader_->NextMessage();
+    auto message = first_ ? Result<std::optional<recording::Message>>(std::exchange(first_, {}))
+                          : reader_->NextMessage();
     if (!message) recording_.trouble_ = message.error();
     if (message && *message) {
       recording_.now_ = (*message)->at;
@@ -157,6 +170,8 @@ class RecordingTransport final : public mqtt::Transport {
   std::vector<std::string> filters_;
   std::map<std::string, bool> matches_;  // by topic
   std::optional<recording::Reader> reader_;
+  std::optional<recording::Message> first_;           // read, and not handed out
+  bool is_fresh_ = false;                             // nobody has subscribed
   std::map<std::string, recording::Message> topics_;  // the last of each
   std::map<std::string, std::size_t> order_;
   std::size_t count_ = 0;
@@ -167,11 +182,8 @@ PlayedRecording::PlayedRecording(std::filesystem::path path, Play play)
     : path_(std::move(path)), play_(play) {}
 
 Result<std::unique_ptr<mqtt::Transport>> PlayedRecording::Open() {
-  auto reader = recording::Reader::Open(path_);
-  const auto first = reader ? reader->Next() : Fail(std::move(reader.error()));
-  if (!first) return Fail(first.error());
   auto transport = std::make_unique<RecordingTransport>(*this);
-  if (auto ok = transport->Begin(); !ok) return Fail(std::move(ok.error()));
+  if (auto ok = transport->Prepare(); !ok) return Fail(std::move(ok.error()));
   return transport;
 }
 

@@ -26,7 +26,8 @@ class PlayedRecording {
 
   /// Its transport takes subscriptions, each of which plays it from the beginning, as fast as it is
   /// read; after the last message it has ended. It publishes nothing. The recording must outlive it.
-  /// Errors: ErrorKind::kLedger, kInvalid.
+  /// Errors: ErrorKind::kLedger, kInvalid; kUsage: standard input is read once, so with Play::kAll
+  /// for one subscription.
   [[nodiscard]] Result<std::unique_ptr<mqtt::Transport>> Open();
 
   /// When the last message that was handed out came; with Play::kLast, the last one there is.
@@ -44,6 +45,7 @@ class PlayedRecording {
   Play play_;
   base::WallTime now_;
   std::chrono::nanoseconds elapsed_{0};
+  bool is_read_ = false;  // standard input
   recording::Faults faults_;
   std::optional<Error> trouble_;  // it could not be read to its end
 };

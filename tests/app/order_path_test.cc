@@ -199,6 +199,13 @@ TEST(ParsePlacedAction, TypesWhatThePredefinedActionsHave) {
   }
 }
 
+TEST(ParsePlacedAction, RefusesAParameterThatIsThereTwice) {
+  const auto action = ParsePlacedAction("pick@n7", {"loadType=EPAL", "height=1", "loadType:=1"});
+  ASSERT_FALSE(action);
+  EXPECT_EQ(action.error().kind, ErrorKind::kUsage);
+  EXPECT_THAT(action.error().message, HasSubstr("'loadType' is given twice"));
+}
+
 TEST(ParsePathFile, ReadsRowsWithWhatTheyHave) {
   const auto points = ParsePathFile(
       "node,x,y,theta,map,actions\n"
@@ -228,6 +235,8 @@ TEST(ParsePathFile, SaysWhereAFileIsWrong) {
       {"node,x,y,theta,map\nn1,0,0,90,m\n", "radians"},
       {"node,x\n,1\n", "has no name"},
       {"node,actions\nn1,pick loadType\n", "line 2: "},
+      {"node,actions\nn1,\nn2,beep a=1 a=2\n", "line 3: parameter 'a' is given twice"},
+      {"node,actions\nn1,@pick\n", "line 2: "},
   };
   for (const auto& [text, part] : cases) {
     const auto points = ParsePathFile(text);

@@ -12,6 +12,7 @@ using ::testing::AllOf;
 using ::testing::Each;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
+using ::testing::Not;
 using ::testing::SizeIs;
 using ::testing::StartsWith;
 
@@ -194,6 +195,30 @@ TEST_F(Batching, KeepsToARate) {
   EXPECT_EQ(Batch(input, {"--rate", "10"}).exit_code, 0);
   EXPECT_GE(std::chrono::steady_clock::now() - start, std::chrono::milliseconds(490));
   EXPECT_EQ(Batch(input, {"--rate", "fast"}).exit_code, 2);
+}
+
+// With a reader that goes away, a full disk, no standard output at all.
+TEST_F(Batching, FailsWhenLinesAreNotSentBecauseNobodyReads) {
+  std::string input;
+  for (int i = 0; i < 4'000; ++i) input += Pause("KIT/0001", R"(,"vda":"2.1")");
+  const std::string file = operator_.home().Write("lines", input);
+  const std::string one = operator_.home().Write("one", Pause("KIT/0001", R"(,"vda":"2.1")"));
+  const auto in_shell = [&](const std::string& rest) {
+    Command command = operator_.Prepare({"batch"});
+    command.arguments = {"bash", "-c",
+                         "set -o pipefail; " + Binary() + " batch --no-check " + rest};
+    return ::fleetpub::testing::Run(std::move(command));
+  };
+  for (const char* output : {"> /dev/full", ">&-", "| head -2"}) {
+    const Finished run = in_shell("--rate 500 " + file + " " + output);
+    EXPECT_EQ(run.exit_code, 8) << output;
+    EXPECT_THAT(run.errors, HasSubstr("nothing was sent from line")) << output;
+  }
+  for (const char* rate : {"", "--rate 1 "}) {
+    const Finished all = in_shell(rate + one + " > /dev/full");
+    EXPECT_EQ(all.exit_code, 0) << "everything was sent";
+    EXPECT_THAT(all.errors, AllOf(HasSubstr("could not be written"), Not(HasSubstr("line 2"))));
+  }
 }
 
 TEST_F(Batching, OutlivesARestartOfTheBroker) {

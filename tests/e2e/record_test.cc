@@ -223,6 +223,8 @@ TEST_F(Record, RefusesWhatItCannotDo) {
   operator_.home().Write("there.jsonl", "precious");
   const std::pair<std::vector<std::string>, int> cases[] = {
       {{"record"}, 2},
+      {{"record", "-f", "-"}, 2},
+      {{"conform", "KIT/0001", "--record", "-"}, 2},
       {{"record", "-f", File("there.jsonl")}, 8},
       {{"record", "-f", File("no/folder.jsonl")}, 8},
       {{"record", "-f", File("a"), "--rotate", "often"}, 2},
@@ -239,6 +241,7 @@ TEST_F(Record, RefusesWhatItCannotDo) {
   }
   EXPECT_EQ(*base::ReadFile(File("there.jsonl")), "precious");
   EXPECT_FALSE(std::filesystem::exists(File("a")));
+  EXPECT_FALSE(std::filesystem::exists("-"));
 }
 
 }  // namespace

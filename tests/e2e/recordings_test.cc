@@ -72,6 +72,45 @@ class Recordings : public ::testing::Test {
   std::string file_ = operator_.home().Write("shift.jsonl", Shift()).string();
 };
 
+// More than is read at once: nothing of it is lost on the way to where the commands look.
+TEST_F(Recordings, SayTheSameOnStandardInput) {
+  std::string shift = Shift();
+  for (int i = 4; i < 900; ++i) {
+    shift += Line("05:07:08", "KIT/0003/state", State("0003", i, Battery(i % 100)));
+  }
+  ASSERT_GT(shift.size(), 300'000U);
+  file_ = operator_.home().Write("shift.jsonl", shift).string();
+  for (const std::vector<std::string>& arguments : {std::vector<std::string>{"tail"},
+                                                    {"fleet"},
+                                                    {"watch"},
+                                                    {"requests"},
+                                                    {"show", "KIT/0001"},
+                                                    {"await", "KIT/0001", "driving=true"},
+                                                    {"validate"},
+                                                    {"doctor"}}) {
+    std::vector<std::string> words = arguments;
+    words.insert(words.end(), {"-o", "json"});
+    const Finished expected = From(words);
+    for (const char* way : {"cat", "gzip", "zstd -q"}) {
+      Command command = operator_.Prepare(words);
+      command.arguments = {
+          "bash", "-c", std::string(way) + " < \"$0\" | " + Binary() + " \"$@\" --from -", file_};
+      command.arguments.insert(command.arguments.end(), words.begin(), words.end());
+      const Finished run = ::fleetpub::testing::Run(std::move(command));
+      EXPECT_EQ(run.exit_code, expected.exit_code) << words.front() << " " << run.errors;
+      EXPECT_EQ(run.output, expected.output) << words.front() << " by " << way;
+    }
+  }
+}
+
+TEST_F(Recordings, AreNotReadTwiceOnStandardInput) {
+  Command command = operator_.Prepare({"await", "KIT/*", "driving=true", "--from", "-"});
+  command.input = Shift();
+  const Finished run = ::fleetpub::testing::Run(std::move(command));
+  EXPECT_EQ(run.exit_code, 2);
+  EXPECT_THAT(run.errors, HasSubstr("standard input once only"));
+}
+
 TEST_F(Recordings, AreTailedInAPersonsWords) {
   Command command = operator_.Prepare({"tail", "--from", file_});
   command.environment.emplace_back("TZ", "UTC");

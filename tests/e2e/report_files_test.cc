@@ -142,5 +142,28 @@ TEST_F(ReportFile, ThatCannotBeWrittenIsRefusedBeforeAnythingIsSent) {
   EXPECT_THAT(subscriber.SoFar(), IsEmpty());
 }
 
+// A report is what tests are run for; a batch has done its work.
+TEST_F(ReportFile, ThatCannotBeWrittenAtTheEndFailsTestsAndNoBatch) {
+  const auto robot = Robot({"KIT/0001"});
+  const auto reporting = [&](std::vector<std::string> words, const std::string& input) {
+    words.insert(words.end(), {"--report", "json=/dev/full"});
+    Command command = operator_.Prepare(std::move(words));
+    command.input = input;
+    const Finished run = ::fleetpub::testing::Run(std::move(command));
+    EXPECT_THAT(run.errors, HasSubstr("/dev/full cannot be written"));
+    return run.exit_code;
+  };
+  const std::string pause = "{\"target\":\"KIT/0001\",\"action\":\"startPause\"}\n";
+  const std::string scenario = operator_.home().Write(
+      "a.toml",
+      "[[test]]\nname = \"a\"\nrobot = \"KIT/0001\"\nsteps = [{ await = \"headerId>0\" }]\n");
+  EXPECT_EQ(reporting({"batch", "--wait"}, pause), 0);
+  EXPECT_EQ(reporting({"batch", "--wait"}, pause + "nonsense\n"), 3) << "as without a report";
+  EXPECT_EQ(reporting({"batch", "--dry-run"}, pause), 8) << "nothing was sent";
+  EXPECT_EQ(reporting({"conform", "KIT/0001", "--only", "H01"}, ""), 8);
+  EXPECT_EQ(reporting({"test", scenario, "--yes"}, ""), 8);
+  EXPECT_EQ(reporting({"validate"}, kGood), 8);
+}
+
 }  // namespace
 }  // namespace fleetpub::testing

@@ -125,6 +125,13 @@ std::string DescribeStop(app::BatchStop reason, std::chrono::milliseconds reconn
   return "";
 }
 
+// Beside those of the results. Once everything was sent, it matters no more who reads.
+ExitCode CodeOfEnd(const app::BatchEnd& end) {
+  if (end.reason == app::BatchStop::kNoConnection) return ExitCode::kBroker;
+  const bool is_unread = end.reason == app::BatchStop::kUnread && !end.all_read;
+  return is_unread ? ExitCode::kLedger : ExitCode::kDone;
+}
+
 Status ParseDefaults(const BatchOptions& options, const config::Config& config,
                      app::BatchRequest& request) {
   auto resolver = app::DialectResolver::Make(options.vda, config);
@@ -197,11 +204,12 @@ Result<ExitCode> RunBatch(const BatchOptions& options, const Context& context) {
   }
   report.results = printer.TakeCases();
   if (auto written = WriteReports(*reports, std::move(report)); !written) {
-    return Fail(std::move(written.error()));
+    if (!context.output.something_was_sent()) return Fail(std::move(written.error()));
+    context.output.Warn(written.error().message);
   }
-  ExitCode code = printer.worst();
+  ExitCode code = Worse(printer.worst(), CodeOfEnd(*end));
   if (const auto signal = StopSignal::Received()) code = Worse(code, *signal);
-  return end->reason == app::BatchStop::kNoConnection ? Worse(code, ExitCode::kBroker) : code;
+  return code;
 }
 
 }  // namespace

@@ -58,19 +58,19 @@ struct OrderOptions : RobotOptions {
 
 void DeclarePath(OptionSet& set, OrderOptions& o) {
   constexpr const char* kWay = "Way";
-  set.AddOption("nodes", o.nodes, "Its nodes, or stations of the layout, in their order")
+  set.AddOption("nodes", Name(o.nodes), "Its nodes, or stations of the layout, in their order")
       .Type("NODE");
-  set.AddOption("--to", o.to, "Find the way to this node or station of the layout")
+  set.AddOption("--to", Name(o.to), "Find the way to this node or station of the layout")
       .Type("PLACE")
       .Group(kWay);
-  set.AddOption("--via", o.via, "By way of this one; repeatable, in their order")
+  set.AddOption("--via", Name(o.via), "By way of this one; repeatable, in their order")
       .Type("PLACE")
       .OneValueEach()
       .Group(kWay);
-  set.AddOption("--from", o.from, "Where the way begins [the robot's last node]")
+  set.AddOption("--from", Name(o.from), "Where the way begins [the robot's last node]")
       .Type("NODE")
       .Group(kWay);
-  set.AddOption("--route", o.route_file, "Rows node,x,y,theta,map,actions in place of NODEs")
+  set.AddOption("--route", Name(o.route_file), "Rows node,x,y,theta,map,actions in place of NODEs")
       .Type("FILE")
       .Group(kWay);
   set.AddOption("--layout", o.layout_file, "The layout, a LIF file [of the configuration]")
@@ -358,7 +358,9 @@ void DeclareNew(OptionSet& set, OrderOptions& o) {
   set.AddFlag("--auto-release", o.auto_release,
               "Follow it, and keep so many nodes ahead of the robot released")
       .Group("Order");
-  set.AddOption("--order-id", o.order_id, "The orderId [a random UUID]").Type("ID").Group("Order");
+  set.AddOption("--order-id", Name(o.order_id), "The orderId [a random UUID]")
+      .Type("ID")
+      .Group("Order");
   DeclareSending(set, o);
 }
 

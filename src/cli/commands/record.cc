@@ -179,7 +179,7 @@ Run DeclareRecord(OptionSet& set) {
   constexpr const char* kRecording = "Recording";
   const auto options = std::make_shared<RecordOptions>();
   DeclareListenOptions(set, options->listen);
-  set.AddOption("-f,--file", options->file,
+  set.AddOption("-f,--file", NewFile(options->file),
                 "A new file; compressed when its name ends in .zst or .gz")
       .Type("FILE")
       .Group(kRecording);

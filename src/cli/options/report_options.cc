@@ -30,6 +30,13 @@ tl::unexpected<Error> CannotBeWritten(const std::filesystem::path& path) {
                           std::system_category().message(errno)));
 }
 
+// Neither need be there.
+bool IsSame(const std::filesystem::path& a, const std::filesystem::path& b) {
+  std::error_code unknown;
+  return std::filesystem::weakly_canonical(a, unknown) ==
+         std::filesystem::weakly_canonical(b, unknown);
+}
+
 Status CheckWritable(const std::filesystem::path& path) {
   const int created = open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
   if (created >= 0) {
@@ -56,7 +63,7 @@ void DeclareReport(OptionSet& set, std::vector<std::string>& words) {
 }
 
 void DeclareRecord(OptionSet& set, std::string& file) {
-  set.AddOption("--record", file, "Record all that is heard, as record does")
+  set.AddOption("--record", NewFile(file), "Record all that is heard, as record does")
       .Type("FILE")
       .Group(kReport);
 }
@@ -75,7 +82,17 @@ Result<std::vector<ReportFile>> ParseReportFiles(const std::vector<std::string>&
                                 "json=, html=",
                                 base::Printable(part)));
       }
-      files.push_back({writer->second, part.substr(equals + 1)});
+      const std::filesystem::path path = part.substr(equals + 1);
+      const bool is_taken = std::any_of(files.begin(), files.end(), [&](const ReportFile& file) {
+        return IsSame(file.path, path);
+      });
+      if (path == "-" || is_taken) {
+        return Fail(ErrorKind::kUsage,
+                    fmt::format("--report: {} {}: give each report a file of its own",
+                                base::Printable(part),
+                                is_taken ? "would overwrite another" : "names no file"));
+      }
+      files.push_back({writer->second, path});
       if (auto ok = CheckWritable(files.back().path); !ok) return Fail(std::move(ok.error()));
     }
   }

@@ -74,12 +74,20 @@ ValueKind Only(ValueKind kind, bool (*holds)(const std::string& text), std::stri
   return kind;
 }
 
+ValueKind NewFile(std::string& value) {
+  return Only(
+      Text(value), [](const std::string& text) { return text != "-"; },
+      "a file's name (standard output has the results: fleetpub tail -o json prints messages "
+      "there)");
+}
+
 ValueKind Interval(std::chrono::milliseconds& value) {
   const auto is_above_zero = [](const std::string& text) {
     const auto parsed = base::ParseDuration(text);
     return parsed && parsed->count() > 0;
   };
-  return Only(Duration(value), is_above_zero, "a duration above zero, such as 250ms, 30s or 5m");
+  return Only(Duration(value), is_above_zero,
+              "a duration above zero, such as 250ms, 30s or 5m, of at most ten years");
 }
 
 ValueKind PointInTime(std::optional<base::WallTime>& value, base::Direction direction) {
@@ -97,7 +105,7 @@ ValueKind PointInTime(std::optional<base::WallTime>& value, base::Direction dire
           [] {
             return std::string(
                 "a time such as 14:30, today, 'monday 06:00', 2026-01-02 or 2026-01-02T03:04:05Z, "
-                "or a duration such as 24h");
+                "or a duration such as 24h, of at most ten years");
           }};
 }
 

@@ -84,15 +84,28 @@ struct Stored<std::optional<T>> : std::type_identity<T> {};
 template <class V>
 [[nodiscard]] ValueKind Duration(V& value,
                                  std::chrono::milliseconds unit = std::chrono::seconds(1)) {
-  return {"TIME",
-          internal::StoreOne(value,
-                             [unit](const std::string& t) { return base::ParseDuration(t, unit); }),
-          [] { return std::string("a duration such as 250ms, 30s, 5m, 2h or 90d"); }};
+  return {
+      "TIME",
+      internal::StoreOne(value,
+                         [unit](const std::string& t) { return base::ParseDuration(t, unit); }),
+      [] {
+        return std::string("a duration such as 250ms, 30s, 5m, 2h or 90d, of at most ten years");
+      }};
 }
 
 /// The same kind, but only texts for which `holds` is true; it takes `takes` then.
 [[nodiscard]] ValueKind Only(ValueKind kind, bool (*holds)(const std::string& text),
                              std::string takes);
+
+/// A text, or several, none of which is empty, as that of an unset variable of a shell is.
+template <class V>
+[[nodiscard]] ValueKind Name(V& value) {
+  return Only(
+      Text(value), [](const std::string& text) { return !text.empty(); },
+      "a word that is not empty");
+}
+/// A file to be written that cannot be standard output.
+[[nodiscard]] ValueKind NewFile(std::string& value);
 
 /// A duration that is not 0.
 [[nodiscard]] ValueKind Interval(std::chrono::milliseconds& value);

@@ -28,9 +28,18 @@ TEST(ReportFiles, AreNamedByKind) {
   EXPECT_THAT(*base::ReadFile(folder.path() / "a"), HasSubstr("TAP version"));
   EXPECT_THAT(*base::ReadFile(folder.path() / "b"),
               AllOf(HasSubstr(R"("failed":1)"), HasSubstr(R"("tool":"fleetpub )")));
-  for (const char* word : {"xml=a", "junit", "junit=", "=a"}) {
+  for (const char* word : {"xml=a", "junit", "junit=", "=a", "json=-"}) {
     EXPECT_EQ(ParseReportFiles({word}).error().kind, ErrorKind::kUsage) << word;
   }
+}
+
+TEST(ReportFiles, AreDifferentOnes) {
+  const TemporaryFolder folder;
+  const std::string a = (folder / "a").string();
+  const std::string same = (folder / "." / "a").string();
+  EXPECT_EQ(ParseReportFiles({"junit=" + a + ",tap=" + a}).error().kind, ErrorKind::kUsage);
+  EXPECT_EQ(ParseReportFiles({"junit=" + a, "tap=" + same}).error().kind, ErrorKind::kUsage);
+  EXPECT_TRUE(ParseReportFiles({"junit=" + a, "tap=" + a + "b"}));
 }
 
 TEST(ReportFiles, ThatCannotBeWrittenAreRefusedBefore) {

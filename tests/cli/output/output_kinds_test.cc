@@ -13,8 +13,10 @@
 namespace fleetpub::cli {
 namespace {
 
+using ::testing::AnyOfArray;
 using ::testing::Contains;
 using ::testing::IsEmpty;
+using ::testing::Value;
 
 TEST(OutputSchemas, NameTheMembersOfEachKind) {
   const std::vector<std::string> live = {"--live"};
@@ -25,11 +27,17 @@ TEST(OutputSchemas, NameTheMembersOfEachKind) {
   EXPECT_THAT(ListMembers("fleetpub/output/result"), Contains("elapsedMs"));
 }
 
-TEST(OutputSchemas, ExistForEachCommandThatHasOne) {
+TEST(OutputSchemas, ExistForEachCommandThatPrintsObjectsOfItsOwn) {
+  // They print files and scripts, or what others wrote: the message that was awaited, a schema.
+  const std::vector<std::string_view> others = {"await", "completion", "config init", "schema show",
+                                                "simulate"};
   schema::Registry registry;
   for (const Subcommand& subcommand : Subcommands()) {
     const std::string schema = FindOutputSchema(subcommand.name, {});
-    if (schema.empty()) continue;
+    if (Value(subcommand.name, AnyOfArray(others))) {
+      EXPECT_THAT(schema, IsEmpty()) << subcommand.name;
+      continue;
+    }
     EXPECT_TRUE(registry.Find(schema)) << subcommand.name;
     EXPECT_THAT(ListMembers(schema), ::testing::Not(IsEmpty())) << subcommand.name;
   }

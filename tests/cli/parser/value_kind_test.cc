@@ -100,6 +100,26 @@ TEST(ValueKind, AChoiceIsShownByItsFirstWord) {
   EXPECT_EQ(kind.Takes(), "red or blue");
 }
 
+TEST(ValueKind, ANameIsNotEmptyAmongOthersEither) {
+  std::string name;
+  EXPECT_TRUE(Store(Name(name), "n1"));
+  EXPECT_FALSE(Store(Name(name), ""));
+  EXPECT_EQ(name, "n1");
+  std::vector<std::string> names;
+  EXPECT_FALSE(Name(names).store({"n1", "", "n2"}));
+  EXPECT_TRUE(Name(names).store({"n1", "n2"}));
+}
+
+TEST(ValueKind, ADurationSaysHowLongItMayBe) {
+  std::chrono::milliseconds time{0};
+  std::optional<base::WallTime> since;
+  for (const ValueKind& kind :
+       {Duration(time), Interval(time), PointInTime(since, base::Direction::kBack)}) {
+    EXPECT_FALSE(Store(kind, "5000d"));
+    EXPECT_THAT(kind.Takes(), HasSubstr("at most ten years"));
+  }
+}
+
 TEST(ValueKind, AWordIsStoredAsItsListSpellsIt) {
   constexpr auto kWords = std::to_array<std::string_view>({"NONE", "SOFT"});
   std::string word;
