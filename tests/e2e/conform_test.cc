@@ -239,8 +239,16 @@ TEST_F(Conform, ARobotThatIsNotThereIsNotJudged) {
   EXPECT_EQ(Test({}).exit_code, 7);
   EXPECT_EQ(Fleetpub({"conform"}).exit_code, 2);
   EXPECT_EQ(Test({"--only", "Z99"}).exit_code, 2);
+  EXPECT_EQ(Test({"--only", "C01", "--skip", "C01"}).exit_code, 2);
+  EXPECT_EQ(Test({"--only", "I"}).exit_code, 2) << "of --level actions";
   EXPECT_EQ(Test({"--report", "pdf=x"}).exit_code, 2);
   EXPECT_EQ(Test({"--distance", "3"}).exit_code, 2) << "of --level drive";
+}
+
+TEST_F(Conform, OfCasesOfAnotherVersionIsRefused) {
+  const auto robot = QuickRobot({"--vda", "2.1"});
+  EXPECT_EQ(Test({"--level", "actions", "--only", "I11"}).exit_code, 2);
+  EXPECT_EQ(Sent(), 0U);
 }
 
 TEST(ConformList, IsOnThePage) {

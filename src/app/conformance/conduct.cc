@@ -65,6 +65,12 @@ bool Selection::Has(std::string_view id) const {
   return (only.empty() || Matches(only, id)) && !Matches(skip, id);
 }
 
+bool Selection::RunsAny(std::span<const Case> cases) const {
+  return std::any_of(cases.begin(), cases.end(), [&](const Case& one) {
+    return Has(one.id) && ReasonToSkip(one, *this).empty();
+  });
+}
+
 std::vector<Case> ListCases() {
   std::vector<Case> all;
   for (const auto& group :

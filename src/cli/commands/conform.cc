@@ -195,6 +195,12 @@ Result<app::ConformRequest> MakeRequest(const ConformOptions& o, const Context& 
       }
     }
   }
+  if (!request.selection.RunsAny(app::conformance::ListCases())) {
+    return Fail(ErrorKind::kUsage,
+                fmt::format("--only and --skip leave no case of --level {}. try: fleetpub conform "
+                            "--list",
+                            GetName(o.level)));
+  }
   if (!o.nodes.empty()) request.nodes = base::Split(o.nodes, ',');
   if (o.distance) request.distance = *o.distance;
   if (request.distance < 0.5) {
