@@ -109,6 +109,13 @@ std::string DescribeWay(const ConformRequest& request) {
 Result<ConformReport> Test(const ConformRequest& request, RobotListener& listener,
                            const Environment& environment, const DriveConsent& consent,
                            const conformance::Progress& progress, Observer& observer) {
+  auto cases = conformance::ListCases();
+  const auto version = listener.dialect().version;
+  std::erase_if(cases, [&](const conformance::Case& one) { return !one.AppliesTo(version); });
+  if (!request.selection.RunsAny(cases)) {
+    return Fail(ErrorKind::kUsage, fmt::format("none of these cases is of VDA 5050 {}",
+                                               vda5050::GetFacts(version).name));
+  }
   auto way = PlanWay(request, listener, observer);
   if (!way) return Fail(std::move(way.error()));
   if (request.selection.level == Level::kDrive) {

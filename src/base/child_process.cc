@@ -109,7 +109,7 @@ ChildProcess::~ChildProcess() {
   if (pid_ > 0 && !Poll()) {
     Terminate();
     if (!Wait(std::chrono::seconds(5))) {
-      kill(pid_, SIGKILL);
+      kill(-pid_, SIGKILL);
       (void)Wait(std::chrono::seconds(5));
     }
   }
@@ -126,8 +126,8 @@ std::optional<int> ChildProcess::Poll() {
   return exit_code_;
 }
 
-void ChildProcess::Terminate() const {
-  if (!exit_code_) kill(pid_, SIGTERM);
+void ChildProcess::Terminate() {
+  if (!exit_code_ && !std::exchange(is_terminated_, true)) kill(pid_, SIGTERM);
 }
 
 bool ChildProcess::Wait(std::chrono::milliseconds patience) {

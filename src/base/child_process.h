@@ -34,12 +34,13 @@ class ChildProcess {
   [[nodiscard]] static Result<std::unique_ptr<ChildProcess>> Start(const Command& command);
   ChildProcess(const ChildProcess&) = delete;
   ChildProcess& operator=(const ChildProcess&) = delete;
-  /// Ends it: SIGTERM, and SIGKILL when that has not helped within 5 s.
+  /// Ends it: as Terminate, and SIGKILL, to all of its group, when that has not helped within 5 s.
   ~ChildProcess();
 
   /// The exit code, or 128 + the signal that ended it; nothing while it runs.
   [[nodiscard]] std::optional<int> Poll();
-  void Terminate() const;
+  /// SIGTERM, once: who ends in an orderly way may take a second one for impatience.
+  void Terminate();
   /// All that it wrote so far.
   [[nodiscard]] std::string Output() const;
   [[nodiscard]] std::string Errors() const;
@@ -51,6 +52,7 @@ class ChildProcess {
   pid_t pid_ = -1;
   int output_ = -1;
   int errors_ = -1;
+  bool is_terminated_ = false;
   std::optional<int> exit_code_;
 };
 

@@ -39,6 +39,7 @@ class Runner final : public Inhabitant {
     const bool is_first = !has_greeted_;
     may_heal_ = false;
     auto ok = is_first ? CheckPlaces() : Status();
+    if (ok && is_first) options_.on_arrival();
     if (ok) ok = Open();
     if (ok) ok = Greet(is_first);
     has_greeted_ = has_greeted_ || ok;

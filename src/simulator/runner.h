@@ -26,6 +26,8 @@ struct RunOptions {
   std::optional<std::chrono::milliseconds> duration;  ///< none: until `stopped`
   std::function<bool()> stopped;                      ///< asked several times a second
   std::function<void()> on_ready;                     ///< everybody is ONLINE, for the first time
+  /// Called before the robots leave anything at the broker: from then on they need an orderly end.
+  std::function<void()> on_arrival = [] {};
   /// Filters of the robots' connection messages: nobody may be ONLINE there. Empty: nobody looks.
   std::vector<std::string> places;
   /// The connection broke and is opened again; told once, however many attempts fail.

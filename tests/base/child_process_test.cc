@@ -4,7 +4,10 @@
 
 #include <chrono>
 #include <csignal>
+#include <filesystem>
 #include <thread>
+
+#include "support/temporary_folder.h"
 
 namespace fleetpub::base {
 namespace {
@@ -47,6 +50,29 @@ TEST(ChildProcess, EndsWhenNobodyWantsItAnyMore) {
     const auto other = *ChildProcess::Start({.arguments = {"/bin/sleep", "60"}, .input = ""});
   }
   EXPECT_LT(steady_clock::now() - start, std::chrono::seconds(20));
+}
+
+// A second SIGTERM would end it at once.
+TEST(ChildProcess, IsAskedToEndOnlyOnce) {
+  const testing::TemporaryFolder folder;
+  const std::string left = (folder.path() / "left").string();
+  {
+    const auto child = *ChildProcess::Start(
+        {.arguments = {"/bin/sh", "-c",
+                       "trap 'trap - TERM; echo leaving; sleep 0.3; echo so > " + left +
+                           "; exit' TERM; echo ready; while :; do sleep 0.01; done"},
+         .input = ""});
+    const auto await = [&](std::string_view text) {
+      const auto end = steady_clock::now() + std::chrono::seconds(10);
+      while (child->Output().find(text) == std::string::npos && steady_clock::now() < end) {
+        std::this_thread::yield();
+      }
+    };
+    await("ready");
+    child->Terminate();
+    await("leaving");
+  }
+  EXPECT_TRUE(std::filesystem::exists(left));
 }
 
 // A server that starts us may have asked the system to forget its children.

@@ -1,6 +1,7 @@
 // `fleetpub conform` from the shell to a virtual robot: each level, what it leaves, and its reports.
 #include <gmock/gmock.h>
 
+#include <csignal>
 #include <map>
 #include <set>
 
@@ -17,6 +18,7 @@ using ::testing::Contains;
 using ::testing::HasSubstr;
 using ::testing::IsSupersetOf;
 using ::testing::Not;
+using ::testing::SizeIs;
 using ::testing::UnorderedElementsAre;
 
 class Conform : public EndToEnd {
@@ -170,6 +172,56 @@ TEST_F(ConformOnALayout, SendsNothingAlongAWayThatIsNone) {
   EXPECT_EQ(Sent(), 0U);
 }
 
+// Ended while the robot drives.
+class InterruptedConform : public Conform {
+ protected:
+  // Returns once it is under way.
+  [[nodiscard]] std::unique_ptr<Process> Drive(const std::vector<std::string>& more = {}) const {
+    std::vector<std::string> words = {"conform", "KIT/0001", "--for",          "300ms",
+                                      "--level", "drive",    "--yes",          "--only",
+                                      "D01,D02", "-o",       "json",           "--distance",
+                                      "60",      "--report", "json=" + report_};
+    words.insert(words.end(), more.begin(), more.end());
+    auto process = std::make_unique<Process>(operator_.Prepare(std::move(words)));
+    EXPECT_EQ(Fleetpub({"await", "KIT/0001", "driving=true", "-W", "15s"}).exit_code, 0)
+        << process->Errors();
+    return process;
+  }
+
+  std::string report_ = (operator_.home().path() / "o.json").string();
+};
+
+TEST_F(InterruptedConform, CancelsTheOrderAndSaysThatNotAllWasTested) {
+  const auto robot = Robot({"KIT/0001", "--position", "1,2,0", "--state-interval", "200ms"});
+  const Subscriber orders(broker_, "+/+/KIT/0001/order");
+  for (const auto& [signal, code] : {std::pair(SIGINT, 130), {SIGTERM, 143}}) {
+    const auto test = Drive();
+    const std::size_t sent = orders.SoFar().size();
+    test->Signal(signal);
+    EXPECT_EQ(test->Wait(), code) << test->Errors();
+    EXPECT_THAT(orders.SoFar(), SizeIs(sent)) << "another order was sent";
+    const auto last = Json(Lines(test->Output()).back());
+    EXPECT_FALSE(last["summary"]["complete"].GetBool());
+    EXPECT_EQ(last["summary"]["exitCode"].GetInt(), code);
+    EXPECT_THAT(*base::ReadFile(report_), HasSubstr(R"("ended early":"interrupted")"));
+    EXPECT_THAT(Fleetpub({"show", "KIT/0001", "-o", "json"}).output,
+                AllOf(HasSubstr(R"("nodesLeft":0)"), HasSubstr(R"("driving":false)")));
+  }
+}
+
+TEST_F(InterruptedConform, EndsAtOnceTheSecondTime) {
+  const auto robot = Robot(
+      {"KIT/0001", "--position", "1,2,0", "--state-interval", "200ms", "--hang", "stateRequest"});
+  const Subscriber actions(broker_, "+/+/KIT/0001/instantActions");
+  const auto test = Drive();
+  const std::size_t sent = actions.SoFar().size();
+  test->Signal(SIGINT);
+  EXPECT_THAT(actions.Await(sent + 1), SizeIs(sent + 1)) << "it asks how the robot was left";
+  test->Signal(SIGINT);
+  EXPECT_EQ(test->Wait(std::chrono::seconds(5)), 130);
+  EXPECT_THAT(test->Errors(), HasSubstr("ended at once"));
+}
+
 TEST_F(Conform, WritesReports) {
   const auto robot = QuickRobot({"--fault", "header-name"});
   const auto path = [&](const char* name) { return (operator_.home().path() / name).string(); };
@@ -187,8 +239,16 @@ TEST_F(Conform, ARobotThatIsNotThereIsNotJudged) {
   EXPECT_EQ(Test({}).exit_code, 7);
   EXPECT_EQ(Fleetpub({"conform"}).exit_code, 2);
   EXPECT_EQ(Test({"--only", "Z99"}).exit_code, 2);
+  EXPECT_EQ(Test({"--only", "C01", "--skip", "C01"}).exit_code, 2);
+  EXPECT_EQ(Test({"--only", "I"}).exit_code, 2) << "of --level actions";
   EXPECT_EQ(Test({"--report", "pdf=x"}).exit_code, 2);
   EXPECT_EQ(Test({"--distance", "3"}).exit_code, 2) << "of --level drive";
+}
+
+TEST_F(Conform, OfCasesOfAnotherVersionIsRefused) {
+  const auto robot = QuickRobot({"--vda", "2.1"});
+  EXPECT_EQ(Test({"--level", "actions", "--only", "I11"}).exit_code, 2);
+  EXPECT_EQ(Sent(), 0U);
 }
 
 TEST(ConformList, IsOnThePage) {

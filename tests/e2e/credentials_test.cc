@@ -2,9 +2,13 @@
 #include <gmock/gmock.h>
 #include <sys/stat.h>
 
+#include <csignal>
+#include <filesystem>
 #include <fstream>
 #include <mutex>
+#include <thread>
 
+#include "support/gone.h"
 #include "support/operator.h"
 #include "support/scripted_broker.h"
 
@@ -191,6 +195,38 @@ TEST_F(Credentials, AProgramThatFailsIsToldAndNothingIsSent) {
   EXPECT_THAT(run.errors, AllOf(HasSubstr("locked\n"), HasSubstr(file.string() + ":3"),
                                 HasSubstr("exit code 7"), Not(HasSubstr("hunter2"))));
   EXPECT_THAT(broker->Log(), Not(HasSubstr("New connection")));
+}
+
+// It may wait for a vault, or a person; whoever ends us does not.
+TEST_F(Credentials, AProgramEndsWithUs) {
+  const auto broker = Guarded();
+  const std::string pid = (operator_.home() / "pid").string();
+  const auto file = Configure("broker = \"" + broker->Url() +
+                              "\"\nusername = \"ann\"\npassword_command = [\"sh\", \"-c\", \""
+                              "sleep 60 & echo $! > " +
+                              pid + ".new; mv " + pid + ".new " + pid + "; wait\"]\n");
+  const std::string scenario =
+      operator_.home()
+          .Write("s.toml", "[[test]]\nname = \"x\"\nsteps = [{ simulate = \"KIT/0001\" }]\n")
+          .string();
+  for (const auto& words : std::vector<std::vector<std::string>>{kPause,
+                                                                 {"fleet"},
+                                                                 {"simulate", "KIT/0001"},
+                                                                 {"conform", "KIT/0001"},
+                                                                 {"test", scenario}}) {
+    for (const auto& [signal, code] : {std::pair(SIGINT, 130), {SIGTERM, 143}}) {
+      SCOPED_TRACE(words.front());
+      Command command = operator_.Prepare(words);
+      command.arguments.insert(command.arguments.begin(), "setsid");  // away from any terminal
+      Process run(std::move(command));
+      while (!std::filesystem::exists(pid) && run.Running()) std::this_thread::yield();
+      run.Signal(signal);
+      EXPECT_EQ(run.Wait(std::chrono::seconds(5)), code);
+      EXPECT_THAT(run.Errors(), HasSubstr("nothing was sent"));
+      EXPECT_TRUE(HasGone(pid));
+      std::filesystem::remove(pid);
+    }
+  }
 }
 
 TEST_F(Credentials, AProgramOfAFileThatOthersCanChangeIsRefused) {

@@ -241,6 +241,24 @@ TEST_F(InterruptedScenario, TellsWhatIsKnownAndLeavesNoRobot) {
             0);
 }
 
+// Where it may read nothing, a virtual robot listens for its own words before it is ready.
+TEST_F(Scenario, InterruptedWhileARobotStartsLeavesNothingOfIt) {
+  Mosquitto deaf({"allow_anonymous true", "acl_file {}/acl"},
+                 {{"acl", "topic write #\nuser reader\ntopic read #\n"}});
+  Process test(operator_.Prepare(
+      {"test", WriteSteps("{ simulate = \"KIT/0001\" },\n"), "-o", "json", "-b", deaf.Url()}));
+  ASSERT_TRUE(deaf.AwaitLog(", 'vda5050/v3/KIT/0001/connection'")) << "a PUBLISH";
+  test.Signal(SIGINT);
+  EXPECT_EQ(test.Wait(), 130) << test.Errors();
+  const auto last = Json(Lines(test.Output()).back());
+  EXPECT_FALSE(last["summary"]["complete"].GetBool());
+  EXPECT_EQ(last["summary"]["exitCode"].GetInt(), 130);
+  const Finished left = ::fleetpub::testing::Run(
+      {.arguments = {"mosquitto_sub", "-p", std::to_string(deaf.port()), "-u", "reader", "-t", "#",
+                     "-v", "--retained-only", "-W", "1"}});
+  EXPECT_EQ(left.output, "");
+}
+
 TEST_F(InterruptedScenario, OutlivedByNothingWhenItIsKilled) {
   const Subscriber connections(broker_, "vda5050/v3/KIT/0001/connection");
   const auto test = Start();

@@ -71,6 +71,8 @@ struct Selection {
 
   /// Whether a case is among them, whatever its level.
   [[nodiscard]] bool Has(std::string_view id) const;
+  /// Whether one of these is run, of all versions.
+  [[nodiscard]] bool RunsAny(std::span<const Case> cases) const;
 };
 
 struct Outcome {

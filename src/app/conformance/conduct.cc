@@ -30,8 +30,8 @@ std::string ReasonToSkip(const Case& one, const Selection& selection) {
 CaseFinding CheckActive(const Case& one, Run& run) {
   if (!run.abort_reason().empty()) return Inconclusive("not run: " + run.abort_reason());
   auto finding = one.check(run);
-  // What ended the run says more than what did not come for it.
-  if (!run.abort_reason().empty() && finding.verdict != Verdict::kPass) {
+  // What ended the run says more than what did not come for it, and a case cut short passes nothing.
+  if (!run.abort_reason().empty() && (run.is_stopped() || finding.verdict != Verdict::kPass)) {
     return Inconclusive("not finished: " + run.abort_reason());
   }
   return finding;
@@ -40,6 +40,10 @@ CaseFinding CheckActive(const Case& one, Run& run) {
 // What the robot was left in.
 void Restore(Run& run, Level level, std::vector<std::string>& leftover) {
   if (level == Level::kListen || run.last_state() == nullptr) return;
+  // What was sent last may be on its way.
+  if (run.is_stopped() && run.Settle().found == nullptr) {
+    leftover.emplace_back("the robot has not said how it was left. try: fleetpub show");
+  }
   const auto is_paused = [&] { return run.last_state()->state->paused.value_or(false); };
   if (is_paused()) {
     run.Do("stopPause");
@@ -59,6 +63,12 @@ void Restore(Run& run, Level level, std::vector<std::string>& leftover) {
 
 bool Selection::Has(std::string_view id) const {
   return (only.empty() || Matches(only, id)) && !Matches(skip, id);
+}
+
+bool Selection::RunsAny(std::span<const Case> cases) const {
+  return std::any_of(cases.begin(), cases.end(), [&](const Case& one) {
+    return Has(one.id) && ReasonToSkip(one, *this).empty();
+  });
 }
 
 std::vector<Case> ListCases() {
@@ -100,11 +110,9 @@ Outcome Conduct(Run& run, const Selection& selection, const Progress& progress) 
     }
   }
   check(true);
-  Restore(run, selection.level, outcome.leftover);
+  run.TakeBack([&] { Restore(run, selection.level, outcome.leftover); });
   const auto listened = run.Now() - run.began();
-  if (listened < selection.listen && run.abort_reason() != "interrupted") {
-    run.Listen(selection.listen - listened);
-  }
+  if (listened < selection.listen) run.Listen(selection.listen - listened);
   check(false);
   return outcome;
 }

@@ -167,7 +167,6 @@ bool Hold(Run& run, const TestOrder& order) {
 
 void EndOrder(Run& run) {
   if (run.last_state() == nullptr || IsIdle(*run.last_state()->state)) return;
-  if (run.abort_reason() == "interrupted") return;
   run.Do("cancelOrder");
   if (run.Await(IsIdle, kCancel).found == nullptr) {
     run.Abort("it does not give up its order");

@@ -126,12 +126,19 @@ void Run::Abort(std::string why) {
   if (abort_.empty()) abort_ = std::move(why);
 }
 
+// Whether nothing is sent and waited for any more.
+bool Run::IsOver() {
+  if (!wire_.IsStopped()) return false;
+  if (!stopped_at_) {
+    stopped_at_ = wire_.Now();
+    Abort("interrupted");
+  }
+  return !takes_back_ || wire_.Now() >= *stopped_at_ + kTakingBack;
+}
+
 // Whether something came.
 bool Run::Step(TimePoint until) {
-  if (wire_.IsStopped()) {
-    Abort("interrupted");
-    return false;
-  }
+  if (IsOver()) return false;
   auto next = wire_.Next(until);
   if (next) Take(std::move(next->first), std::move(next->second));
   return next.has_value();
@@ -139,7 +146,7 @@ bool Run::Step(TimePoint until) {
 
 void Run::Listen(std::chrono::nanoseconds time) {
   const TimePoint until = wire_.Now() + time;
-  while (wire_.Now() < until && !wire_.IsStopped()) (void)Step(until);
+  while (wire_.Now() < until && !IsOver()) (void)Step(until);
 }
 
 StateTest ShowsEnd(const std::string& id) {
@@ -173,8 +180,9 @@ Awaited Run::AwaitSince(std::size_t mark, TimePoint from, const StateTest& test,
         return awaited;
       }
     }
-    if (wire_.Now() >= last || wire_.IsStopped()) {
-      if (!wire_.IsStopped()) Abort("the robot has been silent for too long");
+    if (IsOver()) return awaited;
+    if (wire_.Now() >= last) {
+      Abort("the robot has been silent for too long");
       return awaited;
     }
     (void)Step(last);
@@ -185,13 +193,20 @@ void Run::Refresh() {
   const std::size_t before = mark();
   const TimePoint from = Now();
   const std::string id = Do("stateRequest");
-  (void)AwaitSince(
-      before, from,
-      [&](const RobotState& state) {
-        const auto* action = vda5050::FindActionState(state, id);
-        return action != nullptr && vda5050::IsTerminal(action->status);
-      },
-      kNextState);
+  (void)AwaitSince(before, from, ShowsEnd(id), kNextState);
+}
+
+Awaited Run::Settle() {
+  const auto shows_end = ShowsEnd(Do("stateRequest"));
+  const auto has_ended = [&](const vda5050::ActionState& action) {
+    return !IsInstant(action.id) || vda5050::IsTerminal(action.status);
+  };
+  return Await([&](const RobotState& state) {
+    return shows_end(state) &&
+           std::all_of(state.action_states.begin(), state.action_states.end(), has_ended) &&
+           std::all_of(state.instant_action_states.begin(), state.instant_action_states.end(),
+                       has_ended);
+  });
 }
 
 CaseFinding Run::Missing(const Awaited& awaited, std::string what) {
@@ -203,6 +218,7 @@ CaseFinding Run::Missing(const Awaited& awaited, std::string what) {
 // ---- What is said ----
 
 void Run::Send(Result<message::Command> command, Intent intent) {
+  if (IsOver()) return;
   if (!command) return Abort(command.error().message);
   if (intent == Intent::kValid) {
     if (const auto valid = ValidateCommand(*command, registry_); !valid) {

@@ -39,6 +39,8 @@ using TimePoint = std::chrono::steady_clock::time_point;
 /// For whatever is due with the next state; the texts name no time.
 inline constexpr seconds kNextState{5};
 using vda5050::kLongestSilence;
+/// For what is taken back once somebody has stopped the run.
+inline constexpr seconds kTakingBack{10};
 
 struct CaseFinding {
   Verdict verdict = Verdict::kInconclusive;
@@ -152,6 +154,8 @@ class Run {
                      std::chrono::nanoseconds limit);
   /// Has the robot send its state, and waits until that has ended.
   void Refresh();
+  /// The same, until all instant actions of ours have ended.
+  Awaited Settle();
   /// A finding on what did not come: FAIL when that is certain.
   [[nodiscard]] static CaseFinding Missing(const Awaited& awaited, std::string what);
 
@@ -177,6 +181,15 @@ class Run {
   /// Why nothing may be sent any more; "": nothing is against it.
   [[nodiscard]] const std::string& abort_reason() const { return abort_; }
   void Abort(std::string why);
+  /// Whether somebody ended it: nothing leaves any more.
+  [[nodiscard]] bool is_stopped() const { return stopped_at_.has_value(); }
+  /// Takes back what was done; also when it is stopped, for kTakingBack.
+  template <class Use>
+  void TakeBack(Use use) {
+    takes_back_ = true;
+    use();
+    takes_back_ = false;
+  }
   /// What several cases need once: `what` is made by `make` at its first use.
   template <class T, class Make>
   T& Once(std::string_view what, Make make) {
@@ -187,6 +200,7 @@ class Run {
 
  private:
   void Take(std::string topic_name, mqtt::Message message);
+  bool IsOver();
   bool Step(TimePoint until);
   void CheckState(const vda5050::RobotState& state);
   void Send(Result<message::Command> command, Intent intent);
@@ -199,6 +213,8 @@ class Run {
   const Heard* last_state_ = nullptr;
   std::string mode_;  // at first
   std::string abort_;
+  std::optional<TimePoint> stopped_at_;
+  bool takes_back_ = false;
   std::set<std::string> instant_ids_;
   std::uint32_t made_ids_ = 0;
   std::map<std::string, std::shared_ptr<void>> once_;

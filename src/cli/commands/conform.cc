@@ -132,9 +132,10 @@ TestReport MakeReport(const app::ConformReport& report, const ConformOptions& o,
 ExitCode ShowSummary(const app::ConformReport& report, Output& output) {
   VerdictCounts counts;
   for (const CaseResult& result : report.outcome.results) counts.Add(result.finding.verdict);
-  const ExitCode code = counts.failed > 0              ? ExitCode::kRejected
-                        : !report.abort_reason.empty() ? ExitCode::kUnconfirmed
-                                                       : ExitCode::kDone;
+  const ExitCode code =
+      StopSignal::Received().value_or(counts.failed > 0              ? ExitCode::kRejected
+                                      : !report.abort_reason.empty() ? ExitCode::kUnconfirmed
+                                                                     : ExitCode::kDone);
   if (output.json()) {
     output.Line(fmt::format(
         R"({{"summary":{{"target":{},"version":"{}",{},"complete":{},"exitCode":{}}}}})",
@@ -194,6 +195,12 @@ Result<app::ConformRequest> MakeRequest(const ConformOptions& o, const Context& 
       }
     }
   }
+  if (!request.selection.RunsAny(app::conformance::ListCases())) {
+    return Fail(ErrorKind::kUsage,
+                fmt::format("--only and --skip leave no case of --level {}. try: fleetpub conform "
+                            "--list",
+                            GetName(o.level)));
+  }
   if (!o.nodes.empty()) request.nodes = base::Split(o.nodes, ',');
   if (o.distance) request.distance = *o.distance;
   if (request.distance < 0.5) {
@@ -232,7 +239,7 @@ Result<ExitCode> RunConform(const ConformOptions& o, const Context& context) {
   if (auto written = WriteReports(*reports, MakeReport(*report, o, context, started)); !written) {
     return Fail(std::move(written.error()));
   }
-  return StopSignal::Received().value_or(code);
+  return code;
 }
 
 }  // namespace

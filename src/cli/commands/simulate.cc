@@ -353,8 +353,8 @@ Result<ExitCode> RunSimulate(const SimulateOptions& o, const Context& context) {
                     "no",
                     base::Printable(topic)));
   };
+  run.on_arrival = StopOnSignals;
   run.on_ready = [&] {
-    StopOnSignals();
     Print(stderr, fmt::format("fleetpub: {} online at {}, version {}\n",
                               base::Counted(robots->size(), "robot"),
                               run.connect.brokers.front().ToString(), version));

@@ -149,17 +149,17 @@ TestResult MakeResult(const Suite& suite, const Test& test, const TestEnd& end) 
 }
 
 ExitCode ShowSummary(std::size_t files, const VerdictCounts& counts, Output& output) {
-  const bool is_complete = !StopSignal::Received();
-  const ExitCode code = counts.failed > 0                         ? ExitCode::kRejected
-                        : counts.inconclusive > 0 || !is_complete ? ExitCode::kUnconfirmed
-                                                                  : ExitCode::kDone;
+  const auto stopped = StopSignal::Received();
+  const ExitCode code = stopped.value_or(counts.failed > 0         ? ExitCode::kRejected
+                                         : counts.inconclusive > 0 ? ExitCode::kUnconfirmed
+                                                                   : ExitCode::kDone);
   if (output.json()) {
     output.Line(fmt::format(R"({{"summary":{{"files":{},{},"complete":{},"exitCode":{}}}}})", files,
-                            counts.ToJson(), is_complete, static_cast<int>(code)));
+                            counts.ToJson(), !stopped, static_cast<int>(code)));
   } else {
     output.PeopleLine(counts.ToText());
   }
-  return StopSignal::Received().value_or(code);
+  return code;
 }
 
 Result<ExitCode> RunTest(const TestOptions& o, const OptionSet& set, const Context& context) {

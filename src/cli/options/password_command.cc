@@ -18,6 +18,7 @@
 #include "base/text.h"
 #include "base/time.h"
 #include "cli/options/password.h"
+#include "cli/output/interrupt.h"
 #include "mqtt/descriptor.h"
 
 namespace fleetpub::cli {
@@ -27,15 +28,23 @@ using mqtt::Descriptor;
 using std::chrono::milliseconds;
 using std::chrono::steady_clock;
 
-// A program that runs; killed with this object if it still does then.
+// A program in the background may not ask a person at the terminal.
+bool HoldsTerminal() {
+  const Descriptor terminal(open("/dev/tty", O_RDWR | O_CLOEXEC));
+  return terminal.get() >= 0 && tcgetpgrp(terminal.get()) == getpgrp();
+}
+
+// A program that runs, with all that it starts where no person is asked: it gets a process group
+// of its own. Killed with this object if it still runs then, and ended with this process.
 class Program {
  public:
   Program() = default;
   Program(const Program&) = delete;
   Program& operator=(const Program&) = delete;
   ~Program() {
+    EndWithUs(0);
     if (pid_ <= 0) return;
-    kill(pid_, SIGKILL);
+    kill(whole(), SIGKILL);
     waitpid(pid_, nullptr, 0);
   }
 
@@ -60,12 +69,23 @@ class Program {
     sigaddset(&ignored_here, SIGPIPE);
     sigaddset(&ignored_here, SIGXFSZ);
     posix_spawnattr_setsigdefault(&attributes, &ignored_here);
-    posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGDEF | POSIX_SPAWN_SETSIGMASK);
+    posix_spawnattr_setflags(&attributes,
+                             static_cast<short>(POSIX_SPAWN_SETSIGDEF | POSIX_SPAWN_SETSIGMASK |
+                                                (has_group_ ? POSIX_SPAWN_SETPGROUP : 0)));
+    // A signal that ends us waits until we know whom it is to end, too.
+    sigset_t ending;
+    sigset_t before;
+    sigemptyset(&ending);
+    sigaddset(&ending, SIGINT);
+    sigaddset(&ending, SIGTERM);
+    pthread_sigmask(SIG_BLOCK, &ending, &before);
     const int error =
         posix_spawnp(&pid_, words.front(), &files, &attributes, words.data(), environ);
+    if (error != 0) pid_ = -1;
+    if (error == 0) EndWithUs(whole());
+    pthread_sigmask(SIG_SETMASK, &before, nullptr);
     posix_spawnattr_destroy(&attributes);
     posix_spawn_file_actions_destroy(&files);
-    if (error != 0) pid_ = -1;
     return error;
   }
 
@@ -73,11 +93,15 @@ class Program {
   std::optional<int> Ended() {
     int status = 0;
     if (waitpid(pid_, &status, WNOHANG) != pid_) return std::nullopt;
+    EndWithUs(0);
     pid_ = -1;
     return status;
   }
 
  private:
+  [[nodiscard]] pid_t whole() const { return has_group_ ? -pid_ : pid_; }
+
+  const bool has_group_ = !HoldsTerminal();
   pid_t pid_ = -1;
 };
 
@@ -144,6 +168,7 @@ Result<std::string> RunPasswordCommand(const std::vector<std::string>& arguments
   const Descriptor input(ends[0]);
   Descriptor output(ends[1]);
   fcntl(input.get(), F_SETFL, O_NONBLOCK);
+  const InterruptGuard at_once;  // also where somebody waits for an orderly end: nothing has begun
   Program program;
   if (const int error = program.Start(arguments, output.get()); error != 0) {
     return fail(fmt::format("cannot be started: {}", std::strerror(error)));

@@ -15,8 +15,9 @@ inline constexpr std::chrono::milliseconds kPasswordCommandLimit = std::chrono::
 
 /// Runs the program, which is looked for in PATH unless it is a path, with these arguments and
 /// without a shell: the first line of what it prints. It sees an empty standard input, our standard
-/// error and our environment; what it leaves behind in the background is not waited for. `origin`
-/// is where the command stands. Errors: ErrorKind::kLedger, never with what was printed.
+/// error and our environment; what it leaves behind in the background is not waited for. Meanwhile
+/// Ctrl-C and `kill` end both at once. `origin` is where the command stands. Errors:
+/// ErrorKind::kLedger, never with what was printed.
 [[nodiscard]] Result<std::string> RunPasswordCommand(
     const std::vector<std::string>& arguments, std::string_view origin,
     std::chrono::milliseconds limit = kPasswordCommandLimit);

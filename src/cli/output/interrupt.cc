@@ -15,6 +15,7 @@ void WriteAtOnce(std::string_view text) {
 }
 
 std::atomic<bool> g_has_begun = false;
+std::atomic<pid_t> g_companion = 0;
 
 void End(int signal) {
   EndAtOnce(signal, g_has_begun        ? "ended at once; fleetpub history lists what was sent"
@@ -24,7 +25,10 @@ void End(int signal) {
 
 }  // namespace
 
+void EndWithUs(pid_t process) { g_companion = process; }
+
 void EndAtOnce(int signal, std::string_view sentence) {
+  if (const pid_t companion = g_companion; companion != 0) kill(companion, SIGTERM);
   if (Output::HasPassing()) WriteAtOnce("\r\x1b[K");
   WriteAtOnce("fleetpub: ");
   WriteAtOnce(sentence);
@@ -33,7 +37,6 @@ void EndAtOnce(int signal, std::string_view sentence) {
 }
 
 InterruptGuard::InterruptGuard() {
-  g_has_begun = false;
   struct sigaction action {};
   action.sa_handler = End;
   sigaction(SIGINT, &action, &old_interrupt_);

@@ -1,6 +1,8 @@
 // Ctrl-C and `kill` while nobody is waited for: the process ends at once.
 #pragma once
 
+#include <sys/types.h>
+
 #include <csignal>
 #include <string_view>
 
@@ -8,7 +10,7 @@ namespace fleetpub::cli {
 
 /// While it lives, SIGINT and SIGTERM end the process with 130 or 143 after one sentence on
 /// standard error. Ending at any moment is safe: the ledger is made for `kill -9`, and a
-/// half-written MQTT packet is no message. One at a time.
+/// half-written MQTT packet is no message. Inside another one, or a StopSignal, it goes before that.
 class InterruptGuard {
  public:
   InterruptGuard();
@@ -23,6 +25,9 @@ class InterruptGuard {
   struct sigaction old_interrupt_ {};
   struct sigaction old_terminate_ {};
 };
+
+/// Gets SIGTERM when this process is ended at once: a process, or with a minus its group; 0: nobody.
+void EndWithUs(pid_t process);
 
 /// Inside a signal handler: writes the sentence to standard error and ends the process.
 [[noreturn]] void EndAtOnce(int signal, std::string_view sentence);

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "app/conformance/case.h"
+#include "app/conformance/orders.h"
 #include "app/conformance/virtual_wire.h"
 #include "simulator/faults.h"
 
@@ -30,15 +31,19 @@ simulator::Settings MakeSettings(Version version) {
 
 const vda5050::RobotAddress kRobot{"KIT", "0001"};
 
+Subject MakeSubject(const simulator::Settings& settings) {
+  Subject subject{.address = kRobot, .dialect = {}, .factsheet = {}, .way = {.distance = 4}};
+  subject.dialect.version = settings.version;
+  subject.dialect.topics = settings.topics;
+  return subject;
+}
+
 Outcome Conform(const simulator::Settings& settings, const Selection& selection,
                 const std::function<void(VirtualWire&)>& prepare) {
   schema::Registry registry;
   VirtualWire wire(settings, kRobot, registry);
   prepare(wire);
-  Subject subject{.address = kRobot, .dialect = {}, .factsheet = {}, .way = {.distance = 4}};
-  subject.dialect.version = settings.version;
-  subject.dialect.topics = settings.topics;
-  Run run(std::move(subject), wire, registry);
+  conformance::Run run(MakeSubject(settings), wire, registry);
   return Conduct(run, selection);
 }
 
@@ -210,12 +215,14 @@ TEST_P(MutationMatrix, LostStatesNeverMakeACaseFail) {
   }
 }
 
+std::string NameVersion(const ::testing::TestParamInfo<Version>& version) {
+  std::string name(vda5050::GetFacts(version.param).name);
+  std::erase(name, '.');
+  return "V" + name;
+}
+
 INSTANTIATE_TEST_SUITE_P(InEachVersion, MutationMatrix, ::testing::ValuesIn(vda5050::kVersions),
-                         [](const auto& version) {
-                           std::string name(vda5050::GetFacts(version.param).name);
-                           std::erase(name, '.');
-                           return "V" + name;
-                         });
+                         NameVersion);
 
 // ---- Selection, and what is left ----
 
@@ -244,6 +251,74 @@ TEST(Conduct, EndsWhenTheModeChanges) {
   EXPECT_EQ(Describe(outcome, Verdict::kFail), "");
   const std::string open = Describe(outcome, Verdict::kInconclusive);
   EXPECT_NE(open.find("operating mode"), std::string::npos) << open;
+}
+
+// Somebody stops it after that time, and looks at it ten times a second.
+class StoppedWire final : public VirtualWire {
+ public:
+  StoppedWire(const simulator::Settings& settings, schema::Registry& registry,
+              std::chrono::milliseconds stop_after)
+      : VirtualWire(settings, kRobot, registry), stop_at_(Now() + stop_after) {}
+
+  Status Send(const message::Command& command) override {
+    if (IsStopped() && command.topic.ends_with("/order")) ++late_orders_;
+    return VirtualWire::Send(command);
+  }
+  std::optional<std::pair<std::string, mqtt::Message>> Next(TimePoint until) override {
+    if (falls_silent_ && IsStopped()) Lose(1, 0);
+    return VirtualWire::Next(std::min(until, Now() + std::chrono::milliseconds(100)));
+  }
+  bool IsStopped() const override { return !goes_on_ && Now() >= stop_at_; }
+
+  void GoOn() { goes_on_ = true; }
+  void FallSilent() { falls_silent_ = true; }
+  TimePoint stop_at() const { return stop_at_; }
+  int late_orders() const { return late_orders_; }
+
+ private:
+  TimePoint stop_at_;
+  bool goes_on_ = false;
+  bool falls_silent_ = false;
+  int late_orders_ = 0;
+};
+
+class StoppedRun : public ::testing::TestWithParam<Version> {};
+
+// Wherever it is, under way or paused.
+TEST_P(StoppedRun, SendsNoOrderAnyMoreAndTakesBackWhatItDid) {
+  schema::Registry registry;
+  auto settings = MakeSettings(GetParam());
+  settings.delay = std::chrono::milliseconds(400);
+  for (int tenths = 8; tenths < 6'000; tenths += 37) {
+    SCOPED_TRACE(tenths);
+    StoppedWire wire(settings, registry, std::chrono::milliseconds(100 * tenths));
+    conformance::Run run(MakeSubject(settings), wire, registry);
+    const auto outcome = Conduct(run, {.level = Level::kDrive});
+    if (!run.is_stopped()) return;
+    EXPECT_EQ(run.abort_reason(), "interrupted");
+    EXPECT_EQ(wire.late_orders(), 0);
+    EXPECT_LE(run.Now() - wire.stop_at(), kTakingBack + seconds(1));
+    EXPECT_EQ(Describe(outcome, Verdict::kFail), "");
+    EXPECT_TRUE(outcome.leftover.empty()) << outcome.leftover.front();
+    wire.GoOn();
+    run.Listen(seconds(40));
+    EXPECT_FALSE(run.last_state()->state->paused.value_or(false));
+    EXPECT_TRUE(IsIdle(*run.last_state()->state));
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(InEachVersion, StoppedRun, ::testing::ValuesIn(vda5050::kVersions),
+                         NameVersion);
+
+TEST(Conduct, OfARobotThatNoLongerAnswersTellsThatItIsNotKnownHowItWasLeft) {
+  schema::Registry registry;
+  const auto settings = MakeSettings(Version::k210);
+  StoppedWire wire(settings, registry, seconds(60));
+  wire.FallSilent();
+  conformance::Run run(MakeSubject(settings), wire, registry);
+  const auto outcome = Conduct(run, {.level = Level::kDrive});
+  EXPECT_FALSE(outcome.leftover.empty());
+  EXPECT_LE(run.Now() - wire.stop_at(), kTakingBack + seconds(1));
 }
 
 TEST(Conduct, ASilentRobotIsInconclusive) {

@@ -1,9 +1,12 @@
 #include "cli/options/password_command.h"
 
+#include <fcntl.h>
 #include <gmock/gmock.h>
 
 #include <csignal>
 
+#include "mqtt/descriptor.h"
+#include "support/gone.h"
 #include "support/temporary_folder.h"
 
 namespace fleetpub::cli {
@@ -69,6 +72,17 @@ TEST(PasswordCommand, IsEndedAtItsLimit) {
     EXPECT_THAT(Fault(Shell(script, milliseconds(200))), HasSubstr("within 200 ms")) << script;
     EXPECT_LT(std::chrono::steady_clock::now() - start, seconds(10)) << script;
   }
+}
+
+// They would go on, and hold our standard error open.
+TEST(PasswordCommand, IsEndedWithWhatItStarted) {
+  const mqtt::Descriptor terminal(open("/dev/tty", O_RDWR | O_CLOEXEC));
+  if (terminal.open()) GTEST_SKIP() << "it may ask there, and stays in our process group";
+  const testing::TemporaryFolder folder;
+  const std::string file = (folder.path() / "pid").string();
+  EXPECT_THAT(Fault(Shell("sleep 60 & echo $! > " + file + "; wait", seconds(1))),
+              HasSubstr("has not ended"));
+  EXPECT_TRUE(testing::HasGone(file));
 }
 
 // As an agent does that it starts: it inherits the pipe.
