@@ -63,6 +63,7 @@ class Batch {
     delivery::CommandSession session(link->transport, **ledger, send_, request_.wait,
                                      MakeHooks(link->connection));
     session_ = &session;
+    request_.discover.subscribed = &session.subscribed();
     while (!IsDone(session)) {
       if (MayRead(session)) SendWhatIsThere(session);
       LookForTheEnd(session);

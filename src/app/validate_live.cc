@@ -14,7 +14,6 @@
 namespace fleetpub::app {
 namespace {
 
-using std::chrono::steady_clock;
 using vda5050::RobotAddress;
 using vda5050::ValidationResult;
 
@@ -25,7 +24,7 @@ class Inspector {
       : conformance_(conformance),
         fleet_(fleet),
         count_(count),
-        filters_(filters),
+        subscribed_(filters.begin(), filters.end()),
         observer_(observer),
         log_(log) {}
 
@@ -55,17 +54,12 @@ class Inspector {
     if (transport->HasEnded()) return ReportUnknown();
     std::vector<std::string> topics;
     for (const auto& [topic, robot] : unknown_) topics.push_back(topic);
-    auto asked =
-        delivery::ReadRetained(*transport, topics, {}, [this](const mqtt::Message& message) {
-          Take(message);
-          return unknown_.empty();
-        });
-    std::erase_if(topics, [this](const std::string& topic) {
-      return std::find(filters_.begin(), filters_.end(), topic) != filters_.end();
-    });
-    if (asked && !topics.empty()) {
-      asked = transport->Unsubscribe(topics, steady_clock::now() + kPatience);
-    }
+    const auto asked =
+        delivery::ReadRetained(*transport, topics, {.keep = 0, .subscribed = &subscribed_},
+                               [this](const mqtt::Message& message) {
+                                 Take(message);
+                                 return unknown_.empty();
+                               });
     if (asked) return ReportUnknown();
     spoken_.clear();  // the next states ask again
     unknown_.clear();
@@ -75,8 +69,6 @@ class Inspector {
   [[nodiscard]] LiveSummary summary() const { return summary_; }
 
  private:
-  static constexpr std::chrono::seconds kPatience{10};
-
   void ReportUnknown() {
     for (const auto& [topic, robot] : std::exchange(unknown_, {})) {
       ++summary_.without_connection;
@@ -106,7 +98,7 @@ class Inspector {
   const vda5050::Conformance& conformance_;
   Fleet& fleet_;
   std::size_t count_;
-  const std::vector<std::string>& filters_;
+  delivery::Subscribed subscribed_;
   LiveObserver& observer_;
   Log& log_;
   LiveSummary summary_;

@@ -10,13 +10,13 @@
 #include <span>
 #include <string>
 #include <unordered_map>
-#include <unordered_set>
 #include <vector>
 
 #include "base/result.h"
 #include "delivery/pending_commands.h"
 #include "delivery/publish_pipeline.h"
 #include "delivery/reconnect.h"
+#include "delivery/retained.h"
 #include "message/command.h"
 #include "message/report.h"
 
@@ -67,6 +67,10 @@ class CommandSession {
   /// Takes in a message that somebody else has read from the connection.
   void Deliver(const mqtt::Message& message) { pending_.Deliver(message); }
 
+  /// What is subscribed to. Who adds to it has subscribed over the connection, too; the session
+  /// ends what no command needs when it has become much.
+  [[nodiscard]] Subscribed& subscribed() { return subscribed_; }
+
   /// See mqtt::Transport::WakeOn.
   void WakeOn(std::vector<int> descriptors);
 
@@ -111,7 +115,7 @@ class CommandSession {
   PendingCommands::Key next_key_ = 0;
   std::unordered_map<PendingCommands::Key, message::Command>
       again_;  // what may have to be sent again
-  std::unordered_set<std::string> subscribed_;
+  Subscribed subscribed_;
   std::size_t since_pause_ = 0;  // sent, with an answer expected
   std::vector<int> wake_;
   Status trouble_;

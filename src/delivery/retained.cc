@@ -1,6 +1,7 @@
 #include "delivery/retained.h"
 
 #include <algorithm>
+#include <iterator>
 #include <utility>
 
 namespace fleetpub::delivery {
@@ -87,14 +88,14 @@ class Silence {
 };
 
 Status ReadInto(mqtt::Transport& transport, std::span<const std::string> filters,
-                const RetainedOptions& options, const MessageCallback& take) {
+                const RetainedOptions& options, const auto& subscribe,
+                const MessageCallback& take) {
   steady_clock::duration round_trip{0};
   while (!filters.empty()) {
     const auto some = filters.first(std::min(kFiltersAtOnce, filters.size()));
     filters = filters.subspan(some.size());
     const auto asked = steady_clock::now();
-    auto ok = transport.Subscribe(some, mqtt::kListeningQos, asked + options.subscribe);
-    if (!ok) return ok;
+    if (auto ok = subscribe(some); !ok) return ok;
     round_trip = steady_clock::now() - asked;
     while (!filters.empty()) {
       const auto message = transport.Receive(steady_clock::now());
@@ -116,9 +117,7 @@ Status ReadInto(mqtt::Transport& transport, std::span<const std::string> filters
       if (steady_clock::now() < (is_all ? silence.end() : silence.pause())) continue;
     }
     if (std::exchange(is_all, true)) return {};
-    auto ok = transport.Subscribe(options.behind, mqtt::kListeningQos,
-                                  steady_clock::now() + options.subscribe);
-    if (!ok) return ok;
+    if (auto ok = subscribe(options.behind); !ok) return ok;
     silence.Begin();
   }
 }
@@ -131,9 +130,21 @@ Status ReadRetained(mqtt::Transport& transport, std::span<const std::string> fil
     if (options.also) options.also(message);
     return take(message);
   };
-  auto ok = ReadInto(transport, filters, options, take_all);
-  if (!ok || filters.size() <= kFiltersAtOnce) return ok;
-  return transport.Unsubscribe(filters, steady_clock::now() + options.subscribe);
+  Subscribed ours;
+  Subscribed& subscribed = options.subscribed != nullptr ? *options.subscribed : ours;
+  std::vector<std::string> added;
+  const auto subscribe = [&](std::span<const std::string> some) -> Status {
+    auto ok =
+        transport.Subscribe(some, mqtt::kListeningQos, steady_clock::now() + options.subscribe);
+    if (!ok) return ok;
+    std::copy_if(some.begin(), some.end(), std::back_inserter(added),
+                 [&](const std::string& filter) { return subscribed.insert(filter).second; });
+    return {};
+  };
+  auto ok = ReadInto(transport, filters, options, subscribe, take_all);
+  if (ok && added.size() <= options.keep) return ok;
+  for (const std::string& filter : added) subscribed.erase(filter);
+  return ok ? transport.Unsubscribe(added, steady_clock::now() + options.subscribe) : ok;
 }
 
 Status ReadAllRetained(mqtt::Transport& transport, std::span<const std::string> filters,

@@ -7,6 +7,7 @@
 #include <functional>
 #include <span>
 #include <string>
+#include <unordered_set>
 #include <vector>
 
 #include "base/result.h"
@@ -14,9 +15,12 @@
 
 namespace fleetpub::delivery {
 
-/// So many filters stay subscribed; more are subscribed some at a time, reading in between: a default
-/// mosquitto drops what it has to queue beyond 1,000 messages, retained ones included.
+/// More filters are subscribed some at a time, reading in between: a default mosquitto drops what
+/// it has to queue beyond 1,000 messages, retained ones included.
 inline constexpr std::size_t kFiltersAtOnce = 500;
+
+/// Filters.
+using Subscribed = std::unordered_set<std::string>;
 
 struct RetainedOptions {
   std::chrono::milliseconds quiet{300};  ///< so long a silence is an end
@@ -32,16 +36,21 @@ struct RetainedOptions {
   /// then. May be empty.
   std::function<void()> meanwhile = {};
   /// Gets every message too: whoever waits for others on the same connection. May be empty.
-  std::function<void(const mqtt::Message&)> also;
+  std::function<void(const mqtt::Message&)> also = {};
+  /// So many filters may stay subscribed; more are ended, as they would make each later
+  /// subscription dearer.
+  std::size_t keep = kFiltersAtOnce;
+  /// What is subscribed to over the same connection: none of it is ended, what stays is added. Null:
+  /// nothing is.
+  Subscribed* subscribed = nullptr;
 };
 
 /// Takes a message, retained or not; true when it was the last that is wanted.
 using MessageCallback = std::function<bool(const mqtt::Message&)>;
 
 /// Subscribes to the filters, many of them some at a time, and hands over what arrives until the
-/// silence or until enough is taken. A few stay subscribed; many are ended, as they would make each
-/// later subscription dearer. A broker may drop messages of a filter with wildcards that finds
-/// thousands. Only what was retained puts the silence off: a busy fleet is never silent. Where
+/// silence or until enough is taken. A broker may drop messages of a filter with wildcards that
+/// finds thousands. Only what was retained puts the silence off: a busy fleet is never silent. Where
 /// a SUBACK took long, silences are as long.
 [[nodiscard]] Status ReadRetained(mqtt::Transport& transport, std::span<const std::string> filters,
                                   const RetainedOptions& options, const MessageCallback& take);

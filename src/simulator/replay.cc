@@ -160,13 +160,11 @@ class Player {
     std::map<std::string, std::string> kept;
     if (topics.empty()) return kept;
     std::size_t left = topics.size();
-    auto read = delivery::ReadRetained(*transport_, topics, {}, [&](const mqtt::Message& message) {
-      if (message.retained) kept[message.topic] = message.payload;
-      return message.retained && --left == 0;
-    });
-    if (read && topics.size() <= delivery::kFiltersAtOnce) {
-      read = transport_->Unsubscribe(topics, steady_clock::now() + kPatience);
-    }
+    auto read =
+        delivery::ReadRetained(*transport_, topics, {.keep = 0}, [&](const mqtt::Message& message) {
+          if (message.retained) kept[message.topic] = message.payload;
+          return message.retained && --left == 0;
+        });
     if (!read) return Fail(std::move(read.error()));
     return kept;
   }

@@ -1,5 +1,6 @@
 #include "app/run_batch.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include "support/fake_environment.h"
@@ -13,6 +14,7 @@ namespace {
 using message::CommandStatus;
 using ::testing::AllOf;
 using ::testing::Contains;
+using ::testing::Each;
 using ::testing::ElementsAre;
 using ::testing::Field;
 using testing::Is;
@@ -181,6 +183,45 @@ TEST_F(LookingUpTheRobotsOfABatch, RefusesWhomNobodyKnowsUnlessItIsToStop) {
   EXPECT_EQ(reader_.reports[0].reference, R"("line":1,"id":"a")");
   EXPECT_THAT(reader_.reports[1], Is(CommandStatus::kSent));
   EXPECT_EQ(Published(), 1);
+}
+
+// Whose topics, by this template, are those by which they are looked up.
+TEST_F(LookingUpTheRobotsOfABatch, GoesOnListeningToThoseItWaitsFor) {
+  constexpr int kRobots = 500;  // a batch
+  const auto resolver =
+      DialectResolver::Make({.topic_template = "site/{manufacturer}/{serial}/{topic}"},
+                            world_.config)
+          .value();
+  request_.defaults.address = [&](std::string_view word) {
+    return resolver.Resolve(vda5050::ParseRobotAddress(word).value());
+  };
+  request_.settings.qos = mqtt::Qos::kAtLeastOnce;
+  request_.wait.total = std::chrono::milliseconds(3'000);
+  const auto connection = [](std::string_view state) {
+    return fmt::format(R"({{"version":"3.0.0","connectionState":"{}"}})", state);
+  };
+  std::string lines;
+  for (int i = 0; i < kRobots; ++i) {
+    lines += fmt::format(R"({{"target":"KIT/{}","action":"startCharging","wait":true}})"
+                         "\n",
+                         i);
+  }
+  world_.on_connect = [&](testing::FakeTransport& broker) {
+    for (int i = 0; i < kRobots; ++i) {
+      broker.retained[fmt::format("site/KIT/{}/connection", i)] = connection("ONLINE");
+    }
+    broker.answers = [&, sent = 0](const mqtt::Message& command) mutable {
+      std::vector<mqtt::Message> answers;
+      const std::string place = command.topic.substr(0, command.topic.rfind('/'));
+      if (++sent > kRobots) {
+        answers.push_back({.topic = place + "/connection", .payload = connection("OFFLINE")});
+      }
+      return answers;
+    };
+  };
+  ASSERT_TRUE(Batch(lines + lines));
+  EXPECT_THAT(reader_.reports, SizeIs(2 * kRobots));
+  EXPECT_THAT(reader_.reports, Each(Is(CommandStatus::kOffline)));
 }
 
 TEST_F(LookingUpTheRobotsOfABatch, SendsNothingBehindALineThatIsRefused) {

@@ -21,6 +21,7 @@ class Reader final : public LiveObserver {
  public:
   std::vector<std::string> found;
   bool goes_on = true;
+  std::function<void()> glance;
 
   void Begin() override {}
   void Checked(const mqtt::Message& message, const vda5050::ValidationResult& result) override {
@@ -31,7 +32,10 @@ class Reader final : public LiveObserver {
       found.push_back(fmt::format("w {} {}", message.topic, warning.path));
     }
   }
-  Result<bool> GoesOn() override { return goes_on; }
+  Result<bool> GoesOn() override {
+    if (glance) glance();
+    return goes_on;
+  }
 };
 
 class ValidatingLive : public ::testing::Test {
@@ -145,6 +149,22 @@ TEST_F(ValidatingLive, AsksOutrightForWhatWildcardsDoNotFind) {
   ASSERT_TRUE(summary);
   EXPECT_EQ(summary->without_connection, 0U);
   EXPECT_EQ(summary->by_topic.at("connection").messages, 1U);
+}
+
+// By a template without wildcards they are asked for by the topics that are listened to.
+TEST_F(ValidatingLive, GoesOnListeningToThoseItHasAskedFor) {
+  request_.conformance.scheme.topic_template = "site/{manufacturer}/{serial}/{topic}";
+  request_.robots.targets.words = {"KIT/0001"};
+  arriving_ = {{.topic = "site/KIT/0001/state", .payload = "{}"}};
+  testing::FakeTransport* broker = nullptr;
+  world_.on_connect = [&](testing::FakeTransport& opened) {
+    broker = &opened;
+    broker->arriving = arriving_;
+  };
+  std::set<std::string> subscribed;
+  reader_.glance = [&] { subscribed = broker->subscribed(); };
+  EXPECT_EQ(Validate()->without_connection, 1U);
+  EXPECT_THAT(subscribed, Contains("site/KIT/0001/connection"));
 }
 
 TEST_F(ValidatingLive, AsksNothingOfRetainedStatesOrOneTopicAlone) {

@@ -10,7 +10,9 @@
 namespace fleetpub::delivery {
 namespace {
 
+using ::testing::ElementsAre;
 using ::testing::SizeIs;
+using ::testing::UnorderedElementsAre;
 
 // Has a retained message of each of so many robots, and drops what is beyond its queue: those that
 // it handed out last time come last.
@@ -84,19 +86,48 @@ TEST(ReadRetained, AsksForWhatComesBehindOnce) {
       [&] { return known.size(); }));
   EXPECT_THAT(known, SizeIs(1'500));
   EXPECT_EQ(taken.front(), 1'200U);
-  EXPECT_THAT(broker.filters, ::testing::ElementsAre("+/connection", "+/state", "+/connection"));
+  EXPECT_THAT(broker.filters, ElementsAre("+/connection", "+/state", "+/connection"));
 }
 
-TEST(ReadRetained, EndsManySubscriptionsAndLeavesAFew) {
-  testing::Journal journal;
-  testing::FakeTransport broker(journal);
-  std::vector<std::string> filters;
-  for (int i = 0; i < 501; ++i) filters.push_back("robot/" + std::to_string(i));
-  const auto nothing = [](const mqtt::Message&) { return false; };
-  ASSERT_TRUE(ReadRetained(broker, std::span(filters).first(500), {}, nothing));
-  EXPECT_THAT(broker.subscribed(), SizeIs(500));
-  ASSERT_TRUE(ReadRetained(broker, filters, {}, nothing));
-  EXPECT_THAT(broker.subscribed(), SizeIs(0));
+class ReadingRetained : public ::testing::Test {
+ protected:
+  ReadingRetained() {
+    for (int i = 0; i < 502; ++i) filters_.push_back("robot/" + std::to_string(i));
+  }
+  void Read(std::size_t filters, const RetainedOptions& options) {
+    EXPECT_TRUE(ReadRetained(broker_, std::span(filters_).first(filters), options,
+                             [](const mqtt::Message&) { return false; }));
+  }
+
+  testing::Journal journal_;
+  testing::FakeTransport broker_{journal_};
+  std::vector<std::string> filters_;
+};
+
+TEST_F(ReadingRetained, EndsManySubscriptionsAndLeavesAFew) {
+  Read(500, {});
+  EXPECT_THAT(broker_.subscribed(), SizeIs(500));
+  Read(501, {});
+  EXPECT_THAT(broker_.subscribed(), SizeIs(0));
+  Read(2, {.keep = 0});
+  EXPECT_THAT(broker_.subscribed(), SizeIs(0));
+}
+
+TEST_F(ReadingRetained, EndsNothingThatWasSubscribedBefore) {
+  ASSERT_TRUE(broker_.Subscribe(std::span(filters_).first(1), mqtt::kListeningQos, {}));
+  Subscribed subscribed = {filters_[0]};
+  Read(502, {.subscribed = &subscribed});
+  EXPECT_THAT(broker_.subscribed(), ElementsAre(filters_[0]));
+  EXPECT_THAT(subscribed, ElementsAre(filters_[0]));
+}
+
+TEST_F(ReadingRetained, TellsWhatStaysSubscribed) {
+  Subscribed subscribed;
+  Read(2, {.behind = {"robot/behind"}, .subscribed = &subscribed});
+  EXPECT_THAT(subscribed, UnorderedElementsAre("robot/0", "robot/1", "robot/behind"));
+  broker_.forbidden = filters_[501];
+  EXPECT_FALSE(ReadRetained(broker_, filters_, {.subscribed = &subscribed}, {}));
+  EXPECT_THAT(subscribed, SizeIs(3)) << "of what failed nothing is known";
 }
 
 }  // namespace

@@ -43,6 +43,9 @@ class FakeTransport : public mqtt::Transport {
   [[nodiscard]] const std::vector<mqtt::Message>& published() const { return published_; }
   [[nodiscard]] const std::set<std::string>& subscribed() const { return subscribed_; }
 
+  /// What a published message brings forth, for whoever is subscribed. May be empty.
+  std::function<std::vector<mqtt::Message>(const mqtt::Message&)> answers;
+
   bool keeps_nothing = false;  ///< and says so
 
   const mqtt::ServerInfo& server() const override {
@@ -91,6 +94,9 @@ class FakeTransport : public mqtt::Transport {
     journal_.Record("publish " + message.topic);
     if (publish_fails_at && published_.size() >= *publish_fails_at) return Fail(publish_error);
     published_.push_back(message);
+    if (answers) {
+      for (mqtt::Message& answer : answers(message)) Hand(std::move(answer));
+    }
     if (message.qos == mqtt::Qos::kAtMostOnce) return 0;
     in_flight_.push_back(static_cast<int>(published_.size()));
     return in_flight_.back();
@@ -130,6 +136,13 @@ class FakeTransport : public mqtt::Transport {
   std::deque<mqtt::Message> incoming_;
 
  private:
+  void Hand(mqtt::Message message) {
+    const bool is_wanted = std::any_of(
+        subscribed_.begin(), subscribed_.end(),
+        [&](const std::string& filter) { return delivery::Matches(filter, message.topic); });
+    if (is_wanted) incoming_.push_back(std::move(message));
+  }
+
   Journal& journal_;
   mutable mqtt::ServerInfo server_;
   std::set<std::string> subscribed_;
