@@ -75,7 +75,10 @@ class Discoverer {
         targets_(targets),
         options_(options),
         directory_(directory),
-        log_(log) {}
+        log_(log),
+        discover_(options.discover) {
+    if (discover_.subscribed == nullptr) discover_.subscribed = &subscribed_;
+  }
 
   Status Run() {
     auto end = steady_clock::now() + targets_.state_wait;
@@ -84,6 +87,8 @@ class Discoverer {
     if (ok && finds) ok = ReadFound();
     if (options_.states) {
       if (ok) ok = ReadByName();
+      if (ok && options_.ask) ok = ReadFactsheets();  // they tell who can be asked
+      if (ok) ok = SubscribeToStates();
       if (ok && options_.ask) ok = Ask(end);
       if (ok) ok = ReceiveStates(end);
     } else if (ok) {
@@ -110,6 +115,7 @@ class Discoverer {
   static bool IsDecided(const RobotEntry& entry) {
     return IsThere(entry) && (!entry.IsAlive() || entry.Rival() == nullptr);
   }
+  static bool IsSilent(const RobotEntry& entry) { return entry.IsAlive() && !entry.HasSpoken(); }
   static bool IsThere(const RobotEntry& entry) {
     const bool hibernates = entry.connection && entry.connection->connection_state == "HIBERNATING";
     return hibernates || entry.IsAlive();
@@ -147,7 +153,7 @@ class Discoverer {
       waiting.insert(&entry);
       if (auto ok = filters.Add(entry.base->topics, Exactly(robot), topics); !ok) return ok;
     }
-    return Read(filters.Take(), std::move(waiting), options_.discover, IsDecided);
+    return Read(filters.Take(), std::move(waiting), discover_, IsDecided);
   }
 
   // Connection messages, with states at once only where they are waited for: with large ones the
@@ -164,7 +170,7 @@ class Discoverer {
     Filters behind;
     if (auto ok = filters.Add(targets_, directory_, topics); !ok) return ok;
     if (auto ok = behind.Add(targets_, directory_, kState); !ok) return ok;
-    auto options = options_.discover;
+    auto options = discover_;
     if (!options_.states) options.behind = behind.Take();
     auto handed_out = ReadWholeFleet(
         transport_,
@@ -200,7 +206,7 @@ class Discoverer {
     if (is_late) {
       if (auto ok = filters.Add(targets_, directory_, kState); !ok) return ok;
     }
-    auto options = options_.discover;
+    auto options = discover_;
     if (is_late) options.quiet = options.most = kLifeFactor * options.quiet;
     // Those of whom nothing is known may be found until the end.
     if (finds) missing.insert(nullptr);
@@ -227,16 +233,15 @@ class Discoverer {
       }
     }
     if (auto ok = AddUnheard(filters); !ok) return ok;
-    return Read(filters.Take(), {nullptr}, options_.discover,
+    return Read(filters.Take(), {nullptr}, discover_,
                 [](const RobotEntry& /*entry*/) { return false; });
   }
 
   Status ReceiveStates(mqtt::Deadline end) {
     std::set<const RobotEntry*> silent;
     for (const auto& [robot, entry] : directory_.robots()) {
-      if (entry.IsAlive() && !entry.HasSpoken()) silent.insert(&entry);
+      if (IsSilent(entry)) silent.insert(&entry);
     }
-    if (auto ok = SubscribeAgain(silent); !ok) return ok;
     const bool nobody = directory_.CountSeen() == 0;
     const bool is_told =
         handed_out_.any || (targets_.include.patterns.empty() && directory_.CountSeen() > 0);
@@ -258,23 +263,25 @@ class Discoverer {
     return {};
   }
 
-  // The filters of many that are named were ended when what is retained had come.
-  Status SubscribeAgain(const std::set<const RobotEntry*>& silent) {
-    if (2 * targets_.include.robots.size() <= delivery::kFiltersAtOnce) return {};
+  // Many filters were ended when what is retained had come.
+  Status SubscribeToStates() {
     constexpr std::array<std::string_view, 1> kState = {"state"};
     Filters filters;
+    if (auto ok = filters.Add(targets_, directory_, kState); !ok) return ok;
     for (const RobotAddress& robot : targets_.include.robots) {
-      const auto found = directory_.robots().find(robot);
-      if (!silent.contains(&found->second)) continue;
-      const auto& scheme = found->second.base->topics;
-      if (auto ok = filters.Add(scheme, Exactly(robot), kState); !ok) return ok;
+      const RobotEntry& entry = directory_.robots().at(robot);
+      if (!IsSilent(entry)) continue;
+      if (auto ok = filters.Add(entry.base->topics, Exactly(robot), kState); !ok) return ok;
     }
-    const auto topics = filters.Take();
+    auto topics = filters.Take();
+    std::erase_if(topics, [&](const std::string& topic) {
+      return !discover_.subscribed->insert(topic).second;
+    });
     for (std::span<const std::string> rest = topics; !rest.empty();) {
       const auto some = rest.first(std::min(rest.size(), delivery::kFiltersAtOnce));
       rest = rest.subspan(some.size());
       auto ok = transport_.Subscribe(some, mqtt::kListeningQos,
-                                     steady_clock::now() + options_.discover.subscribe);
+                                     steady_clock::now() + discover_.subscribe);
       if (!ok) return ok;
     }
     return {};
@@ -292,7 +299,7 @@ class Discoverer {
       if (auto ok = AddBeside(robot, entry, "connection", filters); !ok) return ok;
     }
     if (any) WarnOfWildcards(transport_.server().broker, log_);
-    return Read(filters.Take(), std::move(waiting), options_.discover,
+    return Read(filters.Take(), std::move(waiting), discover_,
                 [](const RobotEntry& entry) { return entry.connection.has_value(); });
   }
 
@@ -307,10 +314,8 @@ class Discoverer {
     return filters.Add(std::vector<std::string>{*std::move(topic)});
   }
 
-  // Who can be asked, their factsheets tell.
   Status Ask(mqtt::Deadline& end) {
-    auto ok = ReadFactsheets();
-    if (ok) ok = options_.ask();
+    auto ok = options_.ask();
     end = steady_clock::now() + targets_.state_wait;
     return ok;
   }
@@ -326,7 +331,7 @@ class Discoverer {
       waiting.insert(&entry);
       if (auto ok = AddBeside(robot, entry, "factsheet", filters); !ok) return ok;
     }
-    auto options = options_.discover;
+    auto options = discover_;
     options.marker = std::exchange(retained_topic_, "");
     if (!options.marker.empty()) {
       if (auto ok = filters.Add(std::vector<std::string>{options.marker}); !ok) return ok;
@@ -377,7 +382,7 @@ class Discoverer {
                           base::Counted(silent.size(), "robot")));
     log_.Wait("waiting for the states of " + base::Counted(silent.size(), "robot"), end);
     const auto left = std::max(end - steady_clock::now(), steady_clock::duration(0));
-    auto options = options_.discover;
+    auto options = discover_;
     options.quiet = options.most = std::chrono::ceil<std::chrono::milliseconds>(left);
     auto ok = Read(filters.Take(), std::move(silent), options,
                    [](const RobotEntry& entry) { return entry.state_heard || !entry.IsAlive(); });
@@ -390,8 +395,10 @@ class Discoverer {
   const DiscoveryOptions& options_;
   RobotDirectory& directory_;
   Log& log_;
-  HandedOut handed_out_;        // for filters with wildcards
-  std::string retained_topic_;  // of the last connection message that was retained
+  delivery::RetainedOptions discover_;
+  delivery::Subscribed subscribed_;  // where nobody else keeps account of it
+  HandedOut handed_out_;             // for filters with wildcards
+  std::string retained_topic_;       // of the last connection message that was retained
   bool has_read_factsheets_ = false;
 };
 

@@ -38,8 +38,8 @@ struct DiscoveryOptions {
   /// the targets' time is up. Where nobody is known, until one has; where the broker hands out
   /// nothing, until the end. Robots that are not ONLINE are waited for no longer.
   bool states = false;
-  /// Called before states are waited for; factsheets are there by then. May be empty. When it fails,
-  /// the transport may be gone.
+  /// Called when states are subscribed to, and before they are waited for; factsheets are there by
+  /// then. May be empty. When it fails, the transport may be gone.
   std::function<Status()> ask = {};
   std::function<void()> tick = {};  ///< called about every 100 ms while states are waited for
   delivery::RetainedOptions discover;

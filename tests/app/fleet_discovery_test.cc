@@ -1,5 +1,6 @@
 #include "app/fleet_discovery.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include "support/fake_environment.h"
@@ -51,6 +52,31 @@ TEST_F(DiscoveringFleets, AsksForConfiguredOnesByNameWhereWildcardsBringNothing)
   ASSERT_TRUE(fleet);
   EXPECT_TRUE(fleet->robots().front()->second.IsOnline());
   EXPECT_THAT(log_.warnings, ElementsAre(HasSubstr("wildcards")));
+}
+
+// Of many that are named, discovery ends the subscriptions.
+TEST_F(DiscoveringFleets, HearsTheAnswersOfAllThatAreNamedAndAsked) {
+  for (const int count : {100, 200, 300}) {
+    world_.on_connect = [&](testing::FakeTransport& broker) {
+      for (int i = 0; i < count; ++i) {
+        broker.retained[fmt::format("vda5050/v3/KIT/{}/connection", i)] =
+            R"({"version":"3.0.0","connectionState":"ONLINE"})";
+      }
+      broker.answers = [](const mqtt::Message& request) -> std::vector<mqtt::Message> {
+        const std::string place = request.topic.substr(0, request.topic.rfind('/'));
+        return {{.topic = place + "/state", .payload = R"({"version":"3.0.0"})"}};
+      };
+    };
+    request_.ask = true;
+    request_.targets.state_wait = std::chrono::milliseconds(500);
+    for (int i = 0; i < count; ++i) request_.targets.words.push_back(fmt::format("KIT/{}", i));
+    const auto fleet = Discover();
+    ASSERT_TRUE(fleet);
+    const auto robots = fleet->robots();
+    EXPECT_EQ(std::count_if(robots.begin(), robots.end(),
+                            [](const ListedRobot* robot) { return robot->second.HasSpoken(); }),
+              count);
+  }
 }
 
 TEST_F(DiscoveringFleets, FailsWhenNoSuchRobotIsKnown) {
