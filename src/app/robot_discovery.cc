@@ -405,7 +405,8 @@ class Discoverer {
 // Of those who have left a connection message under these filters.
 std::vector<RobotAddress> ReadNames(mqtt::Transport& transport, const vda5050::TopicScheme& scheme,
                                     const std::vector<std::string>& filters,
-                                    const delivery::RetainedOptions& discover, Robots which) {
+                                    delivery::RetainedOptions discover, Robots which) {
+  discover.keep = 0;  // robots that are listed are listened to otherwise, if at all
   std::set<RobotAddress> robots;
   const auto read =
       delivery::ReadRetained(transport, filters, discover, [&](const mqtt::Message& message) {

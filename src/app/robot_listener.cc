@@ -15,6 +15,7 @@ Status RobotListener::Connect() {
   server_ = link->transport->server();
   delivery::RetainedOptions discover = request_.discover;
   discover.subscribe = connection_.timeout;
+  discover.keep = 0;  // a broker may send a copy for each subscription that matches (MQTT §3.3.5)
   auto ok = DiscoverRobots(*link->transport, request_.targets,
                            {.all = true, .factsheets = true, .discover = discover}, directory_,
                            observer_);

@@ -11,7 +11,9 @@ namespace {
 
 using ::testing::AllOf;
 using ::testing::Contains;
+using ::testing::Each;
 using ::testing::ElementsAre;
+using ::testing::EndsWith;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
@@ -22,7 +24,10 @@ class AwaitingConditions : public ::testing::Test {
     request_.topic = "state";
     request_.conditions.push_back(vda5050::ParseCondition("paused=true").value());
     request_.timeout = std::chrono::milliseconds(20);
-    world_.on_connect = [this](testing::FakeTransport& broker) { broker.retained = retained_; };
+    world_.on_connect = [this](testing::FakeTransport& broker) {
+      broker.retained = retained_;
+      broker_ = &broker;
+    };
   }
 
   void Says(const std::string& serial, const std::string& topic, const std::string& payload) {
@@ -35,6 +40,7 @@ class AwaitingConditions : public ::testing::Test {
         [this](const vda5050::RobotAddress& robot, const std::string& line,
                std::chrono::nanoseconds /*elapsed*/) {
           satisfied_.push_back(robot.ToString() + " " + line);
+          subscribed_ = broker_->subscribed();
         },
         log_);
   }
@@ -43,7 +49,9 @@ class AwaitingConditions : public ::testing::Test {
   testing::FakeEnvironment world_;
   testing::FakeLog log_;
   AwaitRequest request_;
+  testing::FakeTransport* broker_ = nullptr;
   std::vector<std::string> satisfied_;
+  std::set<std::string> subscribed_;  // when the last of these was
 };
 
 TEST_F(AwaitingConditions, EndsWithTheMessageThatSatisfiesThem) {
@@ -84,6 +92,7 @@ TEST_F(AwaitingConditions, AwaitsEachRobotOfAPatternOverOneConnection) {
   EXPECT_THAT(satisfied_,
               ElementsAre(R"(KIT/0001 {"paused":true})", R"(KIT/0002 {"paused":true})"));
   EXPECT_EQ(world_.connections, 1);
+  EXPECT_THAT(subscribed_, Each(EndsWith("/state"))) << "who they are is known";
 }
 
 TEST_F(AwaitingConditions, CountsNoMessageOfAnotherTopic) {

@@ -116,6 +116,13 @@ TEST_P(OtherBroker, MissesNoConnectionMessageThatIsThere) {
             R"("withoutConnection":0,"topics":{"connection":{"messages":1,)");
 }
 
+// RabbitMQ sends a copy of a message for each subscription that matches (MQTT §3.3.5).
+TEST_P(OtherBroker, FindsNoFaultInASoundRobot) {
+  const auto robot = Robot({"SOUND/0001", "--state-interval", "200ms"});
+  ExpectEnd({"conform", "SOUND/0001", "--level", "actions", "--only", "H,C,F01,I02", "--for", "1s"},
+            0, "0 failed");
+}
+
 TEST_P(OtherBroker, LetsDoctorFindWhatIsRetained) {
   const auto robot = Robot({"DOC/0001", "--state-interval", "200ms"});
   ExpectEnd({"doctor", "DOC/*", "--for", "500ms"}, 0, "0 problems, 0 warnings");
