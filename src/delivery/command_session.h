@@ -67,8 +67,8 @@ class CommandSession {
   /// Takes in a message that somebody else has read from the connection.
   void Deliver(const mqtt::Message& message) { pending_.Deliver(message); }
 
-  /// What is subscribed to. Who adds to it has subscribed over the connection, too; the session ends
-  /// what no command needs when it has become much.
+  /// What is subscribed to. Who adds to it has subscribed over the connection, too; the session
+  /// ends what no command needs when it has become much.
   [[nodiscard]] Subscribed& subscribed() { return subscribed_; }
 
   /// See mqtt::Transport::WakeOn.

@@ -15,8 +15,8 @@
 
 namespace fleetpub::delivery {
 
-/// More filters are subscribed some at a time, reading in between: a default mosquitto drops what it
-/// has to queue beyond 1,000 messages, retained ones included.
+/// More filters are subscribed some at a time, reading in between: a default mosquitto drops what
+/// it has to queue beyond 1,000 messages, retained ones included.
 inline constexpr std::size_t kFiltersAtOnce = 500;
 
 /// Filters.
@@ -37,8 +37,8 @@ struct RetainedOptions {
   std::function<void()> meanwhile = {};
   /// Gets every message too: whoever waits for others on the same connection. May be empty.
   std::function<void(const mqtt::Message&)> also = {};
-  /// So many filters may stay subscribed; more are ended, as they would make each later subscription
-  /// dearer.
+  /// So many filters may stay subscribed; more are ended, as they would make each later
+  /// subscription dearer.
   std::size_t keep = kFiltersAtOnce;
   /// What is subscribed to over the same connection: none of it is ended, what stays is added. Null:
   /// nothing is.
@@ -49,8 +49,8 @@ struct RetainedOptions {
 using MessageCallback = std::function<bool(const mqtt::Message&)>;
 
 /// Subscribes to the filters, many of them some at a time, and hands over what arrives until the
-/// silence or until enough is taken. A broker may drop messages of a filter with wildcards that finds
-/// thousands. Only what was retained puts the silence off: a busy fleet is never silent. Where
+/// silence or until enough is taken. A broker may drop messages of a filter with wildcards that
+/// finds thousands. Only what was retained puts the silence off: a busy fleet is never silent. Where
 /// a SUBACK took long, silences are as long.
 [[nodiscard]] Status ReadRetained(mqtt::Transport& transport, std::span<const std::string> filters,
                                   const RetainedOptions& options, const MessageCallback& take);
