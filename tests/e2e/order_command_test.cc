@@ -203,7 +203,8 @@ TEST_F(OrderCommand, IsNotCancelledForAnotherOneThatCannotBeMade) {
     EXPECT_THAT(run.output, Not(HasSubstr("cancelOrder")));
   }
   EXPECT_THAT(Fleetpub({"history", "--action", "cancelOrder", "-o", "json"}).output, IsEmpty());
-  const Finished dry = Order({"replace", "KIT/0001", "--to", "n3", "--layout", layout_, "-n"});
+  const Finished dry =
+      Order({"replace", "KIT/0001", "--to", "n3", "--from", "n1", "--layout", layout_, "-n"});
   EXPECT_EQ(dry.exit_code, 0) << dry.output << dry.errors;
   EXPECT_THAT(dry.output, HasSubstr(R"("nodeId":"n3")"));
 }

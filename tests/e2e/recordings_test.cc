@@ -90,7 +90,11 @@ TEST_F(Recordings, SayTheSameOnStandardInput) {
                                                     {"doctor"}}) {
     std::vector<std::string> words = arguments;
     words.insert(words.end(), {"-o", "json"});
-    const Finished expected = From(words);
+    Finished expected = From(words);
+    for (auto at = expected.output.find(file_); at != std::string::npos;
+         at = expected.output.find(file_)) {
+      expected.output.replace(at, file_.size(), "-");
+    }
     for (const char* way : {"cat", "gzip", "zstd -q"}) {
       Command command = operator_.Prepare(words);
       command.arguments = {

@@ -160,7 +160,7 @@ TEST_F(ReportFile, ThatCannotBeWrittenAtTheEndFailsTestsAndNoBatch) {
   EXPECT_EQ(reporting({"batch", "--wait"}, pause), 0);
   EXPECT_EQ(reporting({"batch", "--wait"}, pause + "nonsense\n"), 3) << "as without a report";
   EXPECT_EQ(reporting({"batch", "--dry-run"}, pause), 8) << "nothing was sent";
-  EXPECT_EQ(reporting({"conform", "KIT/0001", "--only", "H01"}, ""), 8);
+  EXPECT_EQ(reporting({"conform", "KIT/0001", "--only", "H01", "--for", "1s"}, ""), 8);
   EXPECT_EQ(reporting({"test", scenario, "--yes"}, ""), 8);
   EXPECT_EQ(reporting({"validate"}, kGood), 8);
 }

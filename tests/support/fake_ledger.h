@@ -66,8 +66,12 @@ class FakeLedger : public ledger::Ledger {
     const auto found = next_ids_.find(std::string(topic));
     return found == next_ids_.end() ? 0 : found->second;
   }
-  Result<std::vector<ledger::Record>> History(const ledger::HistoryFilter& /*filter*/) override {
-    return rows_;
+  Result<std::vector<ledger::Record>> History(const ledger::HistoryFilter& filter) override {
+    std::vector<ledger::Record> rows = rows_;
+    std::erase_if(rows, [&](const ledger::Record& row) {
+      return !filter.broker.empty() && row.broker != filter.broker;
+    });
+    return rows;
   }
   Result<std::optional<ledger::Record>> Find(std::int64_t id) override {
     if (id < 1 || id > std::ssize(rows_)) return std::optional<ledger::Record>();

@@ -104,7 +104,7 @@ TEST(UserMessage, HasItsActionsUnderOneNameOnly) {
                                {.version = Version::k200, .actions_key = key});
     ASSERT_FALSE(command);
     EXPECT_EQ(command.error().kind, ErrorKind::kInvalid);
-    EXPECT_THAT(command.error().message, HasSubstr(R"(in "actions" and)"));
+    EXPECT_THAT(command.error().message, HasSubstr("leave only the one"));
   }
 }
 
