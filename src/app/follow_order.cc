@@ -97,10 +97,9 @@ Result<bool> AwaitState(RobotListener& listener, const Observer& observer,
   bool came = false;
   auto read = listener.subscription().Read(
       [&](const mqtt::Message& message) {
-        const auto state = TakeLiveState({.topic = message.topic,
-                                          .payload = message.payload,
-                                          .retained = message.retained},
-                                         listener, reception);
+        const auto state = TakeLiveState(
+            {.topic = message.topic, .payload = message.payload, .retained = message.retained},
+            listener, reception);
         came = state && is_wanted(*state);
         return came;
       },
@@ -190,9 +189,7 @@ class OrderFollower {
 
   [[nodiscard]] base::JsonDocument FindOrder() {
     row_ = 0;
-    const auto by_state = [this] {
-      return DescribeByState(*state_, listener_.dialect().version);
-    };
+    const auto by_state = [this] { return DescribeByState(*state_, listener_.dialect().version); };
     const auto ledger = environment_.ledger(ledger::OpenMode::kReadOnly);
     if (!ledger) return by_state();
     const auto history = ReadOrderHistory(**ledger, listener_.server().broker.ToString(),
@@ -314,38 +311,42 @@ Status TryReplacing(const OrderTask& task, std::optional<std::uint32_t> header_i
                     const FollowRequest& request, const Environment& environment,
                     Observer& observer) {
   bool is_there = false;
-  auto tried = WithListener(request, environment, observer, {}, [&](RobotListener& listener) -> Status {
-    is_there = true;
-    std::optional<RobotState> state;
-    observer.Wait("waiting for the state of " + listener.name(), listener.end());
-    auto came = AwaitState(listener, observer, [&](const RobotState& live) {
-      state = live;
-      return true;
-    });
-    observer.Wait("");
-    if (!came) return Fail(std::move(came.error()));
-    const auto& entry = listener.robot().second;
-    const auto composed = ComposeOrder(task,
-                                       {.address = listener.address(),
-                                        .dialect = listener.dialect(),
-                                        .factsheet = task.check ? entry.factsheet.get() : nullptr,
-                                        .state = state ? &*state : nullptr,
-                                        .broker = listener.server().broker.ToString()},
-                                       environment.ledger);
-    if (!composed) return Fail(composed.error());
-    const auto command = BuildOrder(*composed, listener.address(), listener.dialect(), header_id);
-    if (!command) return Fail(command.error());
-    schema::Registry registry(environment.schema_directory);
-    if (auto valid = ValidateCommand(*command, registry); !valid) return Fail(valid.error());
-    if (!header_id) return {};
-    const auto ledger = environment.ledger(ledger::OpenMode::kReadOnly);
-    if (!ledger) return Fail(ledger.error());
-    const auto next = (*ledger)->PeekNext(command->topic);
-    if (!next) return Fail(next.error());
-    if (*header_id >= *next) return {};
-    return Fail(ErrorKind::kUsage, fmt::format("headerId {} is not above the topic's last one, {}",
-                                               *header_id, *next - 1));
-  });
+  auto tried =
+      WithListener(request, environment, observer, {}, [&](RobotListener& listener) -> Status {
+        is_there = true;
+        std::optional<RobotState> state;
+        observer.Wait("waiting for the state of " + listener.name(), listener.end());
+        auto came = AwaitState(listener, observer, [&](const RobotState& live) {
+          state = live;
+          return true;
+        });
+        observer.Wait("");
+        if (!came) return Fail(std::move(came.error()));
+        const auto& entry = listener.robot().second;
+        const auto composed =
+            ComposeOrder(task,
+                         {.address = listener.address(),
+                          .dialect = listener.dialect(),
+                          .factsheet = task.check ? entry.factsheet.get() : nullptr,
+                          .state = state ? &*state : nullptr,
+                          .broker = listener.server().broker.ToString()},
+                         environment.ledger);
+        if (!composed) return Fail(composed.error());
+        const auto command =
+            BuildOrder(*composed, listener.address(), listener.dialect(), header_id);
+        if (!command) return Fail(command.error());
+        schema::Registry registry(environment.schema_directory);
+        if (auto valid = ValidateCommand(*command, registry); !valid) return Fail(valid.error());
+        if (!header_id) return {};
+        const auto ledger = environment.ledger(ledger::OpenMode::kReadOnly);
+        if (!ledger) return Fail(ledger.error());
+        const auto next = (*ledger)->PeekNext(command->topic);
+        if (!next) return Fail(next.error());
+        if (*header_id >= *next) return {};
+        return Fail(ErrorKind::kUsage,
+                    fmt::format("headerId {} is not above the topic's last one, {}", *header_id,
+                                *next - 1));
+      });
   // Who cancels says better of whom nothing is known, or who is not there.
   if (!tried && !is_there && tried.error().kind == ErrorKind::kPreflight) return {};
   return tried;
@@ -354,8 +355,8 @@ Status TryReplacing(const OrderTask& task, std::optional<std::uint32_t> header_i
 Status AwaitIdle(const FollowRequest& request, const Environment& environment, Observer& observer) {
   return WithListener(request, environment, observer, {}, [&](RobotListener& listener) -> Status {
     observer.Wait(fmt::format("waiting until {} is idle", listener.name()), listener.end());
-    const auto is_idle = AwaitState(listener, observer,
-                                    [](const RobotState& state) { return !IsUnderWay(state); });
+    const auto is_idle =
+        AwaitState(listener, observer, [](const RobotState& state) { return !IsUnderWay(state); });
     observer.Wait("");
     if (!is_idle) return Fail(is_idle.error());
     if (*is_idle) return {};

@@ -442,13 +442,15 @@ class PathPlanner {
     const auto& nodes = planned_.path.nodes;
     const std::string first = Printable(nodes.front().id);
     if (nodes.size() == 1) {
-      return fmt::format("{0} is {1:.1f} m from {2}, which an order of {2} alone would take for "
-                         "there: it would be done before it moved. try: fleetpub show {0}",
-                         Name(), off, first);
+      return fmt::format(
+          "{0} is {1:.1f} m from {2}, which an order of {2} alone would take for "
+          "there: it would be done before it moved. try: fleetpub show {0}",
+          Name(), off, first);
     }
-    return fmt::format("{0} is {1:.1f} m from {2}, where the order begins, and not on the way from "
-                       "there to {3}. try: fleetpub show {0}",
-                       Name(), off, first, Printable(nodes[1].id));
+    return fmt::format(
+        "{0} is {1:.1f} m from {2}, where the order begins, and not on the way from "
+        "there to {3}. try: fleetpub show {0}",
+        Name(), off, first, Printable(nodes[1].id));
   }
 
   [[nodiscard]] std::optional<double> MeasureLength() const {

@@ -33,12 +33,11 @@ bool HasNodesOf(const vda5050::RobotState& state, const SentOrder& order) {
   for (const Value& node : nodes->GetArray()) {
     ids.emplace(base::UintMember(node, "sequenceId").value_or(0), StringMember(node, "nodeId"));
   }
-  return std::all_of(
-      state.nodes.begin(), state.nodes.end(), [&](const vda5050::NodeState& node) {
-        if (node.sequence_id < ids.begin()->first) return true;
-        const auto sent = ids.find(node.sequence_id);
-        return sent != ids.end() && sent->second == node.id;
-      });
+  return std::all_of(state.nodes.begin(), state.nodes.end(), [&](const vda5050::NodeState& node) {
+    if (node.sequence_id < ids.begin()->first) return true;
+    const auto sent = ids.find(node.sequence_id);
+    return sent != ids.end() && sent->second == node.id;
+  });
 }
 
 bool IsOrderActionOpen(const vda5050::ActionState& action) {
@@ -63,8 +62,8 @@ const SentOrder* OrderHistory::Find(const vda5050::RobotState& state) const {
 
 Result<OrderHistory> ReadOrderHistory(ledger::Ledger& ledger, const std::string& broker,
                                       const std::string& target, std::string_view order_id) {
-  auto records = ledger.History(
-      {.target = target, .action = "order", .broker = broker, .limit = kOrdersRead});
+  auto records =
+      ledger.History({.target = target, .action = "order", .broker = broker, .limit = kOrdersRead});
   if (!records) return Fail(std::move(records.error()));
   OrderHistory history{.order_id = std::string(order_id), .broker = broker, .sent = {}};
   for (const ledger::Record& record : *records) {
@@ -72,13 +71,13 @@ Result<OrderHistory> ReadOrderHistory(ledger::Ledger& ledger, const std::string&
     auto message = base::ParseJson(record.payload, {.exact = true});
     if (!message) continue;
     const std::uint32_t update_id = base::UintMember(*message, "orderUpdateId").value_or(0);
-    history.sent.push_back({.row = record.id,
-                            .update_id = update_id,
-                            .by = record.user + "@" + record.host,
-                            .at = record.recorded_at,
-                            .was_rejected = record.status ==
-                                            message::GetName(message::CommandStatus::kRejected),
-                            .message = *std::move(message)});
+    history.sent.push_back(
+        {.row = record.id,
+         .update_id = update_id,
+         .by = record.user + "@" + record.host,
+         .at = record.recorded_at,
+         .was_rejected = record.status == message::GetName(message::CommandStatus::kRejected),
+         .message = *std::move(message)});
   }
   return history;
 }

@@ -63,7 +63,6 @@ class Batch {
     delivery::CommandSession session(link->transport, **ledger, send_, request_.wait,
                                      MakeHooks(link->connection));
     session_ = &session;
-    request_.discover.subscribed = &session.subscribed();
     while (!IsDone(session)) {
       if (MayRead(session)) SendWhatIsThere(session);
       LookForTheEnd(session);
@@ -213,14 +212,16 @@ class Batch {
       factsheets = factsheets || line.message->NeedsFactsheet();
       stops_only = stops_only && line.message->IsOnlyStartPause();
     }
+    delivery::RetainedOptions discover = request_.discover;
+    if (session_ != nullptr) discover.subscribed = &session_->subscribed();
     const DiscoveryOptions options{.all = request_.defaults.check || request_.defaults.online,
                                    .factsheets = request_.defaults.check && factsheets,
-                                   .discover = request_.discover};
+                                   .discover = discover};
     auto ok = DiscoverRobots(transport, {}, options, directory_, log_);
     if (!ok || stops_only) return ok;
     std::vector<const ListedRobot*> robots;
     for (const ListedRobot& robot : directory_.robots()) robots.push_back(&robot);
-    factory_.SuggestNames(robots, transport, request_.topics, request_.discover);
+    factory_.SuggestNames(robots, transport, request_.topics, discover);
     return ok;
   }
 

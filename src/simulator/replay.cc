@@ -267,7 +267,9 @@ class Player {
       before = sent_.size();
       const auto noted = NoteAcknowledgements(steady_clock::now() + kPatience);
       if (noted) continue;
-      if (replayed_.was_stopped || !ConnectAgain(noted.error())) return noted;
+      if (replayed_.was_stopped || !ConnectAgain(noted.error())) {
+        return Fail(noted.error());
+      }
       before = 0;
     }
     untaken_.unacknowledged += std::exchange(sent_, {}).size();

@@ -152,9 +152,12 @@ TEST_F(Metrics, OfManyRobotsTakeNoMemoryOfTheirOwn) {
   const Finished json = Fleetpub({"fleet", "-o", "json", "--from", recording});
   const Finished run = Fleetpub({"fleet", "-o", "openmetrics", "--from", recording});
   ASSERT_EQ(run.exit_code, 0) << run.errors;
-#ifndef FLEETPUB_SLOW  // a sanitizer keeps what was given back
-  EXPECT_LE(run.peak_mib, json.peak_mib + 1);
+#ifdef FLEETPUB_SLOW
+  constexpr int kMoreMib = 64;  // a sanitizer keeps what was given back
+#else
+  constexpr int kMoreMib = 1;
 #endif
+  EXPECT_LE(run.peak_mib, json.peak_mib + kMoreMib);
   EXPECT_THAT(run.output, HasSubstr("charge_ratio{robot=\"KIT/999\"} 0.99\n"));
 }
 
