@@ -94,7 +94,7 @@ class RecordingTransport final : public mqtt::Transport {
   }
 
  private:
-  // To the first message, so that what is no recording is told at once. Of what was last, all of it.
+  // To the first message: what is no recording is told at once. Of Play::kLast, all of it.
   Status Begin() {
     if (recording_.path_ == "-" && std::exchange(recording_.is_read_, true)) {
       return Fail(ErrorKind::kUsage,

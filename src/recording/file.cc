@@ -175,7 +175,7 @@ struct InputFile::Codec {
 
   // Appends some of what the file says to `text`. False: it has ended.
   [[nodiscard]] virtual Result<bool> Read(std::string& text) {
-    const auto has_input = HasInput();
+    auto has_input = HasInput();
     if (has_input) text += std::exchange(raw_, {});
     return has_input;
   }
@@ -229,7 +229,7 @@ class GzipInput final : public Codec {
 
   Result<bool> Read(std::string& text) override {
     if (is_damaged_) return false;
-    const auto has_input = this->HasInput();
+    auto has_input = this->HasInput();
     if (!has_input || (!*has_input && is_whole_)) return has_input;
     if (is_whole_ && stream_.total_in > 0) inflateReset(&stream_);  // another member follows
     is_whole_ = false;
@@ -262,7 +262,7 @@ class ZstdInput final : public Codec {
 
   Result<bool> Read(std::string& text) override {
     if (is_damaged_) return false;
-    const auto has_input = this->HasInput();
+    auto has_input = this->HasInput();
     if (!has_input || (!*has_input && is_whole_)) return has_input;
     std::string out(kChunk, '\0');
     ZSTD_inBuffer in{this->raw_.data(), this->raw_.size(), 0};

@@ -32,9 +32,10 @@ tl::unexpected<Error> CannotBeWritten(const std::filesystem::path& path) {
 
 // Neither need be there.
 bool IsSame(const std::filesystem::path& a, const std::filesystem::path& b) {
+  namespace fs = std::filesystem;
   std::error_code unknown;
-  return std::filesystem::weakly_canonical(a, unknown) ==
-         std::filesystem::weakly_canonical(b, unknown);
+  return fs::weakly_canonical(fs::absolute(a, unknown), unknown) ==
+         fs::weakly_canonical(fs::absolute(b, unknown), unknown);
 }
 
 Status CheckWritable(const std::filesystem::path& path) {

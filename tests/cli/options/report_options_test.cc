@@ -39,6 +39,7 @@ TEST(ReportFiles, AreDifferentOnes) {
   const std::string same = (folder / "." / "a").string();
   EXPECT_EQ(ParseReportFiles({"junit=" + a + ",tap=" + a}).error().kind, ErrorKind::kUsage);
   EXPECT_EQ(ParseReportFiles({"junit=" + a, "tap=" + same}).error().kind, ErrorKind::kUsage);
+  EXPECT_EQ(ParseReportFiles({"junit=no-file,tap=./no-file"}).error().kind, ErrorKind::kUsage);
   EXPECT_TRUE(ParseReportFiles({"junit=" + a, "tap=" + a + "b"}));
 }
 
