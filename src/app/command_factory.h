@@ -65,8 +65,8 @@ class CommandFactory {
   /// This broker is asked of the robots; `check`: else only how each is spoken to is wanted. Without,
   /// nothing is known of any robot and nothing is checked.
   void SetLook(bool check, const mqtt::ServerInfo& server, const std::string& profile) {
-    look_ = {check, server.broker.ToString(), FormatSite(server.broker, profile),
-             server.KeepsNothing()};
+    broker_ = server.broker.ToString();
+    look_ = {check, FormatSite(server.broker, profile), server.KeepsNothing()};
   }
 
   /// Looks for robots that are ONLINE and may be meant by those of whom nothing is known: `did you
@@ -102,7 +102,6 @@ class CommandFactory {
  private:
   struct Look {
     bool check = false;
-    std::string broker;
     std::string site;
     bool keeps_nothing = false;
   };
@@ -121,6 +120,7 @@ class CommandFactory {
 
   schema::Registry registry_;
   std::optional<Look> look_;
+  std::string broker_;  // as BrokerUrl::ToString; "": none was asked
   std::map<vda5050::RobotAddress, std::string> suggestions_;
 };
 

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "app/deliver.h"
+#include "app/dry_run.h"
 #include "app/order_update.h"
 #include "app/robot_listener.h"
 #include "base/text.h"
@@ -109,6 +110,31 @@ Result<bool> AwaitState(RobotListener& listener, const Observer& observer,
   return came;
 }
 
+struct MadeOrder {
+  message::Command command;
+  std::vector<std::string> notes;
+};
+
+// Of what the robot says of itself, and valid. `state`: null: none came.
+Result<MadeOrder> MakeOrderFor(const RobotListener& listener, const OrderTask& task,
+                               const RobotState* state, std::optional<std::uint32_t> header_id,
+                               const Environment& environment) {
+  const auto& factsheet = listener.robot().second.factsheet;
+  auto composed = ComposeOrder(task,
+                               {.address = listener.address(),
+                                .dialect = listener.dialect(),
+                                .factsheet = task.check ? factsheet.get() : nullptr,
+                                .state = state,
+                                .broker = listener.server().broker.ToString()},
+                               environment.ledger);
+  if (!composed) return Fail(std::move(composed.error()));
+  auto command = BuildOrder(*composed, listener.address(), listener.dialect(), header_id);
+  if (!command) return Fail(std::move(command.error()));
+  schema::Registry registry(environment.schema_directory);
+  if (auto valid = ValidateCommand(*command, registry); !valid) return Fail(valid.error());
+  return MadeOrder{*std::move(command), std::move(composed->notes)};
+}
+
 class OrderFollower {
  public:
   OrderFollower(const FollowRequest& request, const Environment& environment, Observer& observer,
@@ -149,10 +175,10 @@ class OrderFollower {
         .topic = message.topic, .payload = message.payload, .retained = message.retained};
     if (auto state = TakeLiveState(incoming, listener_, reception_)) {
       state_ = std::move(state);
-      const bool is_update = state_ && state_->order_id == order_id_ &&
-                             state_->order_update_id.value_or(0) != update_id_;
+      const bool is_update =
+          state_->order_id == order_id_ && state_->order_update_id.value_or(0) != update_id_;
       if (is_update) tracker_.reset();
-      if (state_ && tracker_ == nullptr) {
+      if (tracker_ == nullptr) {
         fault_ = Begin();
         if (!fault_) return true;
       }
@@ -226,22 +252,11 @@ class OrderFollower {
   Status Release(std::size_t nodes) {
     OrderTask task{.kind = OrderKind::kRelease, .path = {}, .site = nullptr, .order_id = {}};
     task.release = nodes;
-    const auto& entry = listener_.robot().second;
-    auto composed = ComposeOrder(task,
-                                 {.address = listener_.address(),
-                                  .dialect = listener_.dialect(),
-                                  .factsheet = entry.factsheet.get(),
-                                  .state = &*state_,
-                                  .broker = listener_.server().broker.ToString()},
-                                 environment_.ledger);
-    if (!composed) return Fail(std::move(composed.error()));
-    auto command = BuildOrder(*composed, listener_.address(), listener_.dialect());
-    if (!command) return Fail(std::move(command.error()));
-    schema::Registry registry(environment_.schema_directory);
-    if (auto valid = ValidateCommand(*command, registry); !valid) return Fail(valid.error());
-    Status sent = listener_.Send(*command, request_.qos);
+    const auto made = MakeOrderFor(listener_, task, &*state_, {}, environment_);
+    if (!made) return Fail(made.error());
+    Status sent = listener_.Send(made->command, request_.qos);
     if (sent) {
-      for (const std::string& note : composed->notes) observer_.Info(note);
+      for (const std::string& note : made->notes) observer_.Info(note);
     }
     return sent;
   }
@@ -322,30 +337,13 @@ Status TryReplacing(const OrderTask& task, std::optional<std::uint32_t> header_i
         });
         observer.Wait("");
         if (!came) return Fail(std::move(came.error()));
-        const auto& entry = listener.robot().second;
-        const auto composed =
-            ComposeOrder(task,
-                         {.address = listener.address(),
-                          .dialect = listener.dialect(),
-                          .factsheet = task.check ? entry.factsheet.get() : nullptr,
-                          .state = state ? &*state : nullptr,
-                          .broker = listener.server().broker.ToString()},
-                         environment.ledger);
-        if (!composed) return Fail(composed.error());
-        const auto command =
-            BuildOrder(*composed, listener.address(), listener.dialect(), header_id);
-        if (!command) return Fail(command.error());
-        schema::Registry registry(environment.schema_directory);
-        if (auto valid = ValidateCommand(*command, registry); !valid) return Fail(valid.error());
-        if (!header_id) return {};
-        const auto ledger = environment.ledger(ledger::OpenMode::kReadOnly);
-        if (!ledger) return Fail(ledger.error());
-        const auto next = (*ledger)->PeekNext(command->topic);
-        if (!next) return Fail(next.error());
-        if (*header_id >= *next) return {};
-        return Fail(ErrorKind::kUsage,
-                    fmt::format("headerId {} is not above the topic's last one, {}", *header_id,
-                                *next - 1));
+        const auto made =
+            MakeOrderFor(listener, task, state ? &*state : nullptr, header_id, environment);
+        if (!made) return Fail(made.error());
+        auto dry_run = DryRun::Open(environment.ledger);
+        if (!dry_run) return Fail(std::move(dry_run.error()));
+        const auto report = dry_run->Report(made->command);
+        return report ? Status() : Fail(report.error());
       });
   // Who cancels says better of whom nothing is known, or who is not there.
   if (!tried && !is_there && tried.error().kind == ErrorKind::kPreflight) return {};

@@ -207,7 +207,7 @@ class PathPlanner {
   }
 
   void TellMapChanges() {
-    const auto& nodes = planned_.path.nodes;
+    const auto& nodes = path().nodes;
     for (std::size_t i = 1; i < nodes.size(); ++i) {
       if (!nodes[i].position || !nodes[i - 1].position) continue;
       const std::string& before = nodes[i - 1].position->map_id;
@@ -260,7 +260,7 @@ class PathPlanner {
 
   // The layout's edge where it has one.
   Status JoinNodes() {
-    const auto& nodes = planned_.path.nodes;
+    const auto& nodes = path().nodes;
     for (std::size_t i = 1; i < nodes.size(); ++i) {
       const layout::Edge* edge = FindEdge(nodes[i - 1].id, nodes[i].id);
       if (edge != nullptr) {

@@ -132,10 +132,7 @@ TestReport MakeReport(const app::ConformReport& report, const ConformOptions& o,
 ExitCode ShowSummary(const app::ConformReport& report, Output& output) {
   VerdictCounts counts;
   for (const CaseResult& result : report.outcome.results) counts.Add(result.finding.verdict);
-  const ExitCode code =
-      StopSignal::Received().value_or(counts.failed > 0              ? ExitCode::kRejected
-                                      : !report.abort_reason.empty() ? ExitCode::kUnconfirmed
-                                                                     : ExitCode::kDone);
+  const ExitCode code = counts.ToExitCode(!report.abort_reason.empty());
   if (output.json()) {
     output.Line(fmt::format(
         R"({{"summary":{{"target":{},"version":"{}",{},"complete":{},"exitCode":{}}}}})",

@@ -149,13 +149,10 @@ TestResult MakeResult(const Suite& suite, const Test& test, const TestEnd& end) 
 }
 
 ExitCode ShowSummary(std::size_t files, const VerdictCounts& counts, Output& output) {
-  const auto stopped = StopSignal::Received();
-  const ExitCode code = stopped.value_or(counts.failed > 0         ? ExitCode::kRejected
-                                         : counts.inconclusive > 0 ? ExitCode::kUnconfirmed
-                                                                   : ExitCode::kDone);
+  const ExitCode code = counts.ToExitCode(counts.inconclusive > 0);
   if (output.json()) {
     output.Line(fmt::format(R"({{"summary":{{"files":{},{},"complete":{},"exitCode":{}}}}})", files,
-                            counts.ToJson(), !stopped, static_cast<int>(code)));
+                            counts.ToJson(), !StopSignal::Received(), static_cast<int>(code)));
   } else {
     output.PeopleLine(counts.ToText());
   }

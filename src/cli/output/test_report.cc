@@ -6,6 +6,7 @@
 
 #include "base/json.h"
 #include "base/text.h"
+#include "cli/output/stop_signal.h"
 
 namespace fleetpub::cli {
 namespace {
@@ -105,6 +106,12 @@ std::string VerdictCounts::ToText() const {
 std::string VerdictCounts::ToJson() const {
   return fmt::format(R"("passed":{},"failed":{},"skipped":{},"inconclusive":{})", passed, failed,
                      skipped, inconclusive);
+}
+
+ExitCode VerdictCounts::ToExitCode(bool is_open) const {
+  if (const auto stopped = StopSignal::Received()) return *stopped;
+  if (failed > 0) return ExitCode::kRejected;
+  return is_open ? ExitCode::kUnconfirmed : ExitCode::kDone;
 }
 
 std::string ToJUnit(const TestReport& report) {

@@ -9,6 +9,7 @@
 
 #include "app/verdict.h"
 #include "base/time.h"
+#include "cli/output/exit_code.h"
 #include "cli/output/output.h"
 
 namespace fleetpub::cli {
@@ -48,6 +49,8 @@ struct VerdictCounts {
   [[nodiscard]] std::string ToText() const;
   /// Members of an object.
   [[nodiscard]] std::string ToJson() const;
+  /// Of the process: a signal that stopped it comes first. `is_open`: something is not decided.
+  [[nodiscard]] ExitCode ToExitCode(bool is_open) const;
 };
 
 /// As GitLab, GitHub and Jenkins read it.

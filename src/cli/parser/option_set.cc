@@ -177,11 +177,11 @@ Result<OptionSet::Asked> OptionSet::Parse(const std::string& command,
     if (too_many) {
       return Fail(ErrorKind::kUsage, fmt::format("{}: {} is given more than once", command, name));
     }
-    const ValueKind& kind = Find(name).record_->kind;
+    const Option option = Find(name);
+    const ValueKind& kind = option.record_->kind;
     const bool told = kind.takes || kind.choices;
-    return Fail(ErrorKind::kUsage,
-                fmt::format("{}: {} needs a value: {}", command, name,
-                            told ? kind.Takes() : name + " " + Find(name).type()));
+    return Fail(ErrorKind::kUsage, fmt::format("{}: {} needs a value: {}", command, name,
+                                               told ? kind.Takes() : name + " " + option.type()));
   } catch (const CLI::ParseError& error) {  // `--quiet=maybe`
     return Fail(ErrorKind::kUsage, fmt::format("{}: a flag takes no value: {}", command,
                                                base::Printable(error.what())));
