@@ -77,6 +77,7 @@ TEST_F(Refusals, NameWhatIsWrongAndSendNothing) {
       {{"pause", "KIT/0001", "-q", "1", "--qos", "1"}, 2, "--qos is given more than once"},
       {{"pause", "KIT/0001", "-q"}, 2, "--qos needs a value: 0, 1 or 2"},
       {{"pause", "KIT/0001", "--broker"}, 2, "--broker needs a value: --broker URL"},
+      {{"order", "KIT/0001", "--to"}, 2, "--to needs a value: --to PLACE"},
       {{"pause", "KIT/0001", "-b", "http://x"}, 2, "not a scheme"},
       {{"pause", "KIT/0001", "-b", "mqtt://u:secret@x"}, 2, "password"},
       {{"pause", "KIT/0001", "--cafile", "ca.pem"}, 2, "is not encrypted"},

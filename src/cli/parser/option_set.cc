@@ -179,9 +179,10 @@ Result<OptionSet::Asked> OptionSet::Parse(const std::string& command,
     }
     const Option option = Find(name);
     const ValueKind& kind = option.record_->kind;
-    const bool told = kind.takes || kind.choices;
-    return Fail(ErrorKind::kUsage, fmt::format("{}: {} needs a value: {}", command, name,
-                                               told ? kind.Takes() : name + " " + option.type()));
+    const bool is_text = kind.type == "TEXT";  // its placeholder says what it is
+    return Fail(ErrorKind::kUsage,
+                fmt::format("{}: {} needs a value: {}", command, name,
+                            is_text ? name + " " + option.type() : kind.Takes()));
   } catch (const CLI::ParseError& error) {  // `--quiet=maybe`
     return Fail(ErrorKind::kUsage, fmt::format("{}: a flag takes no value: {}", command,
                                                base::Printable(error.what())));
