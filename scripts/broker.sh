@@ -11,7 +11,7 @@ start_broker() {
   shift
   # A free port cannot be reserved, only tried: when somebody else was faster, mosquitto ends and the next is tried.
   for try in 1 2 3 4 5 6 7 8 9 10; do
-    broker_port=$((20000 + RANDOM % 20000))
+    broker_port=$((4000 + RANDOM % 6000))
     printf 'listener %s 127.0.0.1\nallow_anonymous true\n' "$broker_port" >"$folder/mosquitto.conf"
     PATH=$PATH:/usr/sbin mosquitto -c "$folder/mosquitto.conf" >"$folder/mosquitto.log" 2>&1 &
     broker_pid=$!

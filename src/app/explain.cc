@@ -101,8 +101,9 @@ class Story {
       }
     }
     const auto* update = base::FindMember(*order, "orderUpdateId");
-    Tell(fmt::format("order {} update {} was sent: {} nodes", Shown(request_.order),
-                     update == nullptr ? "?" : base::Printable(base::ToJson(*update)), nodes));
+    Tell(fmt::format("order {} update {} was sent: {}", Shown(request_.order),
+                     update == nullptr ? "?" : base::Printable(base::ToJson(*update)),
+                     base::Counted(nodes, "node")));
   }
 
   void TakeActions(const recording::Message& message) {

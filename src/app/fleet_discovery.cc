@@ -48,14 +48,14 @@ void WarnOfSilent(const Fleet& fleet, const Environment& environment, bool asked
     if (Satisfies(fleet.targets(), entry) == Answer::kUnheard) undecided.push_back(robot);
   }
   if (silent > 0 && environment.recording) {
-    log.Warn(fmt::format("of {} of {} robots the recording has no state", silent, seen));
+    log.Warn(fmt::format("of {} of {} the recording has no state", silent,
+                         base::Counted(seen, "robot")));
   } else if (silent > 0 && state_wait.count() > 0) {
-    log.Warn(
-        fmt::format("{} of {} robots sent no state within {}; they repeat it at least every 30 s{}",
-                    silent, seen, base::FormatElapsed(state_wait),
-                    state_wait >= vda5050::kLongestSilence ? ""
-                    : asked                                ? ": --state-wait 35s waits for it"
-                                                           : ": --ask has them send it"));
+    log.Warn(fmt::format("{} of {} sent no state within {}; they repeat it at least every 30 s{}",
+                         silent, base::Counted(seen, "robot"), base::FormatElapsed(state_wait),
+                         state_wait >= vda5050::kLongestSilence ? ""
+                         : asked                                ? ": --state-wait 35s waits for it"
+                                                                : ": --ask has them send it"));
   }
   if (!undecided.empty()) {
     log.Warn("not shown, as --where cannot be decided: " + FormatRobotList(undecided));

@@ -58,6 +58,7 @@ struct Part {
   std::string place;  // the robot's connection topic
   std::string topic_name;
   RobotAddress robot;
+  RobotAddress recorded;  // whose message it was
   bool is_command = false;
   bool is_mapped = false;
 };
@@ -74,7 +75,7 @@ Result<std::optional<Part>> MakePart(const recording::Message& said, const Repla
     return Fail(ErrorKind::kUsage,
                 fmt::format("--map: {} is no name of a robot", base::Printable(robot->ToString())));
   }
-  levels->robot = *robot;
+  part.recorded = std::exchange(levels->robot, *robot);
   auto topic = part.is_mapped ? vda5050::TopicBeside(options.scheme, *levels, levels->topic_name)
                               : Result<std::string>(said.topic);
   if (!topic) return Fail(std::move(topic.error()));
@@ -358,11 +359,11 @@ class Player {
       if (!sent) return sent;
     }
     if (auto ended = AwaitAll(); !ended) return ended;
-    return Judge(said, untaken_);
+    return CheckTaken(said, untaken_);
   }
 
   // Of what was said, and of what was put back. Errors: the broker did not take all of it.
-  [[nodiscard]] Status Judge(const Untaken& said, const Untaken& back) const {
+  [[nodiscard]] Status CheckTaken(const Untaken& said, const Untaken& back) const {
     std::vector<std::string> faults;
     const std::string all = base::Counted(replayed_.messages + replayed_.again, "message");
     if (said.refused > 0) {
@@ -426,6 +427,7 @@ Result<ReplayPlan> PlanReplay(const ReplayOptions& options) {
   auto reader = recording::Reader::Open(options.file);
   if (!reader) return Fail(std::move(reader.error()));
   ReplayPlan plan;
+  std::map<RobotAddress, RobotAddress> recorded;  // by the name that each gets
   std::optional<microseconds> first;
   for (;;) {
     auto said = reader->NextMessage();
@@ -441,6 +443,14 @@ Result<ReplayPlan> PlanReplay(const ReplayOptions& options) {
     if ((*part)->is_command && !options.commands) continue;
     ++plan.messages;
     plan.robots.insert((*part)->robot);
+    const auto& whose = recorded.emplace((*part)->robot, (*part)->recorded).first->second;
+    if (whose != (*part)->recorded) {
+      return Fail(ErrorKind::kUsage, fmt::format("--map: {} and {} would both be {}: give each a "
+                                                 "name of its own",
+                                                 base::Printable(whose.ToString()),
+                                                 base::Printable((*part)->recorded.ToString()),
+                                                 base::Printable((*part)->robot.ToString())));
+    }
     plan.places.insert((*part)->place);
     if (IsRetained((*part)->topic_name)) plan.retained.insert((*part)->message.topic);
     first = first.value_or((*said)->t);

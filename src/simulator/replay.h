@@ -54,7 +54,7 @@ struct ReplayPlan {
 };
 
 /// Reads it all. Errors: ErrorKind::kLedger, kInvalid; kUsage: a mapping gives a name that no robot can
-/// have; kPreflight: there is nothing to send.
+/// have, or one name to two robots; kPreflight: there is nothing to send.
 [[nodiscard]] Result<ReplayPlan> PlanReplay(const ReplayOptions& options);
 
 struct Replayed {

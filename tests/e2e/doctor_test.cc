@@ -283,6 +283,18 @@ TEST_F(Doctor, TellsOfAPasswordThatOthersCanReadOnce) {
   EXPECT_THAT(examined.errors, Not(HasSubstr("can be read by others")));
 }
 
+TEST_F(Doctor, TellsOfACredentialThatOthersCanRead) {
+  const auto guarded = Guarded("secret");
+  operator_.UseBroker(guarded->Url());
+  const auto file = operator_.home().Write("fleetpub.password", "secret\n");
+  const Variables folder = {{"CREDENTIALS_DIRECTORY", operator_.home().path().string()}};
+  for (const auto& [mode, health] : {std::pair(0600, "ok"), {0644, "warning"}}) {
+    chmod(file.c_str(), static_cast<mode_t>(mode));
+    EXPECT_EQ(Examine({"--for", "100ms", "--username", "ann"}, folder).Health("credentials"),
+              health);
+  }
+}
+
 TEST_F(Doctor, TellsWhatTheLoginMayNotSubscribeTo) {
   const std::string rights =
       R"({"defaultACLAccess":{"publishClientSend":true,"publishClientReceive":true,)"

@@ -174,11 +174,13 @@ TEST_F(Replay, GoesOnWhenTheBrokerComesBack) {
       {"replay", (operator_.home() / "shift.jsonl").string(), "--keep", "-o", "json"}));
   ASSERT_THAT(listener->Await(3), SizeIs(3));
   broker_.Kill();
+  ASSERT_TRUE(player.AwaitErrors("connecting again")) << player.Errors();
   const auto before = listener->SoFar();
   listener.reset();  // it would connect again
-  ASSERT_TRUE(player.AwaitErrors("connecting again")) << player.Errors();
+  player.Signal(SIGSTOP);
   broker_.Restart();
   const Subscriber after(broker_, "#", 1);
+  player.Signal(SIGCONT);
   EXPECT_EQ(player.Wait(), 0) << player.Errors();
   EXPECT_THAT(player.Errors(), HasSubstr("connected again"));
   const auto told = Json(Lines(player.Output()).back());
@@ -187,6 +189,7 @@ TEST_F(Replay, GoesOnWhenTheBrokerComesBack) {
   EXPECT_GT(told["lostMs"].GetDouble(), 400);
   EXPECT_LT(told["latestMs"].GetDouble(), told["lostMs"].GetDouble());
 
+  ASSERT_TRUE(after.AwaitPayload(Said(kStates - 1)));
   std::map<std::string, int> heard;
   for (const auto& some : {before, after.SoFar()}) {
     for (const auto& one : some) ++heard[one.payload];
@@ -239,6 +242,10 @@ TEST_F(Replay, RefusesWhatItCannotPlay) {
     EXPECT_EQ(Play(arguments).exit_code, 2) << arguments.back();
   }
   EXPECT_EQ(Play({"--map", "ACME/1=TEST/1"}).exit_code, 7);
+  Write(Line(0, "0001/state", Said(1)) + Line(0, "0002/state", Said(2)));
+  const Finished merged = Play({"--map", "KIT/*=TEST/7"});
+  EXPECT_EQ(merged.exit_code, 2);
+  EXPECT_THAT(merged.errors, HasSubstr("KIT/0001 and KIT/0002 would both be TEST/7"));
   EXPECT_EQ(Fleetpub({"replay"}).exit_code, 2);
   EXPECT_EQ(Fleetpub({"replay", "-"}).exit_code, 2);
   EXPECT_EQ(Fleetpub({"replay", "none.jsonl"}).exit_code, 8);

@@ -7,6 +7,7 @@
 #include <csignal>
 #include <fstream>
 #include <iterator>
+#include <thread>
 
 #include "support/operator.h"
 
@@ -55,6 +56,45 @@ std::string FindRow(const std::string& name, const std::string& shown) {
   }
   ADD_FAILURE() << "no " << name << " in:\n" << shown;
   return name;
+}
+
+// ── passwords ──
+
+TEST_F(OnATerminal, APasswordThatIsNotTypedEndsTheCommandWithTheTerminalAsItWas) {
+  const std::string report = (operator_.home().path() / "r.json").string();
+  const std::string tell = "; echo exit code $?; stty -a | grep -ow -- '-\\?echo'; sleep 100";
+  for (const std::vector<std::string>& words :
+       {std::vector<std::string>{"pause", "KIT/0001"},
+        {"conform", "KIT/0001", "--report", "json=" + report},
+        {"order", "follow", "KIT/0001"},
+        {"watch"}}) {
+    std::vector<std::string> call = words;
+    call.insert(call.end(), {"--ask-password", "--username", "o"});
+    Terminal terminal(Line(call) + tell, 80, 12);
+    ASSERT_TRUE(terminal.Await("Password:")) << words[0];
+    terminal.Type("secret");
+    terminal.Press("C-c");
+    EXPECT_TRUE(terminal.Await("nothing was sent\nexit code 130\necho")) << words[0];
+    EXPECT_THAT(terminal.Shown(), Not(HasSubstr("secret")));
+  }
+}
+
+TEST_F(OnATerminal, APasswordIsAskedForAgainAfterAStop) {
+  const std::string file = operator_.home() / "pid";
+  Terminal terminal("sh -c 'echo $$ > " + file + "; exec \"$@\"' - " +
+                        Line({"ping", "--ask-password", "--username", "o"}) +
+                        "; stty -a | grep -ow -- '-\\?echo'; sleep 100",
+                    80, 12);
+  ASSERT_TRUE(terminal.Await("Password:"));
+  terminal.Type("sec");
+  const int asking = std::stoi(Contents(file));
+  EXPECT_EQ(kill(asking, SIGTSTP), 0);
+  std::this_thread::sleep_for(std::chrono::milliseconds(100));  // SIGCONT takes back one under way
+  EXPECT_EQ(kill(asking, SIGCONT), 0);
+  ASSERT_TRUE(terminal.Await("Password:\nPassword:"));
+  terminal.Type("secret\n");
+  EXPECT_TRUE(terminal.Await("reachable"));
+  EXPECT_TRUE(terminal.Await("\necho"));
 }
 
 // ── watch ──

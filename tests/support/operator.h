@@ -67,6 +67,10 @@ class Subscriber {
   /// The first `count` messages; fewer when no more come in time.
   [[nodiscard]] std::vector<Received> Await(std::size_t count) const;
   [[nodiscard]] std::vector<Received> SoFar() const;
+  /// Whether a message with this payload comes in time.
+  [[nodiscard]] bool AwaitPayload(std::string_view payload) const {
+    return process_->AwaitOutput(" " + std::string(payload) + "\n");
+  }
 
  private:
   std::unique_ptr<Process> process_;

@@ -41,7 +41,7 @@ CaseFinding CheckActive(const Case& one, Run& run) {
 void Restore(Run& run, Level level, std::vector<std::string>& leftover) {
   if (level == Level::kListen || run.last_state() == nullptr) return;
   // What was sent last may be on its way.
-  if (run.is_stopped() && run.Settle().found == nullptr) {
+  if (run.is_stopped() && run.AwaitOwnActions().found == nullptr) {
     leftover.emplace_back("the robot has not said how it was left. try: fleetpub show");
   }
   const auto is_paused = [&] { return run.last_state()->state->paused.value_or(false); };

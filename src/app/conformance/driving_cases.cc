@@ -108,7 +108,7 @@ CaseFinding CheckReportedNodes(Run& run, const Trip& trip) {
     last = sequence;
   }
   if (const auto why = Unfinished(trip); !why.empty()) return Inconclusive(why);
-  return Pass(fmt::format("{} nodes, each in its turn", nodes.size()));
+  return Pass(base::Counted(nodes.size(), "node") + ", each in its turn");
 }
 
 CaseFinding CheckNodes(Run& run) { return CheckReportedNodes(run, PlainTrip(run)); }

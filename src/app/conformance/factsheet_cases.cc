@@ -97,7 +97,7 @@ CaseFinding CheckReference(Run& run) {
       return Fault(fmt::format("no state had headerId {}", reference->GetUint()), {one.Evidence()});
     }
   }
-  return Pass(fmt::format("{} messages", found.size()));
+  return Pass(base::Counted(found.size(), "message"));
 }
 
 using enum Version;

@@ -30,7 +30,7 @@ CaseFinding CheckComplete(Run& run) {
       return Fault(fmt::format("version is \"{}\"", Shown(header.version)), {one.Evidence()});
     }
   }
-  return Pass(fmt::format("{} messages, each with its header", run.heard().size()));
+  return Pass(base::Counted(run.heard().size(), "message") + ", each with its header");
 }
 
 CaseFinding CheckNames(Run& run) {
@@ -130,7 +130,7 @@ CaseFinding CheckTimes(Run& run) {
     before->second = *time;
   }
   if (live == 0) return Inconclusive("nothing live came");
-  return Pass(fmt::format("{} messages", live));
+  return Pass(base::Counted(live, "message"));
 }
 
 using enum Version;

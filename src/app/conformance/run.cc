@@ -196,7 +196,7 @@ void Run::Refresh() {
   (void)AwaitSince(before, from, ShowsEnd(id), kNextState);
 }
 
-Awaited Run::Settle() {
+Awaited Run::AwaitOwnActions() {
   const auto shows_end = ShowsEnd(Do("stateRequest"));
   const auto has_ended = [&](const vda5050::ActionState& action) {
     return !IsInstant(action.id) || vda5050::IsTerminal(action.status);

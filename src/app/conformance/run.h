@@ -155,7 +155,7 @@ class Run {
   /// Has the robot send its state, and waits until that has ended.
   void Refresh();
   /// The same, until all instant actions of ours have ended.
-  Awaited Settle();
+  Awaited AwaitOwnActions();
   /// A finding on what did not come: FAIL when that is certain.
   [[nodiscard]] static CaseFinding Missing(const Awaited& awaited, std::string what);
 

@@ -50,7 +50,7 @@ CaseFinding CheckStateSchema(Run& run) {
       return Fault(fmt::format("theta is {}, beyond ±π", *position->theta), {one->Evidence()});
     }
   }
-  return Pass(fmt::format("{} states", states.size()));
+  return Pass(base::Counted(states.size(), "state"));
 }
 
 CaseFinding CheckLongest(Run& run) {
@@ -95,7 +95,7 @@ CaseFinding CheckShortest(Run& run) {
                              states.size(), limit),
                  {which->Evidence()});
   }
-  return Pass(fmt::format("{} states", states.size()));
+  return Pass(base::Counted(states.size(), "state"));
 }
 
 // The sequenceIds of an array's items, and whether each is released; nothing: they cannot be read.
@@ -182,7 +182,7 @@ CaseFinding CheckInstantStates(Run& run) {
       }
     }
   }
-  return Pass(fmt::format("{} states", states.size()));
+  return Pass(base::Counted(states.size(), "state"));
 }
 
 CaseFinding CheckLocalized(Run& run) {

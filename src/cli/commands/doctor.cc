@@ -206,10 +206,11 @@ std::optional<mqtt::ConnectOptions> CheckCredentials(const Context& context, Fin
     findings.Tell(
         {found.check, Health::kWarning, found.subject, std::move(text), std::move(remedy)});
   };
-  for (const std::string* const file :
-       {&o.password_file, &o.key_password_file, &o.key_file, &o.auth_data_file}) {
-    if (!CanOthersRead(*file)) continue;
-    warn(base::Printable(*file) + " can be read by others", {.command = {"chmod", "600", *file}});
+  const std::string credential = FindPasswordCredential().value_or("");
+  for (const std::string& file :
+       {o.password_file, o.key_password_file, o.key_file, o.auth_data_file, credential}) {
+    if (!CanOthersRead(file)) continue;
+    warn(base::Printable(file) + " can be read by others", {.command = {"chmod", "600", file}});
   }
   if (o.insecure) warn("the broker's certificate is not verified", {.advice = "drop --insecure"});
   for (const mqtt::BrokerUrl& broker : connect->brokers) {

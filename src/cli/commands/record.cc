@@ -167,8 +167,8 @@ Result<ExitCode> RunRecord(const RecordOptions& o, const Context& context) {
   if (!listened) return Fail(listened.error());
   if (written->lost > 0) {
     return Fail(ErrorKind::kLedger,
-                fmt::format("{} messages are missing: they came faster than {} could be written",
-                            written->lost, base::Printable(o.file)));
+                fmt::format("{} lost: messages came faster than {} could be written",
+                            base::Counted(written->lost, "message"), base::Printable(o.file)));
   }
   return ExitCode::kDone;
 }

@@ -95,7 +95,8 @@ void ShowEnd(const simulator::Replayed& replayed, const simulator::ReplayPlan& p
                     "kept it, and some may have heard it twice",
                     base::Counted(replayed.again, "message")));
   }
-  output.PeopleLine(fmt::format("{} of {} messages sent{}", replayed.messages, plan.messages,
+  output.PeopleLine(fmt::format("{} of {} sent{}", replayed.messages,
+                                base::Counted(plan.messages, "message"),
                                 o.keep ? "" : "; what was retained before is back"));
 }
 

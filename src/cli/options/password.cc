@@ -7,14 +7,17 @@
 #include <unistd.h>
 
 #include <array>
+#include <csignal>
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
+#include <iterator>
 #include <map>
 #include <vector>
 
 #include "base/file.h"
 #include "cli/options/password_command.h"
+#include "cli/output/interrupt.h"
 #include "config/config_settings.h"
 
 namespace fleetpub::cli {
@@ -23,25 +26,36 @@ namespace {
 constexpr const char* kCredential = "fleetpub.password";
 constexpr const char* kLedgerCredential = "fleetpub.ledger_password";
 
-// Switches the terminal's echo off while it lives.
+constexpr int kEndOrStop[] = {SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGTSTP};
+volatile std::sig_atomic_t g_signal = 0;
+
+// Switches the terminal's echo off while it lives; a signal meanwhile is noted in g_signal, and ends a read.
 class SilentTerminal {
  public:
   explicit SilentTerminal(int descriptor) : descriptor_(descriptor) {
-    if (tcgetattr(descriptor_, &before_) != 0) return;
-    termios silent = before_;
+    g_signal = 0;
+    struct sigaction note {};
+    note.sa_handler = [](int signal) { g_signal = signal; };
+    for (std::size_t i = 0; i < before_.size(); ++i) sigaction(kEndOrStop[i], &note, &before_[i]);
+    if (tcgetattr(descriptor_, &echoing_) != 0) return;
+    termios silent = echoing_;
     silent.c_lflag &= ~static_cast<tcflag_t>(ECHO);
     changed_ = tcsetattr(descriptor_, TCSAFLUSH, &silent) == 0;
   }
   SilentTerminal(const SilentTerminal&) = delete;
   SilentTerminal& operator=(const SilentTerminal&) = delete;
   ~SilentTerminal() {
-    if (changed_) tcsetattr(descriptor_, TCSAFLUSH, &before_);
+    if (changed_) tcsetattr(descriptor_, TCSAFLUSH, &echoing_);
+    for (std::size_t i = 0; i < before_.size(); ++i) {
+      sigaction(kEndOrStop[i], &before_[i], nullptr);
+    }
   }
 
  private:
   int descriptor_;
+  std::array<struct sigaction, std::size(kEndOrStop)> before_{};
   bool changed_ = false;
-  termios before_{};
+  termios echoing_{};
 };
 
 std::string ReadLine(int descriptor) {
@@ -60,11 +74,16 @@ Result<std::string> Prompt() {
   }
   constexpr std::string_view kQuestion = "Password: ";
   std::string password;
-  {
-    const SilentTerminal silent(terminal);
-    if (write(terminal, kQuestion.data(), kQuestion.size()) > 0) password = ReadLine(terminal);
-    if (write(terminal, "\n", 1) != 1) password.clear();
-  }
+  do {
+    {
+      const SilentTerminal silent(terminal);
+      if (write(terminal, kQuestion.data(), kQuestion.size()) > 0) password = ReadLine(terminal);
+      if (write(terminal, "\n", 1) != 1) password.clear();
+    }
+    // Also where somebody waits for an orderly end: nothing has begun. After Ctrl-Z it is asked again.
+    const InterruptGuard at_once;
+    if (g_signal != 0) raise(g_signal);
+  } while (g_signal != 0);
   close(terminal);
   return password;
 }
@@ -101,8 +120,10 @@ void ForgetVariable(const char* name) {
   unsetenv(name);
 }
 
+std::optional<std::string> FindPasswordCredential() { return SystemdCredential(kCredential); }
+
 bool HasPasswordInEnvironment() {
-  return std::getenv("FLEETPUB_PASSWORD") != nullptr || SystemdCredential(kCredential);
+  return std::getenv("FLEETPUB_PASSWORD") != nullptr || FindPasswordCredential();
 }
 
 bool CanOthersRead(const std::string& path) {
@@ -166,7 +187,7 @@ Result<FoundPassword> FindPassword(const Context& context, app::Log& log) {
     if (from_environment) {
       return FoundPassword{std::move(from_environment), "the password of FLEETPUB_PASSWORD"};
     }
-    file = SystemdCredential(kCredential).value_or("");
+    file = FindPasswordCredential().value_or("");
   }
   if (file.empty() && !options.password_command.empty()) return PrintedPassword(context);
   if (file.empty()) {

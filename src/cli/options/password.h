@@ -31,6 +31,9 @@ struct FoundPassword {
 /// user.
 void ForgetVariable(const char* name);
 
+/// The file of the systemd credential `fleetpub.password`, where there is one.
+[[nodiscard]] std::optional<std::string> FindPasswordCredential();
+
 /// Whether the environment brings a password: FLEETPUB_PASSWORD or a systemd credential. It goes
 /// before the configuration's password_file and password_command, as the environment goes before
 /// the configuration.

@@ -71,9 +71,13 @@ Error UnknownArguments(const CLI::App& app, const std::string& command,
 }
 
 Error Refusal(const ValueKind& kind, std::string_view name, const std::vector<std::string>& texts) {
-  const std::string text = base::Join(texts, " ");
+  // The command ends here all the same: what is stored is used by nobody.
+  const auto alone = std::find_if(texts.begin(), texts.end(), [&](const std::string& one) {
+    return kind.is_list && !kind.store({one});
+  });
+  const std::string text = alone != texts.end() ? *alone : base::Join(texts, " ");
   const auto right = base::WithDecimalPoint(text);
-  const bool may_be_right = right && kind.store({*right});  // the command ends here all the same
+  const bool may_be_right = right && kind.store({*right});
   return {ErrorKind::kUsage,
           fmt::format("{} takes {}, not '{}'{}", name, kind.Takes(), base::Printable(text),
                       may_be_right ? fmt::format("; write {}", *right) : "")};

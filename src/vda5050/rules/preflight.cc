@@ -173,9 +173,11 @@ void CheckMode(Check& check, std::string_view mode) {
   const bool is_allowed =
       rule->obeys == Obeys::kCancelOrder && IsOnly(check.actions, "cancelOrder");
   if (is_allowed) return;
-  std::string sentence =
-      fmt::format("{} is in {} and obeys {}", check.name, rule->mode,
-                  rule->obeys == Obeys::kNothing ? "no instant action" : "cancelOrder only");
+  const bool is_order = check.actions.empty();  // or another message that is no instantActions
+  const std::string_view what = rule->obeys != Obeys::kNothing ? "cancelOrder only"
+                                : is_order                     ? "no command"
+                                                               : "no instant action";
+  std::string sentence = fmt::format("{} is in {} and obeys {}", check.name, rule->mode, what);
   if (IsOnlyStartPause(check.actions)) return check.Warn(std::move(sentence));
   check.Refuse(sentence);
 }

@@ -16,6 +16,7 @@ namespace {
 using testing::AllOf;
 using testing::AnyOf;
 using testing::Contains;
+using testing::EndsWith;
 using testing::HasSubstr;
 using testing::UnorderedElementsAre;
 
@@ -111,6 +112,15 @@ TEST(OptionSet, SaysWhoGaveWhatAnOptionDoesNotTake) {
   const auto also_refused = by_variable.set.Parse("ping", {});
   ASSERT_FALSE(also_refused);
   EXPECT_THAT(also_refused.error().message, HasSubstr("FLEETPUB_MQTT_VERSION"));
+}
+
+TEST(OptionSet, OfSeveralValuesNamesTheOneThatIsRefused) {
+  OptionSet set(OptionSet::Extent::kMentioned, {});
+  std::vector<std::string> nodes;
+  set.AddOption("nodes", Name(nodes), "").Type("NODE");
+  const auto refused = set.Parse("order", {"n1", "", "n3"});
+  ASSERT_FALSE(refused);
+  EXPECT_THAT(refused.error().message, EndsWith("not ''"));
 }
 
 TEST(OptionSet, ReadsTheConfigurationAsItReadsFlags) {

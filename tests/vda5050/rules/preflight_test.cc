@@ -250,6 +250,8 @@ TEST(Preflight, ObeysTheTableOfModes) {
                                     HasSubstr("no instant action; --no-check"))));
     }
   }
+  EXPECT_THAT(CheckRobot(kRobot, {}, {}, InMode("MANUAL")).refusals,
+              ElementsAre(HasSubstr("obeys no command; --no-check")));
   EXPECT_THAT(Findings(InMode("teachin"), Action("startPause")),
               ElementsAre(MatchesRegex("warning: .* is in TEACH_IN.*")));
 }
