@@ -37,7 +37,7 @@ TEST_F(DiscoveringFleets, FindsWhoIsThereAndWarnsOfTheSilent) {
   const auto fleet = Discover();
   ASSERT_TRUE(fleet);
   EXPECT_EQ(fleet->robots().size(), 1U);
-  EXPECT_THAT(log_.warnings, ElementsAre(HasSubstr("1 of 1 robots")));
+  EXPECT_THAT(log_.warnings, ElementsAre(HasSubstr("1 of 1 robot")));
 }
 
 TEST_F(DiscoveringFleets, AsksForConfiguredOnesByNameWhereWildcardsBringNothing) {

@@ -151,7 +151,7 @@ TEST_F(FleetWatchAwait, WarnsOfRobotsThatKeepTheirStateToThemselves) {
   const auto robot = Simulate({"KIT/0001", "--silent"});
   const Finished run = Fleetpub({"fleet", "--state-wait", "400ms"});
   EXPECT_EQ(run.exit_code, 0);
-  EXPECT_THAT(run.errors, HasSubstr("1 of 1 robots sent no state within 400 ms"));
+  EXPECT_THAT(run.errors, HasSubstr("1 of 1 robot sent no state within 400 ms"));
   EXPECT_THAT(Fleetpub({"fleet", "--state-wait", "0", "--discover", "100"}).errors, IsEmpty());
 }
 

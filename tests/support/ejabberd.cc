@@ -14,7 +14,7 @@ namespace fleetpub::testing {
 namespace {
 
 constexpr int kAttempts = 3;
-constexpr std::chrono::seconds kStartPatience{90};  // with other tests beside it
+constexpr std::chrono::seconds kStartPatience{120};  // with other tests beside it
 
 // `match_retained_limit` is 1,000 otherwise: larger fleets are cut off.
 constexpr const char* kConfiguration = R"(hosts: [localhost]

@@ -20,7 +20,7 @@ using std::chrono::steady_clock;
 // The script in PATH changes the user; this one is what it starts.
 constexpr const char* kServer = "/usr/lib/rabbitmq/bin/rabbitmq-server";
 constexpr int kAttempts = 3;
-constexpr std::chrono::seconds kStartPatience{60};  // with other tests beside it
+constexpr std::chrono::seconds kStartPatience{120};  // with other tests beside it
 constexpr milliseconds kGlance{20};
 constexpr const char* kProbe = "probe";
 
