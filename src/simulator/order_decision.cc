@@ -176,16 +176,18 @@ bool IsWithin(const Place& place, const Position& position) {
   return std::abs(turn) <= place.deviation_theta + kTolerance;
 }
 
-// Where it does not know where it is, it goes by the node's name.
+// Where nobody said where it is, the node's name will do, too; or the place that its states tell all the same.
 Answer StartsElsewhere(const Asked& a) {
   if (a.settings.Has(Fault::kTakeAnyStart)) return std::nullopt;
   const NodeLeg& first = First(a);
   const Position& here = a.state.position;
   const References node = {{"nodeId", first.id}};
-  if (first.place && a.state.is_placed) {
+  if (first.place) {
     Place allowed = *first.place;
     if (a.settings.Has(Fault::kExactStart)) allowed.deviation_a = allowed.deviation_b = 0;
     if (allowed.map_id == here.map_id && IsWithin(allowed, here)) return std::nullopt;
+  }
+  if (first.place && a.state.is_placed) {
     return Objection{
         fmt::format("node {} at {:.2f}, {:.2f} on {} is out of reach: the robot is at {:.2f}, "
                     "{:.2f}, heading {:.2f}, on {}",

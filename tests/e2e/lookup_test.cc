@@ -69,6 +69,14 @@ TEST_F(Lookup, SpeaksToARobotInItsOwnVersionAtItsOwnTopics) {
   EXPECT_EQ(messages[1].topic, "hall/v1/KIT/0002/instantActions");
 }
 
+TEST_F(Lookup, HoldsThoseThatAreFoundAtAStatedInterfaceAgainstTheirFactsheets) {
+  const auto robot = Robot({"KIT/0001", "--interface", "hall"});
+  for (const char* words : {"KIT/0001", "KIT/*"}) {
+    const auto polish = Result({"action", "polish", words, "--interface", "hall"}, 7);
+    EXPECT_THAT(polish["message"].GetString(), HasSubstr("factsheet does not list polish"));
+  }
+}
+
 TEST_F(Lookup, HoldsAStatedVersionAgainstTheRobots) {
   const auto robot = Robot({"KIT/0001", "--vda", "2.1"});
   const auto other = Result({"resume", "KIT/0001", "--vda", "3"}, 7);

@@ -143,6 +143,17 @@ TEST_F(Replay, TakesNobodysPlace) {
   EXPECT_EQ(Play({"--force"}).exit_code, 0);
 }
 
+TEST_F(Replay, StaysAtAStatedInterface) {
+  Say("uagv/v2/KIT/0001/connection", R"({"connectionState":"ONLINE"})", true);
+  Write(Line(0, "0001/state", Said(1)));
+  EXPECT_EQ(Play({"--interface", "uagv"}).exit_code, 7);
+  const Subscriber states(broker_, "+/+/TEST/+/state");
+  EXPECT_EQ(Play({"--interface", "uagv", "--map", "KIT/*=TEST/*"}).exit_code, 0);
+  const auto heard = states.Await(1);
+  ASSERT_THAT(heard, SizeIs(1));
+  EXPECT_EQ(heard[0].topic, "uagv/v2/TEST/0001/state");
+}
+
 TEST_F(Replay, TakesNobodysPlaceThatItOnlySendsStatesOf) {
   Say("uagv/v2/KIT/0001/connection", R"({"connectionState":"ONLINE"})", true);
   Write(Line(0, "0001/state", Said(1)));

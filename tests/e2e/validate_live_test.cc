@@ -41,6 +41,15 @@ TEST_F(ValidateLive, FindsNoFaultInVirtualRobots) {
                                                                 "valid, 0 invalid\n")));
 }
 
+TEST_F(ValidateLive, FindsTheConnectionMessageAtAStatedInterface) {
+  const auto robot =
+      Start({"simulate", "KIT/0001", "--interface", "hall", "--state-interval", "100ms"});
+  ASSERT_TRUE(robot->AwaitErrors("online at"));
+  const Finished run =
+      Fleetpub({"validate", "--live", "--interface", "hall", "--strict", "--for", "700ms"});
+  EXPECT_EQ(run.exit_code, 0) << run.output << run.errors;
+}
+
 TEST_F(ValidateLive, TellsEachViolationAndEndsWithThree) {
   Publish("vda5050/v3/KIT/0001/connection", Connection("AWAY"), true);
   Publish("vda5050/v3/KIT/0002/connection", Connection("ONLINE", "0002"), true);

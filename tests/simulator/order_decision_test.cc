@@ -352,6 +352,21 @@ TEST_P(Decisions, TakeAStartWithinItsDeviation) {
   EXPECT_NE(type(5.5, 0), "");
 }
 
+// After nodes without places its states go on telling the last place that it knew.
+TEST_P(Decisions, TakeAStartWhereTheStateSaysItIs) {
+  Settings settings = Plain();
+  settings.initial.is_placed = false;
+  settings.initial.last_node_id = "n9";
+  const auto type = [&](const std::string& id, double x, double y) {
+    Conversation robot(settings);
+    robot.Hear("order", Write(Fresh({"n2"}, {id, true, "", At(x, y)}), GetParam()));
+    return robot.At("/errors/0/errorType");
+  };
+  EXPECT_EQ(type("n1", 0, 0), "");
+  EXPECT_EQ(type("n9", 7, 7), "") << "by its name";
+  EXPECT_NE(type("n1", 7, 7), "");
+}
+
 // Up to 2.1 the text counts every action in actionStates.
 TEST_P(Decisions, CountInstantActionsAsWorkUpTo21) {
   Settings settings = Plain();

@@ -219,8 +219,9 @@ std::optional<TopicLevels> ReadTopic(const TopicScheme& scheme, std::string_view
   RobotAddress robot{values.Get("manufacturer"), values.Get("serial")};
   if (!scheme.Names("{manufacturer}")) robot.manufacturer = manufacturer;
   if (!IsAddressable(robot)) return std::nullopt;
+  const bool is_stated = !stated.empty() && scheme.Names("{interface}");
   return TopicLevels{.robot = std::move(robot),
-                     .interface_name = values.Get("interface"),
+                     .interface_name = is_stated ? scheme.interface_name : values.Get("interface"),
                      .major = values.Get("major"),
                      .topic_name = values.Get("topic")};
 }

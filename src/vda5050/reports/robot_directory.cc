@@ -82,9 +82,8 @@ std::string_view FindTopicName(const Condition& condition) {
 bool RobotEntry::IsOnline() const { return connection && connection->connection_state == "ONLINE"; }
 
 std::string_view RobotEntry::InterfaceName() const {
-  const std::string& stated = base->topics.interface_name;
   const std::string_view levels = place;
-  return stated.empty() ? levels.substr(0, levels.rfind('/')) : std::string_view(stated);
+  return levels.substr(0, levels.rfind('/'));
 }
 
 std::string_view RobotEntry::TopicLevel() const {

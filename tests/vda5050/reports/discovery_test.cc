@@ -94,6 +94,22 @@ TEST(ReadTopic, ReadsAStatedInterfaceOfSeveralLevels) {
   EXPECT_FALSE(ReadTopic(scheme, "site/shed/v3/KIT/0001/connection"));
 }
 
+TEST(TopicBeside, LiesInTheSamePlace) {
+  const std::pair<TopicScheme, std::string> places[] = {
+      {{}, "fts/v2/KIT/0001/"},
+      {{.interface_name = "fts"}, "fts/v1/KIT/0001/"},
+      {{.interface_name = "site/hall"}, "site/hall/v3/KIT/0001/"},
+      {{.interface_name = "fts", .topic_template = "{interface}-{major}/{serial}/{topic}"},
+       "fts-v7/0001/"},
+      {{.interface_name = "fts", .topic_template = "a/{manufacturer}/{serial}/{topic}"},
+       "a/KIT/0001/"}};
+  for (const auto& [scheme, place] : places) {
+    const auto levels = ReadTopic(scheme, place + "connection", "KIT");
+    ASSERT_TRUE(levels) << place;
+    EXPECT_EQ(TopicBeside(scheme, *levels, "factsheet"), place + "factsheet");
+  }
+}
+
 TEST(ReadTopic, IsNothingForATopicOfAnotherShape) {
   for (const std::string_view topic :
        {"", "/", "uagv/v2/KIT/0001", "uagv/v2/KIT/0001/connection/x", "uagv/v2//0001/connection",
