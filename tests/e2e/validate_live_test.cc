@@ -50,6 +50,16 @@ TEST_F(ValidateLive, FindsTheConnectionMessageAtAStatedInterface) {
   EXPECT_EQ(run.exit_code, 0) << run.output << run.errors;
 }
 
+TEST_F(ValidateLive, ListensToTheTopicsOfTheConfiguration) {
+  const auto robot = Robot({"KIT/0001", "--topic-template", "plant/{manufacturer}-{serial}/{topic}",
+                            "--vda", "2.1", "--state-interval", "100ms"});
+  operator_.home().Write(".config/fleetpub/config.toml",
+                         "topic_template = \"plant/{manufacturer}-{serial}/{topic}\"\n");
+  const Finished run = Fleetpub({"validate", "--live", "--strict", "--count", "5", "--for", "15s"});
+  EXPECT_EQ(run.exit_code, 0) << run.output << run.errors;
+  EXPECT_THAT(run.output, HasSubstr("5 messages, 5 valid"));
+}
+
 TEST_F(ValidateLive, TellsEachViolationAndEndsWithThree) {
   Publish("vda5050/v3/KIT/0001/connection", Connection("AWAY"), true);
   Publish("vda5050/v3/KIT/0002/connection", Connection("ONLINE", "0002"), true);

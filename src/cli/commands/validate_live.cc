@@ -157,9 +157,10 @@ class Printer final : public app::LiveObserver {
   std::optional<StopSignal> stop_;
 };
 
-Result<vda5050::ConformanceOptions> ParseConformance(const LiveOptions& options) {
+Result<vda5050::ConformanceOptions> ParseConformance(const LiveOptions& options,
+                                                     const config::Config& config) {
   vda5050::ConformanceOptions conformance;
-  const auto dialect = app::ParseDialect(options.vda);
+  const auto dialect = app::ParseDialect(app::WithConfig(options.vda, config));
   if (!dialect) return Fail(dialect.error());
   conformance.scheme = dialect->topics;
   if (!options.version.empty()) {
@@ -190,7 +191,7 @@ void DeclareLive(OptionSet& set, LiveOptions& options) {
 }
 
 Result<ExitCode> ValidateLive(const LiveOptions& options, const Context& context) {
-  auto conformance = ParseConformance(options);
+  auto conformance = ParseConformance(options, context.config);
   if (!conformance) return Fail(std::move(conformance.error()));
   auto robots = ParseFleetOptions(FleetOptions{.targets = options.targets, .vda = options.vda});
   if (!robots) return Fail(std::move(robots.error()));
