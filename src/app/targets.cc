@@ -52,6 +52,10 @@ Result<std::vector<RobotAddress>> ResolveWord(const std::string& word,
   if (word == "all") {
     return Fail(ErrorKind::kUsage, "'all' is not a target: --all means every robot of the broker");
   }
+  if (config.group_robots.contains(word)) {
+    return Fail(ErrorKind::kUsage, fmt::format("'{}' is a group: did you mean @{}?",
+                                               base::Printable(word), base::Printable(word)));
+  }
   if (word.find('/') == std::string::npos && !config.aliases.empty()) {
     const std::string hint = Nearby(word, ListNames(config.aliases), "");
     return Fail(ErrorKind::kUsage,

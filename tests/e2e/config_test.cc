@@ -136,6 +136,7 @@ TEST_F(Configuration, WhatIsWrongIsRefusedWithItsPlaceAndNothingIsSent) {
            {"", {"--config", "/"}, "/ cannot be read: it is a folder"},
            {"", {"@hall"}, "there is no group '@hall'"},
            {"[group]\nhall-1 = [\"KIT/2\"]\n", {"@hal-1"}, "did you mean @hall-1?"},
+           {"[group]\nhall-1 = [\"KIT/2\"]\n", {"hall-1"}, "did you mean @hall-1?"},
            {"[robot.\"KIT/2\"]\nalias = \"agv2\"\n", {"agv1"}, "did you mean agv2?"},
        }) {
     Write("broker = \"" + broker.Url() + "\"\n");
