@@ -2,8 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
-#include <optional>
 
 #include "base/text.h"
 #include "cli/parser/option_set.h"
@@ -66,18 +66,27 @@ constexpr auto kSynonyms = std::to_array<Synonym>({
     {"lint", "validate"},
     {"check", "validate"},
     {"connect", "ping"},
+    {"order cancel", "cancelOrder"},
+    {"order abort", "cancelOrder"},
+    {"order status", "order follow"},
+    {"order show", "order follow"},
+    {"order update", "order extend"},
 });
 
-// `behind`: the arguments that follow the word.
-std::optional<Error> AnswerSynonym(std::string_view word, std::span<const std::string> behind) {
-  for (const auto& [synonym, command, instead] : kSynonyms) {
-    if (!base::EqualsIgnoringCase(synonym, word)) continue;
-    const bool exists = FindSubcommandNamed(command) != nullptr || vda5050::ActionCalled(command);
-    return Error{ErrorKind::kUsage,
-                 fmt::format("there is no command '{}'; {}", word,
-                             exists ? TryCommand(command, behind) : TryCommand(instead))};
-  }
-  return std::nullopt;
+const Synonym* FindSynonym(std::string_view words) {
+  const auto* const found = std::find_if(
+      kSynonyms.begin(), kSynonyms.end(),
+      [&](const Synonym& synonym) { return base::EqualsIgnoringCase(synonym.word, words); });
+  return found == kSynonyms.end() ? nullptr : found;
+}
+
+// `behind`: the arguments that follow it.
+Error AnswerSynonym(const Synonym& synonym, std::span<const std::string> behind) {
+  const std::string_view command = synonym.command;
+  const bool exists = FindSubcommandNamed(command) != nullptr || vda5050::ActionCalled(command);
+  return {ErrorKind::kUsage,
+          fmt::format("there is no command '{}'; {}", synonym.word,
+                      exists ? TryCommand(command, behind) : TryCommand(synonym.instead))};
 }
 
 Error Unknown(std::string_view word) {
@@ -138,6 +147,9 @@ Result<SubcommandMatch> FindSubcommand(const OptionSet& set, std::vector<std::st
       match.name = match.subcommand->name;
       return take(2);
     }
+    if (const auto* synonym = FindSynonym(two)) {
+      return Fail(AnswerSynonym(*synonym, take(2).arguments));
+    }
   }
   if ((match.subcommand = FindSubcommandNamed(first)) != nullptr) {
     match.name = match.subcommand->name;
@@ -151,8 +163,9 @@ Result<SubcommandMatch> FindSubcommand(const OptionSet& set, std::vector<std::st
     if (positions.size() == 1) return take(1);
     return Fail(UnknownMember(*match.family, arguments[positions[1]]));
   }
-  const SubcommandMatch behind = take(1);
-  if (auto answer = AnswerSynonym(first, behind.arguments)) return Fail(*std::move(answer));
+  if (const auto* synonym = FindSynonym(first)) {
+    return Fail(AnswerSynonym(*synonym, take(1).arguments));
+  }
   return Fail(Unknown(first));
 }
 

@@ -114,6 +114,10 @@ TEST(FindSubcommand, KnowsTheFirstWordOfSeveral) {
 
 TEST(FindSubcommand, SuggestsTheNearestCommand) {
   constexpr std::pair<std::string_view, std::string_view> kCases[] = {
+      {"order cancel KIT/1 --wait",
+       "there is no command 'order cancel'; try: fleetpub cancelOrder KIT/1 --wait"},
+      {"order status KIT/1",
+       "there is no command 'order status'; try: fleetpub order follow KIT/1"},
       {"puase KIT/1", "there is no command 'puase': did you mean pause?"},
       {"startPuase KIT/1", "there is no command 'startPuase': did you mean startPause?"},
       {"pnig", "there is no command 'pnig': did you mean ping?"},
