@@ -11,6 +11,7 @@
 #include <random>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 namespace fleetpub::testing {
 namespace {
@@ -30,9 +31,13 @@ bool Claim(int block) {
   const auto length = static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + 1 + name.size());
   const int socket = ::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0);
   if (socket < 0) return false;
-  if (bind(socket, reinterpret_cast<const sockaddr*>(&address), length) == 0) return true;
-  close(socket);
-  return false;
+  if (bind(socket, reinterpret_cast<const sockaddr*>(&address), length) != 0) {
+    close(socket);
+    return false;
+  }
+  static std::vector<int> held;
+  held.push_back(socket);
+  return true;
 }
 
 int ClaimAnyBlock() {
