@@ -81,7 +81,7 @@ Result<std::vector<RobotAddress>> FindRobots(const AwaitRequest& request,
   std::erase_if(robots, is_other);
   if (robots.empty()) {
     const auto expected =
-        FindExpectedRobots(environment, transport.server().broker,
+        FindExpectedRobots(environment, transport.server(),
                            [&](const RobotAddress& robot) -> std::optional<vda5050::TopicScheme> {
                              if (is_other(robot)) return std::nullopt;
                              return dialect->topics;

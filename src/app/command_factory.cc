@@ -92,7 +92,7 @@ Status CommandFactory::Build(const ListedRobot& robot, const RobotRequest& reque
   // One that is made for the robot is made of what a check looks at first.
   const bool is_made_for_it = request.message.IsMadeForRobot();
   if (!is_made_for_it) {
-    if (auto ok = request.message.Prepare(robot, broker_, built.notes); !ok) return ok;
+    if (auto ok = request.message.Prepare(robot, brokers_, built.notes); !ok) return ok;
   }
   bool is_offline =
       entry.connection && !entry.IsAlive() && entry.connection->connection_state != "HIBERNATING";
@@ -114,7 +114,7 @@ Status CommandFactory::Build(const ListedRobot& robot, const RobotRequest& reque
     for (std::string& warning : findings.warnings) built.warnings.push_back(std::move(warning));
   }
   if (is_made_for_it) {
-    if (auto ok = request.message.Prepare(robot, broker_, built.notes); !ok) {
+    if (auto ok = request.message.Prepare(robot, brokers_, built.notes); !ok) {
       const auto status = ok.error().kind == ErrorKind::kPreflight ? CommandStatus::kRefused
                                                                    : CommandStatus::kInvalid;
       built.refused.push_back(

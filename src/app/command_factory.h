@@ -65,7 +65,7 @@ class CommandFactory {
   /// This broker is asked of the robots; `check`: else only how each is spoken to is wanted. Without,
   /// nothing is known of any robot and nothing is checked.
   void SetLook(bool check, const mqtt::ServerInfo& server, const std::string& profile) {
-    broker_ = server.broker.ToString();
+    brokers_ = server.ListSite();
     look_ = {check, FormatSite(server.broker, profile), server.KeepsNothing()};
   }
 
@@ -120,7 +120,7 @@ class CommandFactory {
 
   schema::Registry registry_;
   std::optional<Look> look_;
-  std::string broker_;  // as BrokerUrl::ToString; "": none was asked
+  std::vector<std::string> brokers_;  // as ServerInfo::ListSite; none: none was asked
   std::map<vda5050::RobotAddress, std::string> suggestions_;
 };
 

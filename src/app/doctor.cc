@@ -128,7 +128,7 @@ class Doctor final : private ListenObserver {
     if (link->transport != nullptr) link->transport->Disconnect();
     if (!request_.listens) return true;
     listening_.expected = FindExpectedRobots(
-        environment_, server.broker, [&](const RobotAddress& robot) { return FindScheme(robot); });
+        environment_, server, [&](const RobotAddress& robot) { return FindScheme(robot); });
     return true;
   }
 
@@ -205,7 +205,7 @@ class Doctor final : private ListenObserver {
   [[nodiscard]] std::optional<ledger::Record> FindAnswer() const {
     constexpr auto kAnswers = std::to_array<std::string_view>(
         {"ACCEPTED", "FINISHED", "NO_ORDER", "FAILED", "REJECTED", "RETRIABLE"});
-    const auto rows = FindRecentRows(environment_, *listening_.broker);
+    const auto rows = FindRecentRows(environment_, {listening_.broker->ToString()});
     const auto row = std::find_if(rows.rbegin(), rows.rend(), [&](const ledger::Record& one) {
       return std::find(kAnswers.begin(), kAnswers.end(), one.status) != kAnswers.end();
     });

@@ -20,9 +20,9 @@ constexpr int kNewestRows = 10'000;
 constexpr std::size_t kFew = 5;
 
 std::vector<RobotAddress> FindCommanded(const Environment& environment,
-                                        const mqtt::BrokerUrl& broker) {
+                                        const mqtt::ServerInfo& server) {
   std::vector<RobotAddress> robots;
-  for (const ledger::Record& row : FindRecentRows(environment, broker)) {
+  for (const ledger::Record& row : FindRecentRows(environment, server.ListSite())) {
     if (!base::EqualsIgnoringCase(row.protocol, "vda5050")) continue;
     if (auto robot = vda5050::ParseRobotAddress(row.target)) robots.push_back(*std::move(robot));
   }
@@ -32,10 +32,10 @@ std::vector<RobotAddress> FindCommanded(const Environment& environment,
 }  // namespace
 
 std::vector<ledger::Record> FindRecentRows(const Environment& environment,
-                                           const mqtt::BrokerUrl& broker) {
+                                           std::vector<std::string> brokers) {
   const auto ledger = environment.ledger(ledger::OpenMode::kReadOnly);
   if (!ledger) return {};
-  auto rows = (*ledger)->History({.broker = broker.ToString(),
+  auto rows = (*ledger)->History({.brokers = std::move(brokers),
                                   .since = std::chrono::system_clock::now() - kWeek,
                                   .limit = kNewestRows});
   if (!rows) return {};
@@ -43,7 +43,7 @@ std::vector<ledger::Record> FindRecentRows(const Environment& environment,
 }
 
 std::vector<ExpectedRobot> FindExpectedRobots(const Environment& environment,
-                                              const mqtt::BrokerUrl& broker,
+                                              const mqtt::ServerInfo& server,
                                               const SchemeHook& scheme_of) {
   if (environment.recording) return {};
   std::map<RobotAddress, bool> known;  // whether it was commanded
@@ -52,7 +52,7 @@ std::vector<ExpectedRobot> FindExpectedRobots(const Environment& environment,
   for (const auto& [group, robots] : config.group_robots) {
     for (const RobotAddress& robot : robots) known[robot];
   }
-  for (const RobotAddress& robot : FindCommanded(environment, broker)) known[robot] = true;
+  for (const RobotAddress& robot : FindCommanded(environment, server)) known[robot] = true;
   std::vector<ExpectedRobot> expected;
   for (const auto& [robot, was_commanded] : known) {
     if (auto scheme = scheme_of(robot)) {

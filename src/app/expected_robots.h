@@ -17,22 +17,22 @@ namespace fleetpub::app {
 struct ExpectedRobot {
   vda5050::RobotAddress robot;
   vda5050::TopicScheme scheme;  ///< of its topics
-  bool was_commanded = false;   ///< at this broker, in the last seven days
+  bool was_commanded = false;   ///< at this site, in the last seven days
 };
 
-/// What was sent by this broker in the last seven days, oldest first: the newest 10,000 messages.
-/// Nothing when the ledger cannot be read.
+/// What was sent by one of these brokers in the last seven days, oldest first: the newest 10,000
+/// messages. Nothing when the ledger cannot be read.
 [[nodiscard]] std::vector<ledger::Record> FindRecentRows(const Environment& environment,
-                                                         const mqtt::BrokerUrl& broker);
+                                                         std::vector<std::string> brokers);
 
 /// Nothing: this robot is not meant.
 using SchemeHook =
     std::function<std::optional<vda5050::TopicScheme>(const vda5050::RobotAddress& robot)>;
 
 /// In order of address. A ledger that cannot be read names none; of a long one the newest 10,000
-/// messages count. `broker` is the one in use.
+/// messages count. `server` is the one in use.
 [[nodiscard]] std::vector<ExpectedRobot> FindExpectedRobots(const Environment& environment,
-                                                            const mqtt::BrokerUrl& broker,
+                                                            const mqtt::ServerInfo& server,
                                                             const SchemeHook& scheme_of);
 
 /// Those that are not among the heard ones.

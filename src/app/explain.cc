@@ -494,8 +494,11 @@ Result<Explanation> Explain(const ExplainRequest& given, const Environment& envi
   if (is_live) {
     const auto heard = post.Listen(request.vda, request.listen, environment, log);
     if (!heard) return Fail(heard.error());
-    // At another broker the robot of that name is another one.
-    std::erase_if(rows, [&](const ledger::Record& row) { return row.broker != post.broker(); });
+    // At another site the robot of that name is another one.
+    std::erase_if(rows, [&](const ledger::Record& row) {
+      return std::find(post.brokers().begin(), post.brokers().end(), row.broker) ==
+             post.brokers().end();
+    });
   }
   MessageSource source = is_live ? FromEntries(post.heard(), request.robot, scheme)
                                  : FromRecording(request.file, request.robot, scheme);

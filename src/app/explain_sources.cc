@@ -27,12 +27,12 @@ void HandOver(const recording::Entry& entry, const vda5050::RobotAddress& robot,
 class Ear final : public ListenObserver {
  public:
   Ear(std::chrono::steady_clock::time_point start, bool listens_on,
-      std::vector<recording::Entry>& heard, std::string& broker, Log& log)
-      : start_(start), listens_on_(listens_on), heard_(heard), broker_(broker), log_(log) {}
+      std::vector<recording::Entry>& heard, std::vector<std::string>& brokers, Log& log)
+      : start_(start), listens_on_(listens_on), heard_(heard), brokers_(brokers), log_(log) {}
 
   Status Begin(const mqtt::ServerInfo& server,
                const std::vector<std::string>& /*filters*/) override {
-    broker_ = server.broker.ToString();
+    brokers_ = server.ListSite();
     return {};
   }
   Status Take(const mqtt::Message& message, const vda5050::TopicLevels* levels) override {
@@ -66,7 +66,7 @@ class Ear final : public ListenObserver {
   std::chrono::steady_clock::time_point start_;
   bool listens_on_;
   std::vector<recording::Entry>& heard_;
-  std::string& broker_;
+  std::vector<std::string>& brokers_;
   Log& log_;
   recording::Moment lost_at_;
   bool has_enough_ = false;
@@ -101,7 +101,7 @@ MessageSource FromEntries(std::vector<recording::Entry> entries, vda5050::RobotA
 Status ListeningPost::Listen(const VdaOptions& vda, std::optional<std::chrono::milliseconds> listen,
                              const Environment& environment, Log& log) {
   began_ = delivery::MomentSince(start_);
-  Ear ear(start_, listen.has_value(), heard_, broker_, log);
+  Ear ear(start_, listen.has_value(), heard_, brokers_, log);
   ListenRequest request{.targets = {}, .vda = vda, .topics = {}, .filters = {}};
   request.targets.words = {robot_.ToString()};
   request.topics = {"state", "connection", "order", "instantActions"};

@@ -45,8 +45,8 @@ class ListeningPost {
                               const Environment& environment, Log& log);
 
   [[nodiscard]] const std::vector<recording::Entry>& heard() const { return heard_; }
-  /// Where it listened, as BrokerUrl::ToString.
-  [[nodiscard]] const std::string& broker() const { return broker_; }
+  /// Where it listened, as ServerInfo::ListSite.
+  [[nodiscard]] const std::vector<std::string>& brokers() const { return brokers_; }
   /// That nobody listened before.
   [[nodiscard]] recording::Event Gap() const;
   /// In the time of what was heard.
@@ -57,7 +57,7 @@ class ListeningPost {
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
   recording::Moment began_;
   std::vector<recording::Entry> heard_;
-  std::string broker_;
+  std::vector<std::string> brokers_;
 };
 
 }  // namespace fleetpub::app

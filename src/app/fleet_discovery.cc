@@ -189,11 +189,11 @@ Result<Fleet> DiscoverFleet(FleetRequest request, const Environment& environment
   if (!link) return Fail(link.error());
   const mqtt::ServerInfo server = link->transport->server();
   const bool is_recorded = environment.recording != nullptr;
-  DiscoveryOptions options{.all = true,
-                           .states = true,
-                           .discover = is_recorded ? PatientOptions() : discover,
-                           .expected = FindExpectedRobots(fleet->targets(), fleet->resolver(),
-                                                          environment, server.broker)};
+  DiscoveryOptions options{
+      .all = true,
+      .states = true,
+      .discover = is_recorded ? PatientOptions() : discover,
+      .expected = FindExpectedRobots(fleet->targets(), fleet->resolver(), environment, server)};
   options.discover.subscribe = link->connection.timeout;
   if (progress) options.tick = [&] { progress(*fleet); };
   if (asks && fleet->targets().state_wait.count() > 0) {

@@ -125,7 +125,7 @@ Result<MadeOrder> MakeOrderFor(const RobotListener& listener, const OrderTask& t
                                 .dialect = listener.dialect(),
                                 .factsheet = task.check ? factsheet.get() : nullptr,
                                 .state = state,
-                                .broker = listener.server().broker.ToString()},
+                                .brokers = listener.server().ListSite()},
                                environment.ledger);
   if (!composed) return Fail(std::move(composed.error()));
   auto command = BuildOrder(*composed, listener.address(), listener.dialect(), header_id);
@@ -218,7 +218,7 @@ class OrderFollower {
     const auto by_state = [this] { return DescribeByState(*state_, listener_.dialect().version); };
     const auto ledger = environment_.ledger(ledger::OpenMode::kReadOnly);
     if (!ledger) return by_state();
-    const auto history = ReadOrderHistory(**ledger, listener_.server().broker.ToString(),
+    const auto history = ReadOrderHistory(**ledger, listener_.server().ListSite(),
                                           listener_.address().ToString(), state_->order_id);
     const SentOrder* const sent = history ? history->Find(*state_) : nullptr;
     if (sent == nullptr) return by_state();

@@ -139,7 +139,7 @@ class OrderComposer {
   }
 
   [[nodiscard]] Result<OrderHistory> ReadHistoryOf(const std::string& id) const {
-    return ReadOrderHistory(*ledger_, robot_.broker, robot_.address.ToString(), id);
+    return ReadOrderHistory(*ledger_, robot_.brokers, robot_.address.ToString(), id);
   }
 
   // The next header id first: what comes between is seen either here or when it is sent.
@@ -295,7 +295,8 @@ class OrderMessage final : public RobotMessage {
 
   [[nodiscard]] bool IsMadeForRobot() const override { return true; }
 
-  [[nodiscard]] Status Prepare(const vda5050::ListedRobot& robot, const std::string& broker,
+  [[nodiscard]] Status Prepare(const vda5050::ListedRobot& robot,
+                               const std::vector<std::string>& brokers,
                                std::vector<std::string>& notes) override {
     const auto& [address, entry] = robot;
     auto composed = ComposeOrder(*task_,
@@ -303,7 +304,7 @@ class OrderMessage final : public RobotMessage {
                                   .dialect = *entry.Spoken(),
                                   .factsheet = task_->check ? entry.factsheet.get() : nullptr,
                                   .state = entry.state.get(),
-                                  .broker = broker},
+                                  .brokers = brokers},
                                  ledger_);
     if (!composed) return Fail(std::move(composed.error()));
     constexpr std::size_t kHeader = 256;

@@ -45,7 +45,8 @@ struct OrderRobot {
   const vda5050::Dialect& dialect;
   const vda5050::Factsheet* factsheet = nullptr;
   const vda5050::RobotState* state = nullptr;
-  std::string broker = {};  ///< at which it is, as BrokerUrl::ToString; "": not asked
+  std::vector<std::string> brokers =
+      {};  ///< at which it is, as ServerInfo::ListSite; none: not asked
 };
 
 struct ComposedOrder {

@@ -60,12 +60,13 @@ const SentOrder* OrderHistory::Find(const vda5050::RobotState& state) const {
   return found == sent.rend() ? nullptr : &*found;
 }
 
-Result<OrderHistory> ReadOrderHistory(ledger::Ledger& ledger, const std::string& broker,
+Result<OrderHistory> ReadOrderHistory(ledger::Ledger& ledger, std::vector<std::string> brokers,
                                       const std::string& target, std::string_view order_id) {
-  auto records =
-      ledger.History({.target = target, .action = "order", .broker = broker, .limit = kOrdersRead});
+  auto records = ledger.History(
+      {.target = target, .action = "order", .brokers = brokers, .limit = kOrdersRead});
   if (!records) return Fail(std::move(records.error()));
-  OrderHistory history{.order_id = std::string(order_id), .broker = broker, .sent = {}};
+  OrderHistory history{
+      .order_id = std::string(order_id), .brokers = std::move(brokers), .sent = {}};
   for (const ledger::Record& record : *records) {
     if (record.actions.empty() || record.actions.front().id != order_id) continue;
     auto message = base::ParseJson(record.payload, {.exact = true});
@@ -101,7 +102,8 @@ Result<CurrentOrder> CurrentOrder::Find(const OrderHistory& history,
   const std::uint32_t update_id = state.order_update_id.value_or(0);
   const SentOrder* sent = history.Find(state);
   if (sent == nullptr) {
-    const std::string over = history.broker.empty() ? "" : " over " + history.broker;
+    const std::string over =
+        history.brokers.empty() ? "" : " over " + base::Join(history.brokers, " or ");
     return Fail(
         ErrorKind::kPreflight,
         fmt::format("{} has order {} with orderUpdateId {}, which this ledger did not send{}, or "

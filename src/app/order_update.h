@@ -33,7 +33,7 @@ struct SentOrder {
 /// All that the ledger has of one order, the newest message last.
 struct OrderHistory {
   std::string order_id;
-  std::string broker;  ///< over which it was sent; "": any
+  std::vector<std::string> brokers;  ///< over which it was sent; none: any
   std::vector<SentOrder> sent;
 
   [[nodiscard]] std::uint32_t highest_update_id() const;
@@ -43,9 +43,9 @@ struct OrderHistory {
 };
 
 /// What was sent to this robot under this orderId, among its last orders. Errors: kLedger.
-/// `broker`: as BrokerUrl::ToString; "": any. Another broker's robot of that name is another robot.
+/// `brokers`: as ServerInfo::ListSite; none: any. Another site's robot of that name is another robot.
 [[nodiscard]] Result<OrderHistory> ReadOrderHistory(ledger::Ledger& ledger,
-                                                    const std::string& broker,
+                                                    std::vector<std::string> brokers,
                                                     const std::string& target,
                                                     std::string_view order_id);
 

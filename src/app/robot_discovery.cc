@@ -486,11 +486,11 @@ Status DiscoverRobots(mqtt::Transport& transport, const Targets& targets,
 std::vector<ExpectedRobot> FindExpectedRobots(const Targets& targets,
                                               const DialectResolver& resolver,
                                               const Environment& environment,
-                                              const mqtt::BrokerUrl& broker) {
+                                              const mqtt::ServerInfo& server) {
   const auto& patterns = targets.include.patterns;
   if (patterns.empty()) return {};
   return FindExpectedRobots(
-      environment, broker, [&](const RobotAddress& robot) -> std::optional<vda5050::TopicScheme> {
+      environment, server, [&](const RobotAddress& robot) -> std::optional<vda5050::TopicScheme> {
         const auto matches = [&](const RobotPattern& pattern) { return pattern.Matches(robot); };
         const bool is_meant = std::any_of(patterns.begin(), patterns.end(), matches);
         if (!is_meant || targets.IsExcepted(robot)) return std::nullopt;

@@ -73,11 +73,11 @@ const ListedRobot* Take(const mqtt::Message& message, vda5050::RobotDirectory& d
                                     const DiscoveryOptions& options,
                                     vda5050::RobotDirectory& directory, Log& log);
 
-/// Of the robots that the patterns mean, those that are expected at this broker.
+/// Of the robots that the patterns mean, those that are expected at this site.
 [[nodiscard]] std::vector<ExpectedRobot> FindExpectedRobots(const Targets& targets,
                                                             const DialectResolver& resolver,
                                                             const Environment& environment,
-                                                            const mqtt::BrokerUrl& broker);
+                                                            const mqtt::ServerInfo& server);
 
 enum class Robots { kAll, kOnline };
 

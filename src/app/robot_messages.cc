@@ -49,7 +49,8 @@ class InstantMessage final : public RobotMessage {
   }
   [[nodiscard]] bool IsAlikeForAll() const override { return true; }
 
-  [[nodiscard]] Status Prepare(const vda5050::ListedRobot& robot, const std::string& /*broker*/,
+  [[nodiscard]] Status Prepare(const vda5050::ListedRobot& robot,
+                               const std::vector<std::string>& /*brokers*/,
                                std::vector<std::string>& /*notes*/) override {
     const auto& factsheet = robot.second.factsheet;
     if (factsheet && !has_given_id_) action_.id = vda5050::MakeActionId(factsheet.get());

@@ -48,11 +48,11 @@ class RobotMessage {
   /// Whether it is made from what the robot says of itself, in Prepare(): nothing can be said of it
   /// before.
   [[nodiscard]] virtual bool IsMadeForRobot() const { return false; }
-  /// What was found of the robot, before it is built for the last time, and at which broker (as
-  /// BrokerUrl::ToString; "": none was asked). Adds to `notes` what a person wants to know of it.
+  /// What was found of the robot, before it is built for the last time, and at which brokers (as
+  /// ServerInfo::ListSite; none: none was asked). Adds to `notes` what a person wants to know of it.
   /// Errors: it cannot be made for this robot; nothing is sent to it.
   [[nodiscard]] virtual Status Prepare(const vda5050::ListedRobot& /*robot*/,
-                                       const std::string& /*broker*/,
+                                       const std::vector<std::string>& /*brokers*/,
                                        std::vector<std::string>& /*notes*/) {
     return {};
   }

@@ -190,7 +190,7 @@ class CommandSender final : private delivery::CommandSource {
         .factsheets = check && message->NeedsFactsheet(),
         .discover = std::move(discover),
         .expected = FindExpectedRobots(request_.targets, request_.resolver, environment_,
-                                       link_->transport->server().broker)};
+                                       link_->transport->server())};
     if (message->IsMadeForRobot()) {
       directory_.KeepStates();
       options.states = true;

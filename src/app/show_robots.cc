@@ -116,7 +116,7 @@ class SheetReader {
                               .factsheets = true,
                               .discover = MakeRetainedOptions(),
                               .expected = FindExpectedRobots(request_.targets, request_.resolver,
-                                                             environment_, server_.broker)},
+                                                             environment_, server_)},
                              directory_, log_);
     if (!ok) return ok;
     const auto unused = UnusedExclusion(request_.targets, excluded_, environment_.config);

@@ -89,7 +89,7 @@ struct HistoryFilter {
   std::string action = {};  ///< an action type, exact; empty: all
   std::string status = {};
   std::string user = {};
-  std::string broker = {};
+  std::vector<std::string> brokers = {};   ///< one of these; empty: all
   std::optional<WallTime> since = {};      ///< from this moment
   std::optional<WallTime> until = {};      ///< before this moment
   std::optional<std::int64_t> below = {};  ///< only rows of a smaller number

@@ -123,6 +123,7 @@ struct Acknowledgement {
 /// What CONNACK tells (MQTT 5 §3.2.2.3); on 3.1.1 only `broker` and `version`.
 struct ServerInfo {
   BrokerUrl broker;
+  std::vector<BrokerUrl> site;  ///< all that might have been connected to; empty: this one alone
   ProtocolVersion version = ProtocolVersion::k311;
   std::optional<Qos> maximum_qos;
   std::optional<bool> retain_available;
@@ -132,6 +133,14 @@ struct ServerInfo {
 
   /// It has said that it keeps no retained messages.
   [[nodiscard]] bool KeepsNothing() const { return retain_available == false; }
+  /// As BrokerUrl::ToString: what went over any of them went to the robots of this site.
+  [[nodiscard]] std::vector<std::string> ListSite() const {
+    if (site.empty()) return {broker.ToString()};
+    std::vector<std::string> names;
+    names.reserve(site.size());
+    for (const BrokerUrl& one : site) names.push_back(one.ToString());
+    return names;
+  }
 };
 
 /// An open connection with a clean session. Closing: Disconnect(); the destructor drops the

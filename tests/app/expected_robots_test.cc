@@ -39,7 +39,7 @@ class ExpectedRobots : public ::testing::Test {
       }
       return ledger;
     };
-    return FindExpectedRobots(environment, broker_,
+    return FindExpectedRobots(environment, {.broker = broker_},
                               [](const RobotAddress& robot) -> std::optional<vda5050::TopicScheme> {
                                 if (robot.manufacturer != "KIT") return std::nullopt;
                                 return vda5050::TopicScheme();

@@ -7,6 +7,7 @@
 #include <thread>
 
 #include "base/json.h"
+#include "support/free_port.h"
 #include "support/operator.h"
 
 namespace fleetpub::testing {
@@ -158,6 +159,29 @@ TEST_F(OrderCommand, BuildsOnWhatWentOverItsOwnBroker) {
   EXPECT_EQ(Nodes(SentOrders().back()), "n2+ n3+");
   const Finished shown = Fleetpub({"show", "KIT/0001"});
   EXPECT_THAT(shown.output, HasSubstr("over " + rehearsal.Url()));
+}
+
+TEST_F(OrderCommand, BuildsOnWhatWentOverAnyBrokerOfItsSite) {
+  const std::string port = std::to_string(FreePort());
+  const Mosquitto cluster({"allow_anonymous true", "listener " + port + " 127.0.0.1"});
+  const std::string first = cluster.Url();
+  const std::string second = "mqtt://127.0.0.1:" + port;
+  operator_.UseBroker(first);
+  const auto robot = DrivingRobot();
+  const auto send = [&](std::vector<std::string> words, const std::vector<std::string>& brokers) {
+    words.insert(words.end(), {"--wait-for", "accepted"});
+    for (const std::string& broker : brokers) words.insert(words.end(), {"-b", broker});
+    return Order(std::move(words));
+  };
+  EXPECT_EQ(send({"KIT/0001", "n1", "n2", "n3", "--release", "1"}, {first, second}).exit_code, 0);
+  const Finished alone = send({"release", "KIT/0001"}, {second});
+  EXPECT_EQ(alone.exit_code, 7);
+  EXPECT_THAT(alone.output, HasSubstr("did not send over " + second));
+  const Finished failed_over = send({"release", "KIT/0001"}, {second, first});
+  EXPECT_EQ(failed_over.exit_code, 0) << failed_over.output << failed_over.errors;
+  const Finished explained =
+      Fleetpub({"explain", "KIT/0001", "--for", "1s", "-b", second, "-b", first});
+  EXPECT_THAT(explained.output, HasSubstr("sent by"));
 }
 
 TEST_F(OrderCommand, TellsTheSecondWhoseOrderIsActive) {

@@ -72,9 +72,10 @@ TEST_P(History, IsAskedForOneBroker) {
   Draft draft = DraftFor();
   draft.broker = "mqtts://north:8883";
   const std::int64_t there = Add(draft);
-  EXPECT_THAT(Rows({.broker = "mqtts://north:8883"}), ElementsAre(there));
-  EXPECT_THAT(Rows({.target = draft.target, .broker = DraftFor().broker}), ElementsAre(here));
-  EXPECT_THAT(Rows({.broker = "mqtts://north"}), IsEmpty());
+  EXPECT_THAT(Rows({.brokers = {"mqtts://north:8883"}}), ElementsAre(there));
+  EXPECT_THAT(Rows({.target = draft.target, .brokers = {DraftFor().broker, "mqtt://south:1883"}}),
+              ElementsAre(here));
+  EXPECT_THAT(Rows({.brokers = {"mqtts://north"}}), IsEmpty());
 }
 
 TEST_P(History, LearnsTheOutcome) {

@@ -69,7 +69,8 @@ class FakeLedger : public ledger::Ledger {
   Result<std::vector<ledger::Record>> History(const ledger::HistoryFilter& filter) override {
     std::vector<ledger::Record> rows = rows_;
     std::erase_if(rows, [&](const ledger::Record& row) {
-      return !filter.broker.empty() && row.broker != filter.broker;
+      return !filter.brokers.empty() && std::find(filter.brokers.begin(), filter.brokers.end(),
+                                                  row.broker) == filter.brokers.end();
     });
     return rows;
   }

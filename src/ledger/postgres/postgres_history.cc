@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <string>
 
+#include "base/json.h"
 #include "ledger/stored_actions.h"
 
 namespace fleetpub::ledger {
@@ -77,7 +78,7 @@ Result<std::vector<Record>> ReadHistory(Session& session, const HistoryFilter& f
       "actions @> jsonb_build_array(jsonb_build_object('type', $4::text))) "
       "AND ($5::bigint IS NULL OR recorded_at >= timestamptz 'epoch' + $5 * interval '1 us') "
       "AND ($6::bigint IS NULL OR recorded_at < timestamptz 'epoch' + $6 * interval '1 us') "
-      "AND ($7::bigint IS NULL OR id < $7) AND ($9::text IS NULL OR broker = $9) "
+      "AND ($7::bigint IS NULL OR id < $7) AND ($9::jsonb IS NULL OR $9::jsonb ? broker) "
       "ORDER BY id DESC LIMIT $8";
   const Query query = {
       sql,
@@ -85,7 +86,7 @@ Result<std::vector<Record>> ReadHistory(Session& session, const HistoryFilter& f
        FormatMicros(filter.since), FormatMicros(filter.until),
        filter.below ? std::optional(std::to_string(*filter.below)) : std::nullopt,
        filter.limit > 0 ? std::optional(std::to_string(filter.limit)) : std::nullopt,
-       Wanted(filter.broker)}};
+       filter.brokers.empty() ? std::nullopt : std::optional(base::JsonStrings(filter.brokers))}};
   auto records = ReadAll(session.Run(query, deadline));
   if (records) std::reverse(records->begin(), records->end());
   return records;

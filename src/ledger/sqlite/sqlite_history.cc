@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "base/json.h"
 #include "ledger/stored_actions.h"
 
 namespace fleetpub::ledger {
@@ -90,7 +91,8 @@ Result<std::vector<Record>> ReadHistory(Database& database, const HistoryFilter&
           "WHERE (?1 = '' OR target = ?1) AND (?2 = '' OR status = ?2) AND (?3 = '' OR user = ?3) "
           "AND (?4 = '' OR EXISTS (SELECT 1 FROM json_each(actions) "
           "WHERE json_extract(value, '$.type') = ?4)) "
-          "AND recorded_at >= ?5 AND recorded_at < ?6 AND id < ?7 AND (?9 = '' OR broker = ?9) "
+          "AND recorded_at >= ?5 AND recorded_at < ?6 AND id < ?7 AND (?9 = '[]' OR broker IN "
+          "(SELECT value FROM json_each(?9))) "
           "ORDER BY id DESC LIMIT ?8");
   statement.Bind(1, filter.target).Bind(2, filter.status).Bind(3, filter.user);
   statement.Bind(4, filter.action);
@@ -98,7 +100,7 @@ Result<std::vector<Record>> ReadHistory(Database& database, const HistoryFilter&
   statement.Bind(6, filter.until ? ToMicros(*filter.until) : kWhole.max());
   statement.Bind(7, filter.below.value_or(kWhole.max()));
   statement.Bind(8, std::int64_t{filter.limit > 0 ? filter.limit : -1});
-  statement.Bind(9, filter.broker);
+  statement.Bind(9, base::JsonStrings(filter.brokers));
   Result<std::vector<Record>> records = ReadAll(statement);
   if (records) std::reverse(records->begin(), records->end());
   return records;

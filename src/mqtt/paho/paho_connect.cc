@@ -296,6 +296,7 @@ Attempted Attempt(const BrokerUrl& broker, const ConnectOptions& options,
   connection.tls = std::make_unique<TlsWatch>(options.tls.FindServerName(broker),
                                               broker.UsesTls() && options.tls.verify);
   connection.server.broker = broker;
+  connection.server.site = options.brokers;
   connection.server.version = options.version;
   connection.retain_as_published = options.retain_as_published;
 
