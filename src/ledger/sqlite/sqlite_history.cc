@@ -100,7 +100,8 @@ Result<std::vector<Record>> ReadHistory(Database& database, const HistoryFilter&
   statement.Bind(6, filter.until ? ToMicros(*filter.until) : kWhole.max());
   statement.Bind(7, filter.below.value_or(kWhole.max()));
   statement.Bind(8, std::int64_t{filter.limit > 0 ? filter.limit : -1});
-  statement.Bind(9, base::JsonStrings(filter.brokers));
+  const std::string brokers = base::JsonStrings(filter.brokers);  // until the statement has run
+  statement.Bind(9, brokers);
   Result<std::vector<Record>> records = ReadAll(statement);
   if (records) std::reverse(records->begin(), records->end());
   return records;
