@@ -216,7 +216,7 @@ TEST_F(InterruptedConform, EndsAtOnceTheSecondTime) {
   const auto test = Drive();
   const std::size_t sent = actions.SoFar().size();
   test->Signal(SIGINT);
-  EXPECT_THAT(actions.Await(sent + 1), SizeIs(sent + 1)) << "it asks how the robot was left";
+  EXPECT_GT(actions.Await(sent + 1).size(), sent) << "it asks how the robot was left";
   test->Signal(SIGINT);
   EXPECT_EQ(test->Wait(std::chrono::seconds(5)), 130);
   EXPECT_THAT(test->Errors(), HasSubstr("ended at once"));
