@@ -45,8 +45,8 @@ struct OrderRobot {
   const vda5050::Dialect& dialect;
   const vda5050::Factsheet* factsheet = nullptr;
   const vda5050::RobotState* state = nullptr;
-  std::vector<std::string> brokers =
-      {};  ///< at which it is, as ServerInfo::ListSite; none: not asked
+  /// At which it is, as ServerInfo::ListSite; none: not asked.
+  std::vector<std::string> brokers = {};
 };
 
 struct ComposedOrder {

@@ -176,7 +176,7 @@ bool IsWithin(const Place& place, const Position& position) {
   return std::abs(turn) <= place.deviation_theta + kTolerance;
 }
 
-// Where nobody said where it is, the node's name will do, too; or the place that its states tell all the same.
+// The place that its states tell counts; where nobody told it where it is, the node's name will do, too.
 Answer StartsElsewhere(const Asked& a) {
   if (a.settings.Has(Fault::kTakeAnyStart)) return std::nullopt;
   const NodeLeg& first = First(a);
@@ -186,15 +186,15 @@ Answer StartsElsewhere(const Asked& a) {
     Place allowed = *first.place;
     if (a.settings.Has(Fault::kExactStart)) allowed.deviation_a = allowed.deviation_b = 0;
     if (allowed.map_id == here.map_id && IsWithin(allowed, here)) return std::nullopt;
-  }
-  if (first.place && a.state.is_placed) {
-    return Objection{
-        fmt::format("node {} at {:.2f}, {:.2f} on {} is out of reach: the robot is at {:.2f}, "
-                    "{:.2f}, heading {:.2f}, on {}",
-                    base::Printable(first.id), first.place->x, first.place->y,
-                    base::Printable(first.place->map_id), here.x, here.y, here.theta,
-                    base::Printable(here.map_id)),
-        node};
+    if (a.state.is_placed) {
+      return Objection{
+          fmt::format("node {} at {:.2f}, {:.2f} on {} is out of reach: the robot is at {:.2f}, "
+                      "{:.2f}, heading {:.2f}, on {}",
+                      base::Printable(first.id), first.place->x, first.place->y,
+                      base::Printable(first.place->map_id), here.x, here.y, here.theta,
+                      base::Printable(here.map_id)),
+          node};
+    }
   }
   if (a.state.last_node_id.empty() || a.state.last_node_id == first.id) return std::nullopt;
   return Objection{fmt::format("node {} is out of reach: the robot is at {}",

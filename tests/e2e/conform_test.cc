@@ -210,13 +210,13 @@ TEST_F(InterruptedConform, CancelsTheOrderAndSaysThatNotAllWasTested) {
 }
 
 TEST_F(InterruptedConform, EndsAtOnceTheSecondTime) {
-  const auto robot = Robot(
-      {"KIT/0001", "--position", "1,2,0", "--state-interval", "200ms", "--hang", "stateRequest"});
+  const auto robot =
+      Robot({"KIT/0001", "--position", "1,2,0", "--state-interval", "200ms", "--delay", "60s"});
   const Subscriber actions(broker_, "+/+/KIT/0001/instantActions");
   const auto test = Drive();
   const std::size_t sent = actions.SoFar().size();
   test->Signal(SIGINT);
-  EXPECT_GT(actions.Await(sent + 1).size(), sent) << "it asks how the robot was left";
+  EXPECT_THAT(actions.Await(sent + 1), SizeIs(sent + 1)) << "it asks how the robot was left";
   test->Signal(SIGINT);
   EXPECT_EQ(test->Wait(std::chrono::seconds(5)), 130);
   EXPECT_THAT(test->Errors(), HasSubstr("ended at once"));

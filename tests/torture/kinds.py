@@ -187,9 +187,8 @@ def fail_each_call(world, most=None):
                 if call in NOT_TO_FAIL:
                     continue
                 errors = ERRORS.get(call, ("EIO",))
-                # Without any lock SQLite tries for 10 s each time; and where no poll() ever succeeds again the MQTT
-                # library waits for good.
-                ends = ("",) if (call == "fcntl" and options) or call == "poll" else ("", "+")
+                # Without any lock SQLite tries for 10 s each time.
+                ends = ("",) if call == "fcntl" and options else ("", "+")
                 whens = [f"{n + 1}{end}" for n in range(before, count) for end in ends]
                 points += [(name, options, targets, fresh, call, error, when) for error in errors for when in whens]
                 if call in INTERRUPTIBLE:

@@ -161,6 +161,10 @@ struct Interposed {
       if (left == 0) {
         call.expired_ = true;
         call.Abort();
+        // As the kernel would say, were it able to: Paho reads the end, whether or not it may write.
+        for (nfds_t i = 0; i < count; ++i) descriptors[i].revents = 0;
+        ours->revents = POLLIN | POLLHUP;
+        return 1;
       }
       if (timeout < 0 || timeout > left) timeout = left;
     }

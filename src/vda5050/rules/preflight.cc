@@ -173,10 +173,9 @@ void CheckMode(Check& check, std::string_view mode) {
   const bool is_allowed =
       rule->obeys == Obeys::kCancelOrder && IsOnly(check.actions, "cancelOrder");
   if (is_allowed) return;
-  const bool is_order = check.actions.empty();  // or another message that is no instantActions
-  const std::string_view what = rule->obeys != Obeys::kNothing ? "cancelOrder only"
-                                : is_order                     ? "no command"
-                                                               : "no instant action";
+  const std::string_view what = rule->obeys == Obeys::kCancelOrder ? "cancelOrder only"
+                                : check.actions.empty()            ? "no command"
+                                                                   : "no instant action";
   std::string sentence = fmt::format("{} is in {} and obeys {}", check.name, rule->mode, what);
   if (IsOnlyStartPause(check.actions)) return check.Warn(std::move(sentence));
   check.Refuse(sentence);
