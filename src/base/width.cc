@@ -84,7 +84,8 @@ std::string Wrapped(std::size_t width, std::size_t indent, std::string_view text
   };
   while (!text.empty()) {
     const std::size_t begin = std::min(text.find_first_not_of(' '), text.size());
-    const std::size_t end = std::min(text.find(' ', begin), text.size());
+    const bool is_command = text.substr(begin).starts_with("try: ");
+    const std::size_t end = std::min(is_command ? text.npos : text.find(' ', begin), text.size());
     std::string_view word = text.substr(begin, end - begin);
     text.remove_prefix(end);
     if (has_word && column + begin + MeasureColoured(word) > width) {
@@ -94,7 +95,8 @@ std::string Wrapped(std::size_t width, std::size_t indent, std::string_view text
       column += begin;
     }
     has_word = has_word || !word.empty();
-    while (column + MeasureColoured(word) > width && word.find('\x1b') == std::string_view::npos) {
+    const bool may_be_cut = !is_command && word.find('\x1b') == std::string_view::npos;
+    while (may_be_cut && column + MeasureColoured(word) > width) {
       const std::string_view fitting = CutTo(width - std::min(width, column), word);
       if (fitting.empty()) break;  // no character is so narrow
       lines.append(fitting);

@@ -21,7 +21,8 @@ namespace fleetpub::base {
 [[nodiscard]] std::string Padded(std::size_t width, std::string_view text);
 
 /// Broken between words into lines of at most so many columns; all but the first begin with `indent`
-/// blanks. A word that is wider is cut. Colours (`ESC [ … m`) take no room, and are not cut.
+/// blanks. A word that is wider is cut. Colours (`ESC [ … m`) take no room, and are not cut; nor is a
+/// command to type, from `try: ` to the end: it is copied as one line.
 [[nodiscard]] std::string Wrapped(std::size_t width, std::size_t indent, std::string_view text);
 
 /// Of the library that knows the widths.

@@ -62,6 +62,13 @@ TEST(Wrapped, KeepsWhatStandsApartAndCutsWhatIsTooWide) {
   EXPECT_EQ(Wrapped(4, 2, ""), "");
 }
 
+TEST(Wrapped, KeepsACommandInOnePiece) {
+  EXPECT_EQ(Wrapped(20, 2, "none. try: fleetpub x"), "none.\n  try: fleetpub x");
+  EXPECT_EQ(Wrapped(21, 2, "none. try: fleetpub x"), "none. try: fleetpub x");
+  EXPECT_EQ(Wrapped(9, 2, "none. try: fleetpub fleet"), "none.\n  try: fleetpub fleet")
+      << "a terminal breaks it without a new line";
+}
+
 TEST(Wrapped, CountsNoColours) {
   EXPECT_EQ(Wrapped(7, 2, "\x1b[31mred\x1b[0m \x1b[1;32mtea\x1b[0m"),
             "\x1b[31mred\x1b[0m \x1b[1;32mtea\x1b[0m");
