@@ -84,7 +84,7 @@ std::string Wrapped(std::size_t width, std::size_t indent, std::string_view text
   };
   while (!text.empty()) {
     const std::size_t begin = std::min(text.find_first_not_of(' '), text.size());
-    const bool is_command = text.substr(begin).starts_with("try: ");
+    const bool is_command = text.substr(begin).starts_with("try: fleetpub ");
     const std::size_t end = std::min(is_command ? text.npos : text.find(' ', begin), text.size());
     std::string_view word = text.substr(begin, end - begin);
     text.remove_prefix(end);

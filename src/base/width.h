@@ -22,7 +22,7 @@ namespace fleetpub::base {
 
 /// Broken between words into lines of at most so many columns; all but the first begin with `indent`
 /// blanks. A word that is wider is cut. Colours (`ESC [ … m`) take no room, and are not cut; nor is a
-/// command to type, from `try: ` to the end: it is copied as one line.
+/// command to type, from `try:` to the end: it is copied as one line.
 [[nodiscard]] std::string Wrapped(std::size_t width, std::size_t indent, std::string_view text);
 
 /// Of the library that knows the widths.
