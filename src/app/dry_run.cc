@@ -1,10 +1,8 @@
 #include "app/dry_run.h"
 
-#include <fmt/format.h>
-
 #include <utility>
 
-#include "base/text.h"
+#include "ledger/header_ids.h"
 
 namespace fleetpub::app {
 
@@ -30,20 +28,14 @@ Result<message::Report> DryRun::Report(const message::Command& command) {
 }
 
 Result<std::uint32_t> DryRun::NextId(const message::Command& command) {
-  auto found = next_ids_.find(command.topic);
-  if (found == next_ids_.end()) {
-    auto next = ledger_->PeekNext(command.topic);
-    if (!next) return next;
-    found = next_ids_.emplace(command.topic, *next).first;
-  }
-  if (!command.header_id) return found->second++;
-  if (*command.header_id < found->second) {
-    return Fail(ErrorKind::kUsage,
-                fmt::format("--header-id {} is not above the last one on {}: the next is {}",
-                            *command.header_id, command.topic, found->second));
-  }
-  found->second = *command.header_id + 1;
-  return *command.header_id;
+  const ledger::Draft draft{.topic = command.topic, .header_id = command.header_id};
+  const auto last = last_ids_.find(command.topic);
+  // Behind a last one no ledger's start counts.
+  auto id = last == last_ids_.end()
+                ? ledger_->Peek(draft)
+                : ledger::ChooseId(draft, last->second, ledger::HeaderIdStart::kZero);
+  if (id) last_ids_.insert_or_assign(command.topic, *id);
+  return id;
 }
 
 Status ShowDryRun(delivery::CommandSource& source, const Environment& environment,

@@ -30,7 +30,7 @@ class DryRun {
   [[nodiscard]] Result<std::uint32_t> NextId(const message::Command& command);
 
   std::unique_ptr<ledger::Ledger> ledger_;
-  std::map<std::string, std::uint32_t> next_ids_;  // by topic
+  std::map<std::string, std::uint32_t> last_ids_;  // by topic
 };
 
 /// Reports what would be sent of all that the source makes; `explain`, which may be empty, is called

@@ -6,6 +6,7 @@
 #include <limits>
 
 namespace fleetpub::ledger {
+namespace {
 
 std::uint32_t NextId(std::optional<std::uint32_t> last, HeaderIdStart start) {
   if (last) return *last + 1;  // wraps, as a uint32 headerId does
@@ -13,6 +14,8 @@ std::uint32_t NextId(std::optional<std::uint32_t> last, HeaderIdStart start) {
   const auto now = std::chrono::system_clock::now().time_since_epoch();
   return static_cast<std::uint32_t>(std::chrono::duration_cast<std::chrono::seconds>(now).count());
 }
+
+}  // namespace
 
 Result<std::uint32_t> ChooseId(const Draft& draft, std::optional<std::uint32_t> last,
                                HeaderIdStart start) {

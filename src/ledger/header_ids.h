@@ -10,12 +10,9 @@
 
 namespace fleetpub::ledger {
 
-/// The id that follows `last`; the first one of a topic that has none.
-[[nodiscard]] std::uint32_t NextId(std::optional<std::uint32_t> last, HeaderIdStart start);
-
-/// The draft's id: the next one, or the one that it asks for. Errors: ErrorKind::kUsage when that
-/// one is at or below the last, kPreflight when another one is next than the one expected. After a
-/// wrap every id lies above the last one.
+/// The draft's id: the one behind `last`, the first one of a topic that has none, or the one that
+/// the draft asks for. Errors: ErrorKind::kUsage when that one is at or below the last, kPreflight
+/// when another one is next than the one expected. After a wrap every id lies above the last one.
 [[nodiscard]] Result<std::uint32_t> ChooseId(const Draft& draft, std::optional<std::uint32_t> last,
                                              HeaderIdStart start);
 

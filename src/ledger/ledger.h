@@ -147,8 +147,11 @@ class Ledger {
   /// store tidy: call it once per command even when history is off.
   [[nodiscard]] virtual Status RecordOutcomes(std::span<const StatusUpdate> outcomes) = 0;
 
-  /// The id that Reserve would give next; reserves nothing and creates nothing.
-  [[nodiscard]] virtual Result<std::uint32_t> PeekNext(std::string_view topic) = 0;
+  /// The id that Reserve would give this draft, or its refusal; reserves nothing and creates nothing.
+  [[nodiscard]] virtual Result<std::uint32_t> Peek(const Draft& draft) = 0;
+  [[nodiscard]] Result<std::uint32_t> PeekNext(std::string_view topic) {
+    return Peek(Draft{.topic = std::string(topic)});
+  }
 
   [[nodiscard]] virtual Result<std::vector<Record>> History(const HistoryFilter& filter) = 0;
   /// Nothing when there is no such row.

@@ -114,6 +114,15 @@ TEST_F(Configuration, HeaderIdsMayBeginWithTheTime) {
   Write("header_id_start = \"epoch\"\noutput = \"json\"\n");
   const auto report = Json(Fleetpub({"pause", "KIT/0001", "--dry-run"}).output);
   EXPECT_GT(report["headerId"].GetUint(), 1'700'000'000U);
+  const Mosquitto broker;
+  const std::vector<std::string> asked = {"pause",      "KIT/0001",    "--broker",
+                                          broker.Url(), "--header-id", "5"};
+  auto dry = asked;
+  dry.emplace_back("--dry-run");
+  EXPECT_EQ(Json(Fleetpub(dry).output)["headerId"].GetUint(), 5U)
+      << "a topic without one takes any";
+  EXPECT_EQ(Json(Send(asked).output)["headerId"].GetUint(), 5U);
+  EXPECT_EQ(Fleetpub(dry).exit_code, 2) << "as sending would be";
 }
 
 TEST_F(Configuration, WhatIsWrongIsRefusedWithItsPlaceAndNothingIsSent) {

@@ -120,6 +120,10 @@ TEST_P(HeaderIds, CanBeSeenBeforeTheyAreTaken) {
   Next(DraftWithId(9));
   EXPECT_EQ(ledger_->PeekNext(MakeTopic(1)), 10U);
   EXPECT_EQ(ledger_->PeekNext(MakeTopic(1)), 10U);
+  EXPECT_EQ(ledger_->Peek(DraftWithId(12)), 12U);
+  EXPECT_EQ(ledger_->Peek(DraftWithId(9)).error().kind, ErrorKind::kUsage);
+  Next(DraftWithId(kHighest));
+  EXPECT_EQ(ledger_->Peek(DraftWithId(3)), 3U);
 }
 
 TEST_P(HeaderIds, AreKeptWithoutHistory) {

@@ -62,8 +62,8 @@ class FakeLedger : public ledger::Ledger {
     return {};
   }
 
-  Result<std::uint32_t> PeekNext(std::string_view topic) override {
-    const auto found = next_ids_.find(std::string(topic));
+  Result<std::uint32_t> Peek(const ledger::Draft& draft) override {
+    const auto found = next_ids_.find(draft.topic);
     return found == next_ids_.end() ? 0 : found->second;
   }
   Result<std::vector<ledger::Record>> History(const ledger::HistoryFilter& filter) override {

@@ -158,7 +158,7 @@ class PostgresLedger : public Ledger {
                                           Deadline deadline) override;
   Result<std::vector<Reservation>> Reserve(std::span<const Draft> drafts) override;
   Status RecordOutcomes(std::span<const StatusUpdate> outcomes) override;
-  Result<std::uint32_t> PeekNext(std::string_view topic) override;
+  Result<std::uint32_t> Peek(const Draft& draft) override;
   Result<std::vector<Record>> History(const HistoryFilter& filter) override;
   Result<std::optional<Record>> Find(std::int64_t id) override;
   Result<std::int64_t> Prune(WallTime older_than) override;
@@ -338,8 +338,8 @@ Status PostgresLedger::RecordOutcomes(std::span<const StatusUpdate> outcomes) {
                  [&](Session& session) { return WriteOutcomes(session, outcomes, Patience()); });
 }
 
-Result<std::uint32_t> PostgresLedger::PeekNext(std::string_view topic) {
-  const std::array<std::string, 1> topics = {std::string(topic)};
+Result<std::uint32_t> PostgresLedger::Peek(const Draft& draft) {
+  const std::array<std::string, 1> topics = {draft.topic};
   return Persist(Patience(), [&](Session& session) -> Result<std::uint32_t> {
     LastIds last_ids{{topics.front(), std::nullopt}};
     if (is_there_) {
@@ -347,7 +347,7 @@ Result<std::uint32_t> PostgresLedger::PeekNext(std::string_view topic) {
       if (!rows) return Fail(rows.error());
       TakeLastIds(*rows, last_ids);
     }
-    return NextId(last_ids.begin()->second, options_.start);
+    return ChooseId(draft, last_ids.begin()->second, options_.start);
   });
 }
 

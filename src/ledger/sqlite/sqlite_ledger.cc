@@ -81,7 +81,7 @@ class SqliteLedger : public Ledger {
                                           Deadline deadline) override;
   Result<std::vector<Reservation>> Reserve(std::span<const Draft> drafts) override;
   Status RecordOutcomes(std::span<const StatusUpdate> outcomes) override;
-  Result<std::uint32_t> PeekNext(std::string_view topic) override;
+  Result<std::uint32_t> Peek(const Draft& draft) override;
   Result<std::vector<Record>> History(const HistoryFilter& filter) override;
   Result<std::optional<Record>> Find(std::int64_t id) override;
   Result<std::int64_t> Prune(WallTime older_than) override;
@@ -126,12 +126,14 @@ Status SqliteLedger::RecordOutcomes(std::span<const StatusUpdate> outcomes) {
   return any ? WriteOutcomes(*database_, outcomes) : Status();
 }
 
-Result<std::uint32_t> SqliteLedger::PeekNext(std::string_view topic) {
-  if (!database_) return NextId(HeaderIdCheckpoints(options_.path).Read(topic), options_.start);
+Result<std::uint32_t> SqliteLedger::Peek(const Draft& draft) {
+  if (!database_) {
+    return ChooseId(draft, HeaderIdCheckpoints(options_.path).Read(draft.topic), options_.start);
+  }
   database_->Allow(options_.command_timeout);
-  const Result<std::optional<std::uint32_t>> last = ReadLastId(*database_, topic);
+  const Result<std::optional<std::uint32_t>> last = ReadLastId(*database_, draft.topic);
   if (!last) return Fail(last.error());
-  return NextId(*last, options_.start);
+  return ChooseId(draft, *last, options_.start);
 }
 
 Result<std::vector<Record>> SqliteLedger::History(const HistoryFilter& filter) {
