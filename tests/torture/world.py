@@ -8,7 +8,6 @@ import re
 import select
 import shutil
 import signal
-import socket
 import subprocess
 import tempfile
 import time
@@ -29,35 +28,27 @@ def wait_until(ready, what, seconds=20.0):
         time.sleep(0.005)
 
 
-def answers(port):
-    with socket.socket() as probe:
-        probe.settimeout(1)
-        return probe.connect_ex(("127.0.0.1", port)) == 0
-
-
 class Broker:
-    """A mosquitto on a free loopback port, or on several at once. A free port cannot be reserved, only tried."""
+    """A mosquitto on a free loopback port. A free port cannot be reserved, only tried."""
 
     def __init__(self, folder):
         self.process = None
         for _ in range(20):
             self.port = random.SystemRandom().randrange(4000, 10000)  # two runs may have one seed
-            if answers(self.port):
-                continue
-            config = folder / "mosquitto.conf"
+            config, log = folder / "mosquitto.conf", folder / "mosquitto.log"
             config.write_text(
                 f"listener {self.port} 127.0.0.1\nallow_anonymous true\nset_tcp_nodelay true\n"
-                "max_queued_messages 0\n"
+                "max_queued_messages 0\nconnection_messages false\n"
             )
             path = os.environ["PATH"] + ":/usr/sbin"
             command = [shutil.which("mosquitto", path=path) or "mosquitto", "-c", str(config)]
-            self.process = subprocess.Popen(command, **END)
-            try:
-                wait_until(lambda: answers(self.port) or self.process.poll() is not None, "mosquitto")
+            with open(log, "wb") as err:
+                self.process = subprocess.Popen(command, **{**END, "stderr": err})
+            try:  # its own word: where another has taken the port, that one would answer
+                wait_until(lambda: b" running" in log.read_bytes() or self.process.poll() is not None, "mosquitto")
             except RuntimeError:
                 self.stop()
                 continue
-            time.sleep(0.1)  # one that found the port taken has ended by then
             if self.process.poll() is None:
                 return
         raise RuntimeError("no broker could be started")
@@ -83,12 +74,17 @@ class Witness:
         self.seen = []
         self.markers = 0
         self.last_marker = -1
-        wait_until(self._is_subscribed, "the subscriber")
+        try:
+            wait_until(self._is_subscribed, "the subscriber")
+        except RuntimeError:
+            self.stop()
+            raise
 
     def _is_subscribed(self):
+        # Any marker will do: to wait for the newest, with a newer one each time, may never end.
         self._mark()
         self._read(0.1)
-        return self.last_marker == self.markers
+        return self.last_marker > 0
 
     def _mark(self):
         self.markers += 1
@@ -155,7 +151,11 @@ class World:
         self.numbers = itertools.count()
         self.robot = None
         self.broker = Broker(self.folder)
-        self.witness = Witness(self.broker.port)
+        try:
+            self.witness = Witness(self.broker.port)
+        except RuntimeError:
+            self.broker.stop()
+            raise
 
     def start_robot(self):
         log = self.folder / "robot.log"
