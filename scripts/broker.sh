@@ -17,7 +17,7 @@ start_broker() {
     broker_pid=$!
     export FLEETPUB_BROKER=mqtt://127.0.0.1:$broker_port
     while kill -0 "$broker_pid" 2>/dev/null; do
-      "$@" >/dev/null 2>&1 && return 0
+      "$@" >/dev/null 2>&1 && grep -q ' running$' "$folder/mosquitto.log" && return 0  # and not the somebody else
     done
   done
   broker_pid=
