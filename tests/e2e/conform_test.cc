@@ -69,7 +69,7 @@ TEST_F(Conform, ActionsAreSentThroughTheLedgerAndThePauseIsTakenBack) {
   EXPECT_EQ(verdicts["I09"], "PASS");
   EXPECT_EQ(verdicts.count("I11"), 0U) << "of 3.0";
   EXPECT_GT(Sent(), 10U);
-  EXPECT_EQ(Fleetpub({"await", "KIT/0001", "paused=false", "-W", "5s"}).exit_code, 0);
+  EXPECT_EQ(Fleetpub({"await", "KIT/0001", "paused=false", "-W", "60s"}).exit_code, 0);
 }
 
 TEST_F(Conform, AFaultIsFoundWithAdviceAndExitCode) {
@@ -183,7 +183,7 @@ class InterruptedConform : public Conform {
                                       "60",      "--report", "json=" + report_};
     words.insert(words.end(), more.begin(), more.end());
     auto process = std::make_unique<Process>(operator_.Prepare(std::move(words)));
-    EXPECT_EQ(Fleetpub({"await", "KIT/0001", "driving=true", "-W", "15s"}).exit_code, 0)
+    EXPECT_EQ(Fleetpub({"await", "KIT/0001", "driving=true", "-W", "60s"}).exit_code, 0)
         << process->Errors();
     return process;
   }

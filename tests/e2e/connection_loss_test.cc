@@ -45,7 +45,7 @@ class ConnectionLoss : public EndToEnd {
 
 TEST_F(ConnectionLoss, WaitsOnWhenTheBrokerIsStartedAgain) {
   const auto robot = Robot({"KIT/0001", "--delay", "1s", "--state-interval", "300ms", "-v"});
-  const auto run = Charge(*robot, broker_.Url(), {"-W", "15s"});
+  const auto run = Charge(*robot, broker_.Url(), {"-W", "60s"});
   EXPECT_EQ(Commands(), 1);
   broker_.Kill();
   ASSERT_TRUE(run->AwaitErrors("was lost: the broker closed it"));
@@ -71,7 +71,7 @@ TEST_F(ConnectionLoss, SaysThatTheBrokerNeverCameBack) {
 TEST_F(ConnectionLoss, NoticesThatTheNetworkIsDead) {
   const auto robot = Robot({"KIT/0001", "--delay", "1s", "--state-interval", "300ms", "-v"});
   Relay relay(broker_.port());
-  const auto run = Charge(*robot, relay.Url(), {"-W", "15s", "-k", "1", "--connect-timeout", "2s"});
+  const auto run = Charge(*robot, relay.Url(), {"-W", "60s", "-k", "1", "--connect-timeout", "2s"});
   relay.Die();
   ASSERT_TRUE(run->AwaitErrors("did not answer the keep-alive pings")) << run->Errors();
   relay.Revive();
@@ -101,8 +101,8 @@ TEST_F(ConnectionLoss, IsNotADistantBroker) {
            {"pause", "KIT/0001"},
            {"resume", "KIT/0001", "-q", "1", "-V", "5"},
            {"pause", "KIT/0001", "--wait", "-q", "2"},
-           {"resume", "KIT/0001", "--wait", "--vda", "auto", "-W", "5s"},
-           {"await", "KIT/0001", "state", "paused=false", "-W", "5s"},
+           {"resume", "KIT/0001", "--wait", "--vda", "auto", "-W", "60s"},
+           {"await", "KIT/0001", "state", "paused=false", "-W", "60s"},
            {"fleet"},
            {"ping"}}) {
     const Finished run = Fleetpub(call);
@@ -114,7 +114,7 @@ TEST_F(ConnectionLoss, IsNotADistantBroker) {
 
 TEST_F(ConnectionLoss, SurvivesThatSomebodyElseTakesTheClientId) {
   const auto robot = Robot({"KIT/0001", "--delay", "1s", "--state-interval", "300ms", "-v"});
-  const auto run = Charge(*robot, broker_.Url(), {"-W", "15s", "-i", "hall-1"});
+  const auto run = Charge(*robot, broker_.Url(), {"-W", "60s", "-i", "hall-1"});
   EXPECT_EQ(Send({"pause", "KIT/0001", "-i", "hall-1"}).exit_code, 0);
   EXPECT_EQ(run->Wait(), 0) << run->Output() << run->Errors();
   EXPECT_THAT(run->Errors(), HasSubstr("does another client use the same client id?"));

@@ -21,7 +21,7 @@ using ::testing::HasSubstr;
 using ::testing::SizeIs;
 
 // RabbitMQ takes 15 s for the subscriptions to a thousand robots, with nothing beside it.
-constexpr std::chrono::seconds kPatience = 6 * Process::kPatience;
+constexpr std::chrono::seconds kPatience = 2 * Process::kPatience;
 // For what a broker has to answer. An attempt that a robot gives up publishes its last will, which
 // ends a wait: OFFLINE.
 constexpr const char* kAcknowledged = "60s";

@@ -66,7 +66,7 @@ TEST_F(Driving, GetsStuckOnDemandAndCanBeCancelled) {
   const Subscriber shown(broker_, "vda5050/v3/KIT/0001/visualization");
   EXPECT_EQ(Fleetpub({"publish", "order", "KIT/0001", "-f", OrderFile(), "--wait"}).exit_code, 0);
   EXPECT_EQ(Fleetpub({"await", "KIT/0001", "state", "driving=false", "lastNodeId=n1",
-                      "/mobileRobotPosition/x=2.5", "-W", "5s"})
+                      "/mobileRobotPosition/x=2.5", "-W", "60s"})
                 .exit_code,
             0);
   EXPECT_FALSE(shown.Await(2).empty());

@@ -34,7 +34,7 @@ class FleetWatchAwait : public EndToEnd {
 TEST_F(FleetWatchAwait, AwaitsWhatAnotherProcessBringsAbout) {
   const auto robot = Simulate({"KIT/0001", "--state-interval", "200ms"});
   const auto waiting =
-      Start({"await", "KIT/0001", "state", "paused=true", "battery>50", "-W", "15s", "-o", "json"});
+      Start({"await", "KIT/0001", "state", "paused=true", "battery>50", "-W", "60s", "-o", "json"});
   ASSERT_TRUE(broker_.AwaitSubscription("+/+/KIT/0001/state (QoS 0)"));
   EXPECT_FALSE(waiting->Wait(std::chrono::milliseconds(400)));
   EXPECT_EQ(Fleetpub({"pause", "KIT/0001"}).exit_code, 0);
@@ -47,14 +47,14 @@ TEST_F(FleetWatchAwait, AwaitsWhatAnotherProcessBringsAbout) {
 TEST_F(FleetWatchAwait, AwaitsWithARetainedMessageOfAnyVersion) {
   const auto robot = Simulate({"KIT/0001", "--vda", "2.0"});
   const Finished run =
-      Fleetpub({"await", "KIT/0001", "connection", "connectionState=ONLINE", "-W", "5s"});
+      Fleetpub({"await", "KIT/0001", "connection", "connectionState=ONLINE", "-W", "60s"});
   EXPECT_EQ(run.exit_code, 0) << run.errors;
   EXPECT_THAT(run.output, StartsWith("KIT/0001  connection: connectionState=ONLINE  after "));
   EXPECT_THAT(Lines(run.output), SizeIs(1));
   EXPECT_THAT(
       Fleetpub({"await", "KIT/0001", "connection", "connectionState=ONLINE", "--print"}).output,
       AllOf(StartsWith("{"), HasSubstr(R"("connectionState":"ONLINE")")));
-  EXPECT_EQ(Fleetpub({"await", "KIT/0001", "factsheet", "version=2.0.0", "--vda", "2", "-W", "5s"})
+  EXPECT_EQ(Fleetpub({"await", "KIT/0001", "factsheet", "version=2.0.0", "--vda", "2", "-W", "60s"})
                 .exit_code,
             0);
   const Finished other = Fleetpub(
@@ -89,7 +89,7 @@ TEST_F(FleetWatchAwait, RefusesConditionsThatCannotBeMeant) {
 }
 
 TEST_F(FleetWatchAwait, AwaitsThroughARestartOfTheBroker) {
-  const auto waiting = Start({"await", "KIT/0001", "state", "paused=true", "-W", "20s"});
+  const auto waiting = Start({"await", "KIT/0001", "state", "paused=true", "-W", "60s"});
   ASSERT_TRUE(broker_.AwaitSubscription("KIT/0001/state"));
   broker_.Kill();
   ASSERT_TRUE(waiting->AwaitErrors("connecting again"));

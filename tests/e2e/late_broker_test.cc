@@ -37,7 +37,7 @@ TEST_F(LateBroker, IsWaitedForByAPing) {
 }
 
 TEST_F(LateBroker, IsWaitedForByRobotsAndByWhoAwaitsThem) {
-  const auto await = StartBefore({"await", "KIT/0001", "operatingMode=AUTOMATIC", "-W", "20s"});
+  const auto await = StartBefore({"await", "KIT/0001", "operatingMode=AUTOMATIC", "-W", "60s"});
   broker_.Kill();
   const auto robot = StartBefore({"simulate", "KIT/0001", "--state-interval", "100ms"});
   EXPECT_TRUE(robot->AwaitErrors("1 robot online"));

@@ -108,7 +108,7 @@ TEST_P(OrderInEachVersion, ReleasesExtendsAndIsFollowed) {
   accepted({"extend", "KIT/0001", "n4"});
   EXPECT_EQ(Order({"release", "KIT/0001", "2", "--wait-for", "accepted"}).exit_code, 0);
   EXPECT_EQ(Order({"release", "KIT/0001", "all"}).exit_code, 0);
-  const Finished follow = Order({"follow", "KIT/0001", "-W", "20s"});
+  const Finished follow = Order({"follow", "KIT/0001", "-W", "60s"});
   EXPECT_EQ(follow.exit_code, 0) << follow.errors;
   EXPECT_THAT(follow.output, HasSubstr("FINISHED"));
   accepted({"extend", "KIT/0001", "n1"});  // after the end
@@ -380,7 +380,7 @@ TEST_F(OrderCommand, DoesNotFailForAnInstantActionThatDid) {
   };
   const Subscriber asked(broker_, base + "instantActions");
   const auto follow = std::make_unique<Process>(
-      operator_.Prepare({"order", "follow", "KIT/0001", "--vda", "2.1", "-W", "20s"}));
+      operator_.Prepare({"order", "follow", "KIT/0001", "--vda", "2.1", "-W", "60s"}));
   ASSERT_EQ(asked.Await(1).size(), 1U);
   state(1, R"({"nodeId":"n2","sequenceId":2,"released":true})", "n1");
   ASSERT_TRUE(follow->AwaitErrors("order o9"));

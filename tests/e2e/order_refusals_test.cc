@@ -171,8 +171,8 @@ class OrderRefusals : public EndToEnd, public ::testing::WithParamInterface<std:
   [[nodiscard]] Finished Publish(const OrderText& order, const char* version,
                                  const char* wait_for) const {
     const std::string file = operator_.home().Write("order.json", order.Write(version)).string();
-    return Fleetpub({"publish", "order", "KIT/0001", "-f", file, "--wait-for", wait_for, "-W", "5s",
-                     "--no-check"});
+    return Fleetpub({"publish", "order", "KIT/0001", "-f", file, "--wait-for", wait_for, "-W",
+                     "60s", "--no-check"});
   }
 };
 

@@ -66,7 +66,7 @@ TEST_F(Orders, NeedAPermissionAndAreDoneWithIt) {
       Fleetpub({"respond", "KIT/0001", "request-1", "granted", "--lease-expiry", "1m", "--wait"});
   EXPECT_EQ(granted.exit_code, 0) << granted.output;
   const Finished done = Fleetpub({"await", "KIT/0001", "state", "orderId=o-1", "lastNodeId=n2",
-                                  "/nodeStates=[]", "-W", "10s"});
+                                  "/nodeStates=[]", "-W", "60s"});
   EXPECT_EQ(done.exit_code, 0) << done.errors;
   EXPECT_THAT(Fleetpub({"requests"}).output, HasSubstr("no robot that sent a state asks"));
 }

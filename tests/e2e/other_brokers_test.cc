@@ -105,7 +105,7 @@ TEST_P(OtherBroker, FindsByPatternsWhomItHasCommanded) {
   if (IsRabbitMq()) ExpectEnd({"pause", "SEEN/*"}, 7, "RabbitMQ");
   ExpectEnd({"pause", "SEEN/0001", "SEEN/0002", "--wait"}, 0, "FINISHED");
   ExpectEnd({"resume", "SEEN/*", "--yes", "--wait"}, 0, "2 finished");
-  ExpectEnd({"await", "SEEN/*", "connection", "connectionState=ONLINE", "-W", "5s"}, 0,
+  ExpectEnd({"await", "SEEN/*", "connection", "connectionState=ONLINE", "-W", "60s"}, 0,
             "SEEN/0002");
   ExpectEnd({"action", "dance", "SEEN/*", "--yes"}, 7, "factsheet");
 }

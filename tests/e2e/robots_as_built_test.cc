@@ -73,7 +73,7 @@ TEST_F(RobotsAsBuilt, AreReadWhereTheirWordsHaveOneMeaning) {
                                     "hle\t\""),
                              Listed("FINISHED", R"(,"paused":1,"paused":true)")};
   for (const std::string& state : odd) {
-    const auto run = Pause({"-W", "10s"});
+    const auto run = Pause({"-W", "60s"});
     Say("state", state);
     EXPECT_EQ(run->Wait(), 0) << run->Output();
   }
@@ -91,7 +91,7 @@ TEST_F(RobotsAsBuilt, AreNotCalledSilentNorAskedTwiceWhenTheyCannotBeRead) {
 }
 
 TEST_F(RobotsAsBuilt, ProveNothingByAStateThatComesLate) {
-  const auto run = Pause({"-W", "10s"});
+  const auto run = Pause({"-W", "60s"});
   const auto say = [&](int id, std::string_view entries) {
     Say("state", fmt::format(R"({{{},"headerId":{},"timestamp":"2026-01-02T03:04:05",)"
                              R"("actionStates":[{}]}})",
@@ -113,7 +113,7 @@ TEST_F(RobotsAsBuilt, DoNoOrderAgainThatTheyHaveDone) {
 }
 
 TEST_F(RobotsAsBuilt, AreHeardAtOnceWhenAnOrderGoesWrong) {
-  const auto run = SendOrder(0, {"--wait-for", "finished", "-W", "10s"});
+  const auto run = SendOrder(0, {"--wait-for", "finished", "-W", "60s"});
   const auto say = [&](std::string_view left, std::string_view errors) {
     Say("state", fmt::format(R"({{{},"orderId":"o-1","orderUpdateId":0,"nodeStates":[{}],)"
                              R"("edgeStates":[],"lastNodeId":"b","lastNodeSequenceId":2,)"
@@ -133,7 +133,7 @@ TEST_F(RobotsAsBuilt, AreHeardAtOnceWhenAnOrderGoesWrong) {
 TEST_F(RobotsAsBuilt, RefuseAnUpdateThatIsLowerThanTheirs) {
   constexpr std::string_view kState =
       R"({{{},"orderId":"o-1","orderUpdateId":6,"errors":[{{"errorType":"tooOld","errorReferences":[{}]}}]}})";
-  auto run = SendOrder(4, {"-W", "10s"});
+  auto run = SendOrder(4, {"-W", "60s"});
   Say("state", fmt::format(kState, kHeader,
                            R"({"referenceKey":"orderId","referenceValue":"o-1"},
                      {"referenceKey":"newUpdate.orderUpdateId","referenceValue":"4"},

@@ -30,7 +30,7 @@ class VirtualAgv : public EndToEnd, public ::testing::WithParamInterface<Dialect
 
   /// Commands the robot and waits for its word.
   [[nodiscard]] Finished Command(std::vector<std::string> arguments) const {
-    for (const char* argument : {"--vda", GetParam().version, "--wait", "-W", "20s"}) {
+    for (const char* argument : {"--vda", GetParam().version, "--wait", "-W", "60s"}) {
       arguments.emplace_back(argument);
     }
     const auto& more = GetParam().options;

@@ -176,7 +176,7 @@ TEST_F(Wait, KnowsThePeculiarEndings) {
   const auto robot = Robot({"KIT/0001", "KIT/0002"});  // the second keeps what the first left
   for (const char* action : {"factsheetRequest", "clearInstantActions", "startHibernation",
                              "stopHibernation", "shutdown"}) {
-    const Finished run = Fleetpub({action, "KIT/0001", "--wait", "-W", "5s"});
+    const Finished run = Fleetpub({action, "KIT/0001", "--wait", "-W", "60s"});
     EXPECT_EQ(run.exit_code, 0) << action << run.output << run.errors;
   }
   const Finished gone = Fleetpub({"resume", "KIT/0001", "--wait"});

@@ -30,7 +30,7 @@ struct Command {
 /// fleetpub printed is as its schemas say (ExpectDescribed).
 class Process {
  public:
-  static constexpr std::chrono::seconds kPatience{20 * kSlowness};
+  static constexpr std::chrono::seconds kPatience{60 * kSlowness};
 
   /// Starts it. Throws std::runtime_error when there is no such program.
   explicit Process(Command command);
