@@ -6,8 +6,8 @@
 
 namespace fleetpub::delivery {
 
-PendingCommands::PendingCommands(const WaitOptions& options, EndHook ended, NewsHook news)
-    : options_(options), ended_(std::move(ended)), news_(std::move(news)) {}
+PendingCommands::PendingCommands(const WaitOptions& options, EndHook ended, NewsHook news, Now now)
+    : options_(options), ended_(std::move(ended)), news_(std::move(news)), now_(std::move(now)) {}
 
 PendingCommands::KeysByTopic& PendingCommands::MapFor(const std::string& topic) {
   return HasWildcard(topic) ? by_filter_ : by_topic_;
@@ -49,7 +49,7 @@ void PendingCommands::Published(Key key, message::Report report) {
   const auto found = tracked_.find(key);
   if (found == tracked_.end()) return;
   Tracked& watched = found->second;
-  const auto now = Clock::now();
+  const auto now = now_();
   if (!watched.open) {
     watched.open = true;
     watched.published = now;
@@ -100,8 +100,7 @@ void PendingCommands::Update(Entry& entry) {
   }
   if (progress.seen && !watched.seen) {
     watched.seen = true;
-    SetLimit(entry,
-             options_.total ? watched.published + *options_.total : Clock::now() + options_.done);
+    SetLimit(entry, options_.total ? watched.published + *options_.total : now_() + options_.done);
   }
 }
 
@@ -119,7 +118,7 @@ void PendingCommands::End(Entry& entry, message::CommandStatus status,
   report.message = std::move(message);
   report.kept = entry.second.tracker->progress().kept;
   if (error && report.unacknowledged) report.message += "; the broker did not acknowledge it";
-  report.elapsed = Clock::now() - entry.second.started;
+  report.elapsed = now_() - entry.second.started;
   const Key key = entry.first;
   Forget(key);
   ended_(key, std::move(report));
@@ -127,12 +126,14 @@ void PendingCommands::End(Entry& entry, message::CommandStatus status,
 
 std::vector<PendingCommands::Key> PendingCommands::Expire() {
   std::vector<Key> again;
-  const auto now = Clock::now();
+  const auto now = now_();
   while (!limits_.empty() && limits_.begin()->first <= now) {
     Entry& entry = *tracked_.find(limits_.begin()->second);
     Tracked& watched = entry.second;
     const message::Progress& progress = watched.tracker->progress();
-    const bool may_repeat = !watched.seen && watched.repeats < options_.resend;
+    // Not when the whole time is up, however late that is noticed.
+    const bool in_time = !options_.total || now < watched.published + *options_.total;
+    const bool may_repeat = in_time && !watched.seen && watched.repeats < options_.resend;
     if (may_repeat && progress.unreadable) {  // its answer, perhaps
       watched.repeats = options_.resend;
       SetLimit(entry, watched.published + options_.total.value_or(options_.seen));

@@ -54,8 +54,11 @@ class PendingCommands {
   using EndHook = std::function<void(Key key, message::Report report)>;
   /// What a target said before its end (ResponseTracker::TakeNews). May be empty.
   using NewsHook = std::function<void(std::string_view line)>;
+  using Now = std::function<Clock::time_point()>;
 
-  PendingCommands(const WaitOptions& options, EndHook ended, NewsHook news = {});
+  /// `now` is another one in tests.
+  PendingCommands(const WaitOptions& options, EndHook ended, NewsHook news = {},
+                  Now now = Clock::now);
 
   /// Registers a command under the caller's key before it is published.
   void Track(Key key, std::shared_ptr<message::ResponseTracker> tracker);
@@ -120,6 +123,7 @@ class PendingCommands {
   WaitOptions options_;
   EndHook ended_;
   NewsHook news_;
+  Now now_;
   std::unordered_map<Key, Tracked> tracked_;
   KeysByTopic by_topic_;
   KeysByTopic by_filter_;                               // with wildcards

@@ -2,8 +2,6 @@
 
 #include <gmock/gmock.h>
 
-#include <thread>
-
 namespace fleetpub::delivery {
 namespace {
 
@@ -45,11 +43,16 @@ class Following : public ::testing::Test {
       ended_.push_back(std::to_string(key) + " " + std::string(GetName(report.status)));
     };
   }
+  /// Of `options`, by a clock that stands still until `now_` is set.
+  PendingCommands Pending(const WaitOptions& options) {
+    return {options, RecordEnd(), {}, [this] { return now_; }};
+  }
+  PendingCommands::Clock::time_point now_{std::chrono::hours(1)};
   std::vector<std::string> ended_;
 };
 
 TEST_F(Following, TellsEachEndOnceAndForgetsIt) {
-  PendingCommands pending({}, RecordEnd());
+  PendingCommands pending = Pending({});
   Publish(pending, 1, "a");
   Publish(pending, 2, "a");
   Publish(pending, 3, "b/+");
@@ -72,7 +75,7 @@ class NotAwaited final : public Told {
 };
 
 TEST_F(Following, EndsAtOnceOfWhomNoAnswerIsExpected) {
-  PendingCommands pending({}, RecordEnd());
+  PendingCommands pending = Pending({});
   pending.Track(7, std::make_shared<NotAwaited>());
   pending.Published(7, {.reference = "7"});
   EXPECT_THAT(ended_, ElementsAre("7 FINISHED"));
@@ -80,27 +83,27 @@ TEST_F(Following, EndsAtOnceOfWhomNoAnswerIsExpected) {
 }
 
 TEST_F(Following, EndsInTheOrderOfTheLimits) {
-  PendingCommands pending({.seen = milliseconds(20), .done = milliseconds(60)}, RecordEnd());
+  PendingCommands pending = Pending({.seen = milliseconds(20), .done = milliseconds(60)});
   Publish(pending, 1, "a");
   pending.Deliver({.topic = "a", .payload = "seen"});
   Publish(pending, 2, "b");
   const auto first = pending.NextLimit();
-  std::this_thread::sleep_until(first);
+  now_ = first;
   EXPECT_THAT(pending.Expire(), IsEmpty());
   EXPECT_THAT(ended_, ElementsAre("2 TIMEOUT"));
   EXPECT_GT(pending.NextLimit(), first);
-  std::this_thread::sleep_until(pending.NextLimit());
+  now_ = pending.NextLimit();
   EXPECT_THAT(pending.Expire(), IsEmpty());
   EXPECT_THAT(ended_, ElementsAre("2 TIMEOUT", "1 TIMEOUT"));
 }
 
 TEST_F(Following, AsksForWhatWasNotSeenToBeSentAgain) {
-  PendingCommands pending({.seen = milliseconds(5), .resend = 1}, RecordEnd());
+  PendingCommands pending = Pending({.seen = milliseconds(5), .resend = 1});
   Publish(pending, 7, "a");
-  std::this_thread::sleep_until(pending.NextLimit());
+  now_ = pending.NextLimit();
   EXPECT_THAT(pending.Expire(), ElementsAre(7U));
   EXPECT_THAT(pending.Expire(), IsEmpty());
-  std::this_thread::sleep_until(pending.NextLimit());
+  now_ = pending.NextLimit();
   EXPECT_THAT(pending.Expire(), IsEmpty());
   EXPECT_THAT(ended_, ElementsAre("7 TIMEOUT"));
 }
@@ -108,40 +111,52 @@ TEST_F(Following, AsksForWhatWasNotSeenToBeSentAgain) {
 // The topic's lock and the broker may have taken long.
 TEST_F(Following, CountsTheTimeFromAskingForTheTopic) {
   std::chrono::nanoseconds elapsed{0};
-  PendingCommands pending({}, [&](PendingCommands::Key /*key*/, const message::Report& report) {
-    elapsed = report.elapsed;
-  });
+  PendingCommands pending(
+      {},
+      [&](PendingCommands::Key /*key*/, const message::Report& report) {
+        elapsed = report.elapsed;
+      },
+      {}, [this] { return now_; });
   pending.Track(1, std::make_shared<Told>("a"));
   pending.Published(1, {.elapsed = std::chrono::seconds(3)});
+  now_ += std::chrono::seconds(1);
   pending.Deliver({.topic = "a", .payload = "done"});
-  EXPECT_GE(elapsed, std::chrono::seconds(3));
-  EXPECT_LT(elapsed, std::chrono::seconds(4));
+  EXPECT_EQ(elapsed, std::chrono::seconds(4));
 }
 
 TEST_F(Following, WaitsNoLongerInTotalHoweverLateItIsSentAgain) {
-  PendingCommands pending({.total = milliseconds(40), .resend = 1}, RecordEnd());
-  const auto start = PendingCommands::Clock::now();
+  PendingCommands pending = Pending({.total = milliseconds(40), .resend = 1});
+  const auto start = now_;
   Publish(pending, 1, "a");
-  std::this_thread::sleep_until(start + milliseconds(30));
+  now_ = start + milliseconds(30);
   EXPECT_THAT(pending.Expire(), ElementsAre(1));
   pending.Published(1, {.reference = "1"});
-  EXPECT_LE(pending.NextLimit(), start + milliseconds(41));
+  EXPECT_EQ(pending.NextLimit(), start + milliseconds(40));
+}
+
+// The machine, or the program, stood still.
+TEST_F(Following, SendsNothingAgainWhenTheWholeTimeIsUp) {
+  PendingCommands pending = Pending({.total = milliseconds(40), .resend = 1});
+  Publish(pending, 1, "a");
+  now_ += milliseconds(40);
+  EXPECT_THAT(pending.Expire(), IsEmpty());
+  EXPECT_THAT(ended_, ElementsAre("1 TIMEOUT"));
 }
 
 TEST_F(Following, SendsNothingAgainForAnAnswerThatCannotBeRead) {
-  PendingCommands pending({.total = milliseconds(40), .resend = 3}, RecordEnd());
+  PendingCommands pending = Pending({.total = milliseconds(40), .resend = 3});
   Publish(pending, 7, "a");
   pending.Deliver({.topic = "a", .payload = "unreadable"});
-  std::this_thread::sleep_until(pending.NextLimit());
+  now_ = pending.NextLimit();
   EXPECT_THAT(pending.Expire(), IsEmpty());
   EXPECT_THAT(ended_, IsEmpty()) << "the whole time is for the answer";
-  std::this_thread::sleep_until(pending.NextLimit());
+  now_ = pending.NextLimit();
   EXPECT_THAT(pending.Expire(), IsEmpty());
   EXPECT_THAT(ended_, ElementsAre("7 TIMEOUT"));
 }
 
 TEST_F(Following, ForgetsWhatDidNotLeave) {
-  PendingCommands pending({}, RecordEnd());
+  PendingCommands pending = Pending({});
   pending.Track(1, std::make_shared<Told>("a"));
   Publish(pending, 2, "a");
   pending.Forget(1);

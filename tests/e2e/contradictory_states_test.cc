@@ -82,7 +82,7 @@ TEST_F(ContradictoryStates, AStateThatCannotBeReadIsSeenInTheFleetAndInCondition
   EXPECT_EQ(fleet.Wait(), 0) << fleet.Errors();
   EXPECT_THAT(Json(fleet.Output())["stateFault"].GetString(), HasSubstr("64 levels"));
   Process where(operator_.Prepare({"resume", "KIT/*", "--where", "paused=true", "--discover", "100",
-                                   "--state-wait", "1s", "--yes"}));
+                                   "--state-wait", "20s", "--yes"}));
   ASSERT_TRUE(broker_.AwaitSubscription("+/+/KIT/0001/state"));
   Say(kStateTopic, state);
   EXPECT_EQ(where.Wait(), 7) << where.Output() << where.Errors();

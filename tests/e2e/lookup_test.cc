@@ -3,8 +3,6 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
-#include <thread>
-
 #include "support/operator.h"
 
 namespace fleetpub::testing {
@@ -34,14 +32,17 @@ class Lookup : public EndToEnd {
     Say(place + "/KIT/" + serial + "/connection",
         fmt::format(R"({{{},"connectionState":"{}"}})", Header(version, serial), state), true);
   }
-  /// Sends states as long as it lives.
-  [[nodiscard]] std::jthread Speak(const std::string& place, std::string_view version,
-                                   const std::string& serial) const {
+  /// Sends states as long as it lives, fifty a second; the first has come when this returns.
+  [[nodiscard]] std::unique_ptr<Process> Speak(const std::string& place, std::string_view version,
+                                               const std::string& serial) {
+    const std::string topic = place + "/KIT/" + serial + "/state";
     const std::string state = fmt::format(R"({{{},"operatingMode":"AUTOMATIC","paused":false}})",
                                           Header(version, serial));
-    return std::jthread([=, this](const std::stop_token& stop) {
-      while (!stop.stop_requested()) Say(place + "/KIT/" + serial + "/state", state, false);
-    });
+    auto robot = std::make_unique<Process>(Command{
+        .arguments = {"mosquitto_pub", "-h", "127.0.0.1", "-p", std::to_string(broker_.port()),
+                      "-t", topic, "-m", state, "--repeat", "1000000", "--repeat-delay", "0.02"}});
+    EXPECT_TRUE(broker_.AwaitLog("'" + topic + "'"));
+    return robot;
   }
   /// The one result.
   [[nodiscard]] base::JsonDocument Result(std::vector<std::string> arguments, int exit_code) const {
@@ -143,11 +144,12 @@ TEST_F(Lookup, TakesStatesForASignOfLife) {
   const std::vector<std::vector<std::string>> ways = {
       {"KIT/0001", "KIT/0002"}, {"KIT/*"}, {"KIT/*", "--where", "paused=false"}};
   for (const auto& way : ways) {
-    std::vector<std::string> call = {"resume", "--yes", "-o", "json", "--discover", "60"};
+    std::vector<std::string> call = {"resume", "--yes", "-o", "json", "--discover", "300"};
     call.insert(call.end(), way.begin(), way.end());
     const Finished run = Fleetpub(call);
     EXPECT_EQ(run.exit_code, 0) << run.output << run.errors;
     const auto lines = Lines(run.output);
+    ASSERT_THAT(lines, SizeIs(testing::Ge(2U)));
     for (std::size_t i = 0; i < 2; ++i) {
       const auto result = Json(lines.at(i));
       EXPECT_STREQ(result["status"].GetString(), "SENT");
@@ -173,7 +175,7 @@ TEST_F(Lookup, FindsThePlaceWhereARobotLives) {
       << "nobody can tell";
   const auto living = Speak("vda5050/v3", "3.0.0", "0001");
   for (const char* target : {"KIT/0001", "KIT/*"}) {
-    const Finished run = Fleetpub({"resume", target, "--discover", "100", "-o", "json"});
+    const Finished run = Fleetpub({"resume", target, "--discover", "300", "-o", "json"});
     EXPECT_EQ(run.exit_code, 0) << run.output << run.errors;
     EXPECT_STREQ(Json(Lines(run.output).front())["topic"].GetString(),
                  "vda5050/v3/KIT/0001/instantActions");
