@@ -46,7 +46,7 @@ TEST_F(BrokerFailures, OfReachingItAreNamedByEveryCommand) {
   const std::pair<std::string, std::string> peers[] = {
       {"mqtt://127.0.0.1:" + std::to_string(FreePort()), "connection refused: is a broker running"},
       {"mqtt://broker.invalid", "the name"},
-      {silent.Url(), "gave no MQTT answer within 300 ms"},
+      {silent.Url(), "gave no MQTT answer within "},
   };
   const std::vector<std::vector<std::string>> commands = {
       {"pause", "KIT/0001"},

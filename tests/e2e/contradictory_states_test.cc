@@ -26,7 +26,7 @@ class ContradictoryStates : public EndToEnd {
   }
 
   /// Pauses the robot, says this state once the command is out, and waits for the end.
-  [[nodiscard]] Finished PauseAnd(const std::string& state, const char* timeout = "1s") const {
+  [[nodiscard]] Finished PauseAnd(const std::string& state, const char* timeout = "3s") const {
     const Subscriber subscriber(broker_, "+/+/KIT/0001/instantActions");
     Process run(operator_.Prepare({"pause", "KIT/0001", "--vda", "3.0.0", "--no-check", "--id",
                                    "a1", "--wait", "-W", timeout}));
@@ -65,7 +65,7 @@ TEST_F(ContradictoryStates, AStateThatIsTooDeepOrTooLargeIsTold) {
   EXPECT_EQ(deep.exit_code, 6) << deep.output;
   EXPECT_THAT(deep.output, AllOf(HasSubstr("TIMEOUT"), HasSubstr("64 levels")));
   const Finished large =
-      PauseAnd(finished + '"' + std::string(std::size_t{33} << 19U, 'a') + "\"}", "3s");
+      PauseAnd(finished + '"' + std::string(std::size_t{33} << 19U, 'a') + "\"}", "10s");
   EXPECT_EQ(large.exit_code, 6) << large.output;
   EXPECT_THAT(large.output, AllOf(HasSubstr("TIMEOUT"), HasSubstr("too large")));
 }

@@ -149,7 +149,7 @@ TEST_F(Lookup, TakesStatesForASignOfLife) {
     const Finished run = Fleetpub(call);
     EXPECT_EQ(run.exit_code, 0) << run.output << run.errors;
     const auto lines = Lines(run.output);
-    ASSERT_THAT(lines, SizeIs(testing::Ge(2U)));
+    ASSERT_THAT(lines, SizeIs(::testing::Ge(2U)));
     for (std::size_t i = 0; i < 2; ++i) {
       const auto result = Json(lines.at(i));
       EXPECT_STREQ(result["status"].GetString(), "SENT");
