@@ -62,7 +62,7 @@ TEST_F(TopicLocks, WaitUntilTheDeadlineAndNameTheTopic) {
   const auto start = steady_clock::now();
   const auto refused = Lock({"other", "KIT/1/instantActions"}, milliseconds(60));
   EXPECT_GE(steady_clock::now() - start, milliseconds(60));
-  EXPECT_LT(steady_clock::now() - start, seconds(2));
+  EXPECT_LT(steady_clock::now() - start, seconds(20));
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().kind, ErrorKind::kLedger);
   EXPECT_THAT(refused.error().message, HasSubstr("topic KIT/1/instantActions for "));
