@@ -46,7 +46,7 @@ TEST_F(BrokerFailures, OfReachingItAreNamedByEveryCommand) {
   const std::pair<std::string, std::string> peers[] = {
       {"mqtt://127.0.0.1:" + std::to_string(FreePort()), "connection refused: is a broker running"},
       {"mqtt://broker.invalid", "the name"},
-      {silent.Url(), "gave no MQTT answer within "},
+      {silent.Url(), "gave no MQTT answer within [1-3]?[0-9]?[0-9] ms:"},
   };
   const std::vector<std::vector<std::string>> commands = {
       {"pause", "KIT/0001"},
@@ -59,7 +59,7 @@ TEST_F(BrokerFailures, OfReachingItAreNamedByEveryCommand) {
       command.insert(command.end(), {"--connect-timeout", kShort});
       const Finished run = Call(url, command);
       EXPECT_EQ(run.exit_code, 4) << command[0] << run.output << run.errors;
-      EXPECT_THAT(run.errors, AllOf(HasSubstr(words), HasSubstr(url)));
+      EXPECT_THAT(run.errors, AllOf(::testing::ContainsRegex(words), HasSubstr(url)));
       EXPECT_EQ(run.errors.find("nothing was sent") != std::string::npos, command[0] == "pause");
     }
   }
