@@ -131,7 +131,8 @@ void CheckIntervals(const PlaceEvidence& place, Finder& finder) {
   const bool has_left = place.connection && vda5050::IsAway(place.connection->connection_state);
   const nanoseconds silence =
       has_left ? rhythm.longest : rhythm.FindSilence(finder.listening().elapsed, place.since);
-  const auto usual = place.factsheet ? place.factsheet->usual_interval : std::nullopt;
+  std::optional<nanoseconds> usual;
+  if (place.factsheet) usual = place.factsheet->usual_interval;
   const Remedy look = finder.Try("tail", {"--topic", "state"});
   finder.Examined();
   if (silence > vda5050::kLongestSilence) {

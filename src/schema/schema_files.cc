@@ -42,13 +42,12 @@ Known KnownNames() {
 }
 
 // Without its ending; "" for what is no schema file.
-std::string ParseStem(std::string path) {
+std::string ParseStem(const std::string& path) {
   constexpr std::array<std::string_view, 3> kEndings = {".schema.json", ".openapi.json", ".schema"};
   const auto* ending = std::find_if(kEndings.begin(), kEndings.end(),
                                     [&path](std::string_view e) { return path.ends_with(e); });
   if (ending == kEndings.end()) return {};
-  path.resize(path.size() - ending->size());
-  return path;
+  return path.substr(0, path.size() - ending->size());
 }
 
 // `3.0.0` for `3.0.0`, `v3.0` and `3.0.0-site`; the number itself for a version that we do not

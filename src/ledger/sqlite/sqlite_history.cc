@@ -1,5 +1,7 @@
 #include "ledger/sqlite/sqlite_history.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <limits>
 
@@ -13,7 +15,7 @@ using std::chrono::microseconds;
 
 constexpr char kSelect[] =
     "SELECT id, recorded_at, outcome_at, user, host, profile, broker, target, protocol, version, "
-    "topic, header_id, actions, payload, status, detail FROM messages ";
+    "topic, header_id, actions, payload, status, detail FROM messages";
 
 WallTime FromMicros(std::int64_t micros) { return WallTime(microseconds(micros)); }
 
@@ -87,13 +89,15 @@ Result<std::vector<Record>> ReadHistory(Database& database, const HistoryFilter&
   constexpr auto kWhole = std::numeric_limits<std::int64_t>{};
   Statement statement(
       database,
-      std::string(kSelect) +
-          "WHERE (?1 = '' OR target = ?1) AND (?2 = '' OR status = ?2) AND (?3 = '' OR user = ?3) "
+      fmt::format(
+          "{} WHERE (?1 = '' OR target = ?1) AND (?2 = '' OR status = ?2) AND (?3 = '' OR user = "
+          "?3) "
           "AND (?4 = '' OR EXISTS (SELECT 1 FROM json_each(actions) "
           "WHERE json_extract(value, '$.type') = ?4)) "
           "AND recorded_at >= ?5 AND recorded_at < ?6 AND id < ?7 AND (?9 = '[]' OR broker IN "
           "(SELECT value FROM json_each(?9))) "
-          "ORDER BY id DESC LIMIT ?8");
+          "ORDER BY id DESC LIMIT ?8",
+          kSelect));
   statement.Bind(1, filter.target).Bind(2, filter.status).Bind(3, filter.user);
   statement.Bind(4, filter.action);
   statement.Bind(5, filter.since ? ToMicros(*filter.since) : kWhole.min());
@@ -108,7 +112,7 @@ Result<std::vector<Record>> ReadHistory(Database& database, const HistoryFilter&
 }
 
 Result<std::optional<Record>> FindRecord(Database& database, std::int64_t id) {
-  Statement statement(database, std::string(kSelect) + "WHERE id = ?1");
+  Statement statement(database, fmt::format("{} WHERE id = ?1", kSelect));
   Result<std::vector<Record>> records = ReadAll(statement.Bind(1, id));
   if (!records) return Fail(std::move(records.error()));
   if (records->empty()) return std::optional<Record>();

@@ -102,15 +102,15 @@ std::optional<SpokenVersion> VersionSpoken(std::string_view header_version,
                                            std::string_view major_level) {
   const auto said = ReadRelease(header_version);
   const auto level = ReadRelease(major_level);
-  const auto by_level = level ? FindNewest(level->major) : std::nullopt;
-  auto chosen = by_level;
+  std::optional<Version> chosen;
+  if (level) chosen = FindNewest(level->major);
   if (said) {
     if (const auto known = Known(*said)) {
       return SpokenVersion{*known, said->is_exact && said->is_full};
     }
     const auto own = FindNewest(said->major);
     if (!own) return std::nullopt;  // said, and not ours
-    if (!by_level) chosen = own;
+    if (!chosen) chosen = own;
   }
   if (!chosen) return std::nullopt;
   return SpokenVersion{*chosen, false};
