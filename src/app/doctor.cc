@@ -214,6 +214,7 @@ class Doctor final : private ListenObserver {
 
   Status ListenToRobots();
   [[nodiscard]] std::map<std::string, TopicLevels> FindMissing() const;
+  [[nodiscard]] std::string FindKeptTopic() const;
   Status AskByName();
 
   const DoctorRequest& request_;
@@ -264,22 +265,38 @@ std::map<std::string, TopicLevels> Doctor::FindMissing() const {
   return missing;
 }
 
-// Some brokers have nothing retained for a filter with wildcards.
+// A topic of which the broker has a message; "" when none was heard.
+std::string Doctor::FindKeptTopic() const {
+  for (const auto& [robot, places] : evidence_->robots()) {
+    for (const auto& [name, place] : places) {
+      for (const auto& [topic_name, known] : place.topics) {
+        if (known.is_retained) return known.topic;
+      }
+    }
+  }
+  return "";
+}
+
+// Some brokers have nothing retained for a filter with wildcards, and a busy one may hand it out
+// after we have stopped listening: what is said to be missing was waited for until a message came
+// that is there.
 Status Doctor::AskByName() {
-  const auto missing = FindMissing();
+  auto missing = FindMissing();
   if (missing.empty() || missing.size() > kMostAskedByName || !listening_.knows_retained) return {};
   auto link = Connect(environment_, log_);
   if (!link) return Fail(std::move(link.error()));
   std::vector<std::string> topics;
-  topics.reserve(missing.size());
+  topics.reserve(missing.size() + 1);
   for (const auto& [topic, levels] : missing) topics.push_back(topic);
+  const delivery::RetainedOptions options{.marker = FindKeptTopic()};
+  if (!options.marker.empty()) topics.push_back(options.marker);
   auto asked =
-      delivery::ReadRetained(*link->transport, topics, {}, [&](const mqtt::Message& message) {
+      delivery::ReadRetained(*link->transport, topics, options, [&](const mqtt::Message& message) {
         const auto levels = missing.find(message.topic);
-        if (levels != missing.end() && message.retained) {
-          evidence_->Take(message, levels->second, {environment_.Now(), listening_.elapsed});
-        }
-        return false;
+        if (levels == missing.end() || !message.retained) return false;
+        evidence_->Take(message, levels->second, {environment_.Now(), listening_.elapsed});
+        missing.erase(levels);
+        return missing.empty();
       });
   if (asked) link->transport->Disconnect();
   return asked;

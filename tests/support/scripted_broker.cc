@@ -80,8 +80,17 @@ void ScriptedBroker::Serve(int socket) {
       for (int i = 0; i < script_.times && WriteTo(socket, other); ++i) {
       }
     }
+    if (IsByName(*packet)) {
+      std::this_thread::sleep_for(script_.before_by_name);
+      WriteTo(socket, script_.by_name);
+    }
     if (packet->type == script_.hangs_up_after) return;
   }
+}
+
+bool ScriptedBroker::IsByName(const Packet& packet) const {
+  return !script_.by_name.empty() && packet.type == kSubscribe &&
+         packet.body.find_first_of("+#") == std::string::npos;
 }
 
 void ScriptedBroker::PassTime(int socket) const {
@@ -106,7 +115,8 @@ std::string ScriptedBroker::AnswerTo(int socket, const Packet& packet, bool v5) 
       return Puback(packet, script_.puback, v5);
     case kSubscribe:
       PassTime(socket);
-      return Suback(packet.body, script_.suback, v5) + script_.after_suback;
+      return Suback(packet.body, script_.suback, v5) +
+             (IsByName(packet) ? "" : script_.after_suback);
     case kPing:
       return Answer(0xD0, "");
     default:
