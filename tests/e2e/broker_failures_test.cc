@@ -19,7 +19,7 @@ using ::testing::IsEmpty;
 using ::testing::Not;
 using ::testing::SizeIs;
 
-constexpr const char* kShort = "300ms";
+constexpr const char* kShort = "600ms";
 
 class BrokerFailures : public ::testing::Test {
  protected:
@@ -46,7 +46,7 @@ TEST_F(BrokerFailures, OfReachingItAreNamedByEveryCommand) {
   const std::pair<std::string, std::string> peers[] = {
       {"mqtt://127.0.0.1:" + std::to_string(FreePort()), "connection refused: is a broker running"},
       {"mqtt://broker.invalid", "the name"},
-      {silent.Url(), "gave no MQTT answer within [1-3]?[0-9]?[0-9] ms:"},
+      {silent.Url(), "gave no MQTT answer within [0-9]+ ms:"},
   };
   const std::vector<std::vector<std::string>> commands = {
       {"pause", "KIT/0001"},
@@ -197,8 +197,8 @@ TEST_F(BrokerFailures, OfAcknowledgementsThatComeLateAreNoFailures) {
 // As on a slow line, on which what is retained goes before it.
 TEST_F(BrokerFailures, OfSubscriptionsAreNoneWhileSomethingComes) {
   const std::string publish("\x31\x03\x00\x01t", 5);
-  const ScriptedBroker slow({.before_suback = milliseconds(900), .meanwhile = publish});
-  const Finished run = Pause(slow.Url(), {"--wait", "-W", kShort, "--connect-timeout", "300ms"});
+  const ScriptedBroker slow({.before_suback = milliseconds(2700), .meanwhile = publish});
+  const Finished run = Pause(slow.Url(), {"--wait", "-W", kShort, "--connect-timeout", "900ms"});
   EXPECT_EQ(run.exit_code, 6) << run.output << run.errors;
   EXPECT_EQ(slow.published(), 1);
   const Finished endless =

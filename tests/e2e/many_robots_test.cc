@@ -71,7 +71,7 @@ TEST_F(ManyRobots, TheReportOnAThousandNamesExactlyThoseThatAreNotPaused) {
   const auto refusing = Robot({"NO/0001", "--count", "10", "--vda", "3.0.0", "--reject", "pause"});
   const auto silent = Robot({"MUTE/0001", "--count", "5", "--vda", "2.0.0", "--silent"});
   LeaveOffline(20);
-  const Finished run = Fleetpub({"pause", "--all", "--wait", "--timeout", "4s", "-o", "json"});
+  const Finished run = Fleetpub({"pause", "--all", "--wait", "--timeout", "8s", "-o", "json"});
   EXPECT_EQ(run.exit_code, 5) << run.errors;
   auto names = ByStatus(run);
   EXPECT_THAT(names["FINISHED"], SizeIs(965));

@@ -81,7 +81,7 @@ TEST_F(RobotsAsBuilt, AreReadWhereTheirWordsHaveOneMeaning) {
 
 TEST_F(RobotsAsBuilt, AreNotCalledSilentNorAskedTwiceWhenTheyCannotBeRead) {
   const Subscriber subscriber(broker_, kBase + "instantActions");
-  const auto run = Pause({"-W", "900ms", "--resend", "2"});
+  const auto run = Pause({"-W", "3s", "--resend", "2"});
   Say("state", "[" + Listed("RUNNING") + "]");
   Say("state", Listed("RUNNING").substr(1));
   EXPECT_EQ(run->Wait(), 6);
@@ -104,7 +104,7 @@ TEST_F(RobotsAsBuilt, ProveNothingByAStateThatComesLate) {
 }
 
 TEST_F(RobotsAsBuilt, DoNoOrderAgainThatTheyHaveDone) {
-  const auto run = SendOrder(0, {"--wait-for", "finished", "-W", "700ms"});
+  const auto run = SendOrder(0, {"--wait-for", "finished", "-W", "2s"});
   Say("state", fmt::format(R"({{{},"orderId":"o-1","orderUpdateId":0,"nodeStates":[],)"
                            R"("edgeStates":[],"lastNodeId":"b","lastNodeSequenceId":2}})",
                            kHeader));
@@ -139,7 +139,7 @@ TEST_F(RobotsAsBuilt, RefuseAnUpdateThatIsLowerThanTheirs) {
                      {"referenceKey":"newUpdate.orderUpdateId","referenceValue":"4"},
                      {"referenceKey":"own.orderUpdateId","referenceValue":"6"})"));
   EXPECT_EQ(run->Wait(), 5) << run->Output();
-  run = SendOrder(4, {"-W", "700ms"});
+  run = SendOrder(4, {"-W", "2s"});
   Say("state", fmt::format(kState, kHeader, ""));
   EXPECT_EQ(run->Wait(), 6) << run->Output();
   EXPECT_THAT(run->Output(), AllOf(HasSubstr("possibly related"), HasSubstr("tooOld")));
@@ -180,7 +180,7 @@ TEST_F(RobotsAsBuilt, ThatAreOfflineAreSoHoweverTheyAreNamed) {
 TEST_F(RobotsAsBuilt, OfTheOtherKeyAreAskedUnderItButNotMovedByIt) {
   const auto keys = [&](std::vector<std::string> arguments) {
     const Subscriber subscriber(broker_, kBase + "instantActions");
-    for (const char* more : {"RIG/7", "--wait", "-W", "1200ms", "--resend", "1", "--id", "p-1"}) {
+    for (const char* more : {"RIG/7", "--wait", "-W", "4s", "--resend", "1", "--id", "p-1"}) {
       arguments.emplace_back(more);
     }
     const auto run = Start(std::move(arguments));

@@ -292,7 +292,7 @@ TEST_F(Targets, AwaitWaitsForEachRobotOfAPattern) {
   EXPECT_EQ(both.exit_code, 0) << both.errors;
   EXPECT_THAT(Lines(both.output), ::testing::SizeIs(2));
   ASSERT_EQ(Fleetpub({"resume", "KIT/0002", "--wait"}).exit_code, 0);
-  const Finished half = Fleetpub({"await", "KIT/*", "state", "paused=true", "-W", "2s"});
+  const Finished half = Fleetpub({"await", "KIT/*", "state", "paused=true", "-W", "4s"});
   EXPECT_EQ(half.exit_code, 6);
   EXPECT_THAT(half.errors,
               AllOf(HasSubstr("KIT/0002: condition not met within"), HasSubstr("paused is false")));

@@ -427,7 +427,7 @@ TEST_F(OnATerminal, AWaitIsSeenAndCtrlCTellsWhoIsOpen) {
 TEST_F(OnATerminal, OfManyRobotsItShowsWhoIsNotFinishedByReason) {
   const auto robots = Robot({"KIT/0001", "--count", "11"});
   SayConnection("0099", "ONLINE");
-  const std::vector<std::string> call = {"pause", "--all", "--wait", "--timeout", "1s"};
+  const std::vector<std::string> call = {"pause", "--all", "--wait", "--timeout", "3s"};
   Terminal terminal(AndTellTheEnd(Line(call)), 80, 30);
   ASSERT_TRUE(terminal.Await("exit code 6"));
   const auto lines = WhatIsLeft(terminal);

@@ -140,10 +140,9 @@ TEST_F(TlsFailures, OfSilenceEndInTime) {
   const BrokenBroker silent(BrokenBroker::Silent());
   for (const char* scheme : {"mqtts", "wss"}) {
     const Finished run = operator_.Fleetpub(
-        {"pause", "KIT/0001", "-b", silent.Url(scheme), "--connect-timeout", "300ms"});
+        {"pause", "KIT/0001", "-b", silent.Url(scheme), "--connect-timeout", "3s"});
     EXPECT_EQ(run.exit_code, 4);
-    EXPECT_THAT(run.errors,
-                ::testing::ContainsRegex("gave no TLS answer within [1-3]?[0-9]?[0-9] ms:"));
+    EXPECT_THAT(run.errors, ::testing::ContainsRegex("gave no TLS answer within [0-9.]+ m?s:"));
   }
 }
 

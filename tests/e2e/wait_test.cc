@@ -152,7 +152,7 @@ TEST_F(Wait, TimesOutAndSaysWhatWasHeard) {
   EXPECT_EQ(unseen.exit_code, 6);
   EXPECT_THAT(unseen.output, AllOf(HasSubstr("TIMEOUT"), HasSubstr("no state")));
   const auto slow = Robot({"KIT/0002", "--delay", "30s"});
-  const Finished seen = Fleetpub({"charge", "KIT/0002", "--wait", "-W", "300ms"});
+  const Finished seen = Fleetpub({"charge", "KIT/0002", "--wait", "-W", "2s"});
   EXPECT_EQ(seen.exit_code, 6);
   EXPECT_THAT(seen.output, AllOf(HasSubstr("TIMEOUT"), HasSubstr("RUNNING")));
 }
@@ -160,7 +160,7 @@ TEST_F(Wait, TimesOutAndSaysWhatWasHeard) {
 TEST_F(Wait, RepeatsOnRequestWithTheSameActionId) {
   const auto silent = Robot({"KIT/0001", "--silent"});
   const Subscriber subscriber(broker_, "+/+/+/+/instantActions");
-  const Finished run = Fleetpub({"pause", "KIT/0001", "--wait", "-W", "600ms", "--resend", "2"});
+  const Finished run = Fleetpub({"pause", "KIT/0001", "--wait", "-W", "3s", "--resend", "2"});
   EXPECT_EQ(run.exit_code, 6);
   const auto messages = subscriber.Await(3);
   ASSERT_EQ(messages.size(), 3U);
