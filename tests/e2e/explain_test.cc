@@ -187,10 +187,10 @@ TEST_F(ExplainNow, PutsTogetherWhatTheLedgerAndTheRobotKnow) {
 }
 
 TEST_F(ExplainNow, FollowsAnOrderForAsLongAsSomebodyWants) {
-  const auto robot = Robot({"KIT/0001", "--at", "n1", "--edge-time", "1s"});
+  const auto robot = Robot({"KIT/0001", "--at", "n1", "--edge-time", "3s"});
   EXPECT_EQ(Fleetpub({"order", "KIT/0001", "n1", "n2", "n3", "--wait-for", "accepted"}).exit_code,
             0);
-  const auto verdicts = Verdicts({"--for", "3s"});
+  const auto verdicts = Verdicts({"--for", "8s"});
   EXPECT_EQ(verdicts.at("end"), "PASS") << last_.output;
   EXPECT_EQ(verdicts.at("nodes"), "PASS") << last_.output;
 }

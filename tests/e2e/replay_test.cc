@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 
 #include <cmath>
+#include <thread>
 
 #include "support/operator.h"
 
@@ -43,7 +44,7 @@ class Replay : public EndToEnd {
 
 TEST_F(Replay, KeepsOrderBytesAndGaps) {
   std::string text;
-  const std::vector<double> times = {10, 10.02, 10.02, 10.07, 11};
+  const std::vector<double> times = {10, 10.02, 10.02, 10.07, 13};
   for (std::size_t i = 0; i < times.size(); ++i) {
     text += Line(times[i], "0001/state", Said(static_cast<int>(7 + i)));
   }
@@ -59,7 +60,7 @@ TEST_F(Replay, KeepsOrderBytesAndGaps) {
   const double start = std::stod(lines[0]);
   for (std::size_t i = 0; i < lines.size(); ++i) {
     EXPECT_THAT(lines[i], HasSubstr(" uagv/v2/KIT/0001/state " + Said(static_cast<int>(7 + i))));
-    EXPECT_NEAR(std::stod(lines[i]) - start, times[i] - times[0], 0.4 * kSlowness);
+    EXPECT_NEAR(std::stod(lines[i]) - start, times[i] - times[0], 2 * kSlowness);
   }
 }
 
@@ -189,6 +190,7 @@ TEST_F(Replay, GoesOnWhenTheBrokerComesBack) {
   const auto before = listener->SoFar();
   listener.reset();  // it would connect again
   player.Signal(SIGSTOP);
+  std::this_thread::sleep_for(std::chrono::seconds(2));  // longer than it is late otherwise
   broker_.Restart();
   const Subscriber after(broker_, "#", 1);
   player.Signal(SIGCONT);
