@@ -90,9 +90,8 @@ Result<std::vector<Record>> ReadHistory(Database& database, const HistoryFilter&
   Statement statement(
       database,
       fmt::format(
-          "{} WHERE (?1 = '' OR target = ?1) AND (?2 = '' OR status = ?2) AND (?3 = '' OR user = "
-          "?3) "
-          "AND (?4 = '' OR EXISTS (SELECT 1 FROM json_each(actions) "
+          "{} WHERE (?1 = '' OR target = ?1) AND (?2 = '' OR status = ?2) "
+          "AND (?3 = '' OR user = ?3) AND (?4 = '' OR EXISTS (SELECT 1 FROM json_each(actions) "
           "WHERE json_extract(value, '$.type') = ?4)) "
           "AND recorded_at >= ?5 AND recorded_at < ?6 AND id < ?7 AND (?9 = '[]' OR broker IN "
           "(SELECT value FROM json_each(?9))) "
