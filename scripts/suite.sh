@@ -1,9 +1,8 @@
 # Sourced by scripts/test and the like: counts what passes and what fails, and how long each thing takes.
 #
 # step NAME COMMAND…             one thing that passes or fails as a whole
-# suite PRESET [ctest options…]  runs the preset's tests and adds up their numbers
+# suite PRESET [ctest options…]  runs the preset's tests and adds up their numbers; a few that fail run once more, alone
 # sanitized PRESET               builds a preset with a sanitizer, and runs its tests
-#                                one that fails beside the others is run once more, alone
 # filtered PRESET PATTERN        only the tests whose name contains PATTERN
 # totals                         a table of what took how long, and the last line, `N passed, N failed`; fails when something did
 
@@ -44,9 +43,8 @@ count_results() {
 
 # The failed tests in a file of results, as --gtest_filter takes them, one to a line.
 failed_tests() {
-  awk -F'"' '/<testcase / {for (i = 1; i < NF; i += 2) {if ($i ~ /[ ]name=$/) name = $(i + 1)
-                                                        if ($i ~ /[ ]classname=$/) group = $(i + 1)}}
-             /<failure / {print group "." name}' "$1" 2>/dev/null | uniq
+  # The first attribute is the test's name, the last its group's.
+  awk -F'"' '/<testcase / {test = $(NF - 1) "." $2} /<failure / {print test}' "$1" 2>/dev/null | uniq
 }
 
 # Beside seven others on a busy machine a test may fail by its own impatience. One to three that failed are run once more,

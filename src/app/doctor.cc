@@ -214,7 +214,7 @@ class Doctor final : private ListenObserver {
 
   Status ListenToRobots();
   [[nodiscard]] std::map<std::string, TopicLevels> FindMissing() const;
-  [[nodiscard]] std::string FindKeptTopic() const;
+  [[nodiscard]] std::string FindRetainedTopic() const;
   Status AskByName();
 
   const DoctorRequest& request_;
@@ -265,8 +265,8 @@ std::map<std::string, TopicLevels> Doctor::FindMissing() const {
   return missing;
 }
 
-// A topic of which the broker has a message; "" when none was heard.
-std::string Doctor::FindKeptTopic() const {
+// A topic of which the broker has a retained message; "" when none was heard.
+std::string Doctor::FindRetainedTopic() const {
   for (const auto& [robot, places] : evidence_->robots()) {
     for (const auto& [name, place] : places) {
       for (const auto& [topic_name, known] : place.topics) {
@@ -278,8 +278,8 @@ std::string Doctor::FindKeptTopic() const {
 }
 
 // Some brokers have nothing retained for a filter with wildcards, and a busy one may hand it out
-// after we have stopped listening: what is said to be missing was waited for until a message came
-// that is there.
+// after we have stopped listening. Before anything is called missing, a message has come that is
+// known to be there.
 Status Doctor::AskByName() {
   auto missing = FindMissing();
   if (missing.empty() || missing.size() > kMostAskedByName || !listening_.knows_retained) return {};
@@ -288,7 +288,7 @@ Status Doctor::AskByName() {
   std::vector<std::string> topics;
   topics.reserve(missing.size() + 1);
   for (const auto& [topic, levels] : missing) topics.push_back(topic);
-  const delivery::RetainedOptions options{.marker = FindKeptTopic()};
+  const delivery::RetainedOptions options{.marker = FindRetainedTopic()};
   if (!options.marker.empty()) topics.push_back(options.marker);
   auto asked =
       delivery::ReadRetained(*link->transport, topics, options, [&](const mqtt::Message& message) {

@@ -92,7 +92,7 @@ class ManyProcesses : public Contract {
     EXPECT_EQ((*database)->Ask("PRAGMA integrity_check"), "ok");
   }
 
-  /// The disk has no part in it, but a database takes longer to make.
+  /// The disk has no part in it, but PostgreSQL takes longer for a database and for a connection.
   [[nodiscard]] static int Rounds(int of_sqlite, int of_postgres = 6) {
     return IsSqlite() ? of_sqlite : of_postgres;
   }

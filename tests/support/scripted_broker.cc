@@ -80,17 +80,8 @@ void ScriptedBroker::Serve(int socket) {
       for (int i = 0; i < script_.times && WriteTo(socket, other); ++i) {
       }
     }
-    if (IsByName(*packet)) {
-      std::this_thread::sleep_for(script_.before_by_name);
-      WriteTo(socket, script_.by_name);
-    }
     if (packet->type == script_.hangs_up_after) return;
   }
-}
-
-bool ScriptedBroker::IsByName(const Packet& packet) const {
-  return !script_.by_name.empty() && packet.type == kSubscribe &&
-         packet.body.find_first_of("+#") == std::string::npos;
 }
 
 void ScriptedBroker::PassTime(int socket) const {
@@ -113,10 +104,15 @@ std::string ScriptedBroker::AnswerTo(int socket, const Packet& packet, bool v5) 
       if ((packet.flags & kQosBits) == 0 || !script_.answers_publish) return {};
       std::this_thread::sleep_for(script_.before_puback);
       return Puback(packet, script_.puback, v5);
-    case kSubscribe:
+    case kSubscribe: {
       PassTime(socket);
-      return Suback(packet.body, script_.suback, v5) +
-             (IsByName(packet) ? "" : script_.after_suback);
+      const std::string suback = Suback(packet.body, script_.suback, v5);
+      const bool is_by_name = packet.body.find_first_of("+#") == std::string::npos;
+      if (!is_by_name || script_.by_name.empty()) return suback + script_.after_suback;
+      WriteTo(socket, suback);
+      std::this_thread::sleep_for(script_.before_by_name);
+      return script_.by_name;
+    }
     case kPing:
       return Answer(0xD0, "");
     default:

@@ -47,7 +47,7 @@ struct Script {
   int times = 1;
   /// Follows each SUBACK.
   std::string after_suback = {};
-  /// Instead, so much later, where none of the filters has a wildcard.
+  /// Follows it instead, so much later, where no filter has a wildcard.
   std::string by_name = {};
   std::chrono::milliseconds before_by_name{0};
   /// Closes the connection instead of reading further, after a packet of this type.
@@ -68,7 +68,6 @@ class ScriptedBroker {
 
  private:
   void Serve(int socket);
-  [[nodiscard]] bool IsByName(const Packet& packet) const;
   void PassTime(int socket) const;  // before a SUBACK
   [[nodiscard]] std::string AnswerTo(int socket, const Packet& packet, bool v5);
 
